@@ -19,7 +19,7 @@
 namespace WELKIN_EXPORT welkin {
 
 namespace reflections {
-class ZonalShape;
+class Lobe;
 }
 
 /// A lobe that is the same all about its axis: how much light counts, by the cosine c between it and the axis. All of
@@ -57,13 +57,13 @@ class ZonalKernel {
   [[nodiscard]] double roughness() const noexcept { return roughness_; }
 
   /// From the inside: what the library reads.
-  [[nodiscard]] const reflections::ZonalShape& shape() const noexcept { return *shape_; }
+  [[nodiscard]] const std::shared_ptr<const reflections::Lobe>& lobe() const noexcept { return lobe_; }
 
  private:
-  ZonalKernel(std::shared_ptr<const reflections::ZonalShape> shape, double roughness)
-      : shape_(std::move(shape)), roughness_(roughness) {}
+  ZonalKernel(std::shared_ptr<const reflections::Lobe> lobe, double roughness)
+      : lobe_(std::move(lobe)), roughness_(roughness) {}
 
-  std::shared_ptr<const reflections::ZonalShape> shape_;
+  std::shared_ptr<const reflections::Lobe> lobe_;
   double roughness_;
 };
 

@@ -193,7 +193,7 @@ class Baking {
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
     } else {
-      of_sanitized([&](const auto& view) { reflections::fill_level(view, chain, 0, control); });
+      reflections::fill_level(*sanitized_, chain, 0, control);
     }
     if (chain.levels() == 1) keep_background();
     return done(BakePass::background);
@@ -249,14 +249,13 @@ class Baking {
   Outcome prefilter(const Control& control) {
     if (find_ == kSkipped) {
       result_.specular = prefiltered(*plan_.prefilter, control);
+      describe_pixels();
       return done(BakePass::specular);
     }
     std::optional<PrefilteredSpecular> made;
     if (found_.missing_specular) made = prefiltered(*found_.missing_specular, {control.stop, control.progress});
     result_.specular = store_->whole_specular(std::move(made));
-    ProjectionDiagnostics clean;  // nothing to report: what was prefiltered has been sanitized before
-    clean.texels = source_.shape().texels();
-    reflections::describe_pixels(clean, {}, *result_.specular);
+    describe_pixels();
     if (found_.specular_where.empty()) return done(BakePass::specular);
     Outcome outcome = found(found_.specular_where, found_.specular_milliseconds);
     if (found_.missing_specular) {
@@ -269,6 +268,13 @@ class Baking {
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
     return reflections::prefilter(*sanitized_, mips, std::move(room), control);
+  }
+
+  /// Nothing to report: what was prefiltered has been sanitized before.
+  void describe_pixels() {
+    ProjectionDiagnostics clean;
+    clean.texels = source_.shape().texels();
+    reflections::describe_pixels(clean, {}, *result_.specular);
   }
 
   Outcome project_source(const Control& control) {

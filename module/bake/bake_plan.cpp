@@ -153,7 +153,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
                                                jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      source.cubemap, source.columns, source.rows, plan.least_alpha, reflections::kMostBright);
+      source.cubemap, source.columns, source.rows, plan.light_alpha, reflections::kMostBright);
   if (search.texels == 0) return bytes;
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
@@ -169,7 +169,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
-    bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
+    bytes += grid_bytes(mip.bands.bands(), mip.grid());
   }
   return bytes;
 }
@@ -237,7 +237,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {
-      const transforms::GridSize grid = transforms::grid_for_bands(mip.bands.bands());
+      const transforms::GridSize grid = mip.grid();
       cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
     }
   }

@@ -91,15 +91,12 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
   return errors;
 }
 
-CubemapChain reduced(const LatLongView& view, const Control& control) {
+CubemapChain reduced(const SanitizedSource& source, const Control& control) {
+  if (source.cubemap()) return build_mips(source.cube(), MipFilter::solid_angle, std::nullopt, control);
   const int size =
-      std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(view.height))) / 2, 1, kMostReducedSize);
-  const CubemapImage cube = to_cubemap(view, size, glm::dmat3(1.0), ResampleFilter::area, control);
+      std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(source.rows()))) / 2, 1, kMostReducedSize);
+  const CubemapImage cube = to_cubemap(source.lat_long(), size, glm::dmat3(1.0), ResampleFilter::area, control);
   return build_mips(cube.view(), MipFilter::solid_angle, std::nullopt, control);
-}
-
-CubemapChain reduced(const CubemapView& view, const Control& control) {
-  return build_mips(view, MipFilter::solid_angle, std::nullopt, control);
 }
 
 /// From the smallest reduced source up: the first that each mip can do with.
@@ -131,14 +128,8 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
   }
 }
 
-const LatLongView& sanitized_view(const SanitizedSource& source, const LatLongView& /*view*/) {
-  return source.lat_long();
-}
-const CubemapView& sanitized_view(const SanitizedSource& source, const CubemapView& /*view*/) { return source.cube(); }
-
-template <class View>
-PrefilterChoice choose_for(const View& view, const SanitizedSource& source, const PrefilterOptions& options,
-                           const ErrorBudget& budget, bool source_sizes, const Control& control) {
+PrefilterChoice choose_for(const SanitizedSource& source, const PrefilterOptions& options, const ErrorBudget& budget,
+                           bool source_sizes, const Control& control) {
   const PrefilterPlan finest = reflections::plan_prefilter(with_bounds(options, kBounds.back()));
   PrefilterChoice choice;
   choice.relative_to = "root mean square of the mip over the sphere, of the worst mip";
@@ -157,8 +148,7 @@ PrefilterChoice choose_for(const View& view, const SanitizedSource& source, cons
   for (std::size_t k = 0; k < chosen.mips.size(); ++k)
     choice.mips.push_back({chosen.mips[k].roughness, errors[static_cast<std::size_t>(place)].mips[k], 0, 0.0});
   if (source_sizes && finest.bands > 0)
-    find_source_sizes(reduced(sanitized_view(source, view), {control.stop, {}}), chosen, energies, budget.relative,
-                      control, choice.mips);
+    find_source_sizes(reduced(source, {control.stop, {}}), chosen, energies, budget.relative, control, choice.mips);
   if (control.progress) control.progress(1.0);
   return choice;
 }
@@ -170,10 +160,9 @@ PrefilterChoice choose(const View& view, const PrefilterOptions& options, const 
   image::check_view(view);
   const SanitizedSource source(view, options.pixels, {control.stop, {}});
   const float scale = reflections::safe_scale(source);
-  if (scale == 1.0F) return choose_for(view, source, options, budget, source_sizes, control);
-  const auto pixels = reflections::scaled(source, view, scale);  // as the prefilter itself does
-  const SanitizedSource sanitized(pixels.view(), {}, {control.stop, {}});
-  return choose_for(pixels.view(), sanitized, options, budget, source_sizes, control);
+  if (scale == 1.0F) return choose_for(source, options, budget, source_sizes, control);
+  const reflections::ScaledSource scaled(source, scale, {control.stop, {}});  // as the prefilter itself does
+  return choose_for(scaled.source(), options, budget, source_sizes, control);
 }
 
 }  // namespace
@@ -258,7 +247,7 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
   const Control quiet{control.stop, {}};
   EnvironmentEnergies energies;
   const std::vector<reflections::BrightTexel> bright =
-      reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
+      reflections::find_bright_texels(source, plan.light_alpha, reflections::kMostBright, quiet);
   energies.bright = bright;
   energies.shape = reflections::PictureShape::of(source);
   const int rows = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
@@ -291,7 +280,7 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
                           const reflections::BrightLights& lights) {
   const auto bands = static_cast<int>(energies.rest.size());
   const std::vector<double> lobe = reflections::lobe_spectrum(mip.alpha, bands);
-  const int rings = transforms::grid_for_bands(mip.bands.bands()).rings;
+  const int rings = mip.grid().rings;
   double sum = 0.0;
   for (int l = 0; l < bands; ++l) {
     const auto band = static_cast<std::size_t>(l);
@@ -302,7 +291,7 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) + lights.error(mip.alpha)) /
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) + lights.error(*mip.lobe)) /
          whole;
 }
 

@@ -22,7 +22,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
-constexpr double kKernelHorizon = 0.1 / 16.0;  ///< the same through a kernel, where a part is looked at in 16 places
+constexpr double kTableHorizon = 0.1 / 16.0;  ///< the same by a table, where a part is looked at in 16 places
 constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 
@@ -40,8 +40,7 @@ double smooth_error(double radians, double alpha, int points) {
 
 }  // namespace
 
-double BrightLights::error(double alpha) const {
-  if (nodes_.empty()) return 0.0;
+double BrightLights::ggx_error(double alpha) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
@@ -56,10 +55,11 @@ double BrightLights::error(double alpha) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
-double BrightLights::error(const ZonalShape& kernel) const {
+double BrightLights::error(const Lobe& lobe) const {
   if (nodes_.empty()) return 0.0;
-  const double horizon = kKernelHorizon * kernel.peak() / kernel.scale() * norm(cut_);
-  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(kernel.square() / (4.0 * kPi));
+  if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha());
+  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * norm(cut_);
+  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
@@ -69,9 +69,9 @@ struct BrightLights::Block {
   double radius = 0.0;
   double far = kFar;
   double width_squared = 0.0;  ///< of the lobe: it has its poles at such distances, squared and negative
-  double most_merged = 0.0;    ///< through a kernel, whatever the distance: the radius over which it is all but a
-                               ///< polynomial
-  bool by_kernel = false;
+  /// By a table, whatever the distance: the radius over which the lobe is all but a polynomial.
+  double most_merged = 0.0;
+  bool by_table = false;
   double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
   double farthest = 2.0;
   double smooth = 0.0;  ///< of GGX, see `even_enough`
@@ -88,7 +88,7 @@ struct BrightLights::Block {
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
   }
   [[nodiscard]] bool unseen(const Node& node) const noexcept {
-    if (!by_kernel) return false;
+    if (!by_table) return false;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -97,7 +97,7 @@ struct BrightLights::Block {
     return distance + margin < nearest || distance - margin > farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
-    if (by_kernel) return node.merged <= most_merged;
+    if (by_table) return node.merged <= most_merged;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -106,7 +106,7 @@ struct BrightLights::Block {
   }
   /// Returns whether the node's light, all of it above the horizon, is all but a cubic over the block along each axis.
   [[nodiscard]] bool even_enough(const Node& node) const noexcept {
-    if (by_kernel || radius > widest) return radius <= widest;
+    if (by_table || radius > widest) return radius <= widest;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -219,17 +219,16 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   }
   block.radius += 1e-6;
   block.far = far_;
-  block.width_squared = 4.0 * lobe.alpha * lobe.alpha / std::max(1e-6, 1.0 - lobe.alpha * lobe.alpha);
-  block.by_kernel = lobe.kernel != nullptr;
+  const double alpha = lobe.lobe.alpha();
+  block.width_squared = 4.0 * alpha * alpha / std::max(1e-6, 1.0 - alpha * alpha);
+  block.by_table = alpha == 0.0;
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
-  if (block.by_kernel) {
-    block.most_merged = kOfScale * lobe.kernel->scale();
-    block.widest = std::min(kWidestField, kFieldOfScale * lobe.kernel->scale());
-    block.horizon = lobe.kernel->hemisphere();
-    block.nearest = 2.0 * lobe.kernel->nearest();
-    block.farthest = 2.0 * lobe.kernel->farthest();
-  }
+  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * lobe.lobe.scale());
+  block.most_merged = kOfScale * lobe.lobe.scale();
+  block.horizon = lobe.lobe.hemisphere();
+  block.nearest = 2.0 * lobe.lobe.nearest();
+  block.farthest = 2.0 * lobe.lobe.farthest();
   return block;
 }
 
@@ -263,17 +262,18 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
 /// them.
 void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const {
   const image::Frame& frame = image::face_frame(face);
-  if (lobe.kernel != nullptr) {
+  const double alpha = lobe.lobe.alpha();
+  if (alpha == 0.0) {
     for (int k = 0; k < count; ++k) {
       const auto place = static_cast<std::size_t>(k);
-      KernelSums sums(*lobe.kernel, glm::normalize(frame.normal + static_cast<double>(room.u[place]) * frame.u +
-                                                   static_cast<double>(room.v[place]) * frame.v));
+      KernelSums sums(lobe.lobe, glm::normalize(frame.normal + static_cast<double>(room.u[place]) * frame.u +
+                                                static_cast<double>(room.v[place]) * frame.v));
       sums.add(lights_.data(), room.runs);
       sums.add(cut_lights_.data(), room.parts);
       sums.add_to(room.sums.data() + k, count);
     }
   } else {
-    const double square = lobe.alpha * lobe.alpha;
+    const double square = alpha * alpha;
     LobeBlock of{{},
                  {},
                  {},
@@ -332,8 +332,8 @@ void BrightLights::add_to_texels(const FaceArea& area, const LightsLobe& lobe, c
     std::fill(room.v.begin() + texels, room.v.begin() + count, room.v[place - 1]);
     sum_runs(area.face, count, lobe, room);
   }
-  const float scale =
-      lobe.kernel != nullptr ? 1.0F : static_cast<float>(lobe.alpha * lobe.alpha / kPi / lobe_integral(lobe.alpha));
+  const double alpha = lobe.lobe.alpha();
+  const float scale = alpha == 0.0 ? 1.0F : static_cast<float>(alpha * alpha / kPi / lobe_integral(alpha));
   const float* sums = room.sums.data();
   for (int row = area.row; row < area.end_row; ++row) {
     float* texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + area.column);
@@ -348,8 +348,8 @@ void BrightLights::add_to_texels(const FaceArea& area, const LightsLobe& lobe, c
 /// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
 void BrightLights::add_exactly(const FaceArea& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
-  const double whole = lobe_integral(lobe.alpha);
-  const GgxFunction ggx(lobe.alpha);
+  const double whole = lobe_integral(lobe.lobe.alpha());
+  const GgxFunction ggx(lobe.lobe.alpha());
   for (int row = area.row; row < area.end_row; ++row) {
     for (int column = area.column; column < area.end_column; ++column) {
       const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);

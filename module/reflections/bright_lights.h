@@ -9,8 +9,8 @@
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
 #include "reflections/light_field.h"
+#include "reflections/lobe.h"
 #include "reflections/lobe_kernels.h"
-#include "reflections/zonal_shape.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -28,13 +28,12 @@ struct PictureShape {
 
 /// What blurs lights.
 struct LightsLobe {
-  double alpha = 1.0;
-  double far_split = 0.0;              ///< above 0: only the lobe's Gaussians below that t do, see `gaussian_spectrum`
-  const ZonalShape* kernel = nullptr;  ///< not null: this and not GGX
+  const Lobe& lobe;
+  double far_split = 0.0;  ///< above 0: only GGX's Gaussians below that t do, see `gaussian_spectrum`
 };
 
-/// The lobes that will blur lights: GGX lobes of some alpha, or kernels.
-enum class LightsOf { ggx, kernels };
+/// The lobes that will blur lights.
+enum class LightsOf { ggx, any };
 
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
 /// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
@@ -44,7 +43,7 @@ enum class LightsOf { ggx, kernels };
 class BrightLights {
  public:
   BrightLights() = default;
-  /// `least_alpha`: of the narrowest lobe that will be asked for. `reach`: see `reach_for`.
+  /// `least_alpha`: least `Lobe::width_alpha` that will be asked for. `reach`: see `reach_for`.
   BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
                LightsOf use = LightsOf::ggx);
 
@@ -60,9 +59,7 @@ class BrightLights {
   void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
   /// Root mean square over the sphere of what they err, all channels together: at the horizon, and where merged.
-  [[nodiscard]] double error(double alpha) const;
-  /// The same through a kernel.
-  [[nodiscard]] double error(const ZonalShape& kernel) const;
+  [[nodiscard]] double error(const Lobe& lobe) const;
 
  private:
   friend class LightTree;
@@ -108,6 +105,7 @@ class BrightLights {
                    Room& room) const;
   void add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first, float* rgb,
                    Room& room) const;
+  [[nodiscard]] double ggx_error(double alpha) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
   /// at the default bounds. The error falls with its fourth power.

@@ -36,7 +36,7 @@ int order_for(double reach) noexcept {  // l / h
 /// A zonal kernel as it is integrated over texels.
 class ShapeFunction final : public projection::KernelFunction {
  public:
-  explicit ShapeFunction(const ZonalShape& shape) : shape_(shape) {
+  explicit ShapeFunction(const Lobe& shape) : shape_(shape) {
     const auto x_of = [](double s) { return 2.0 * s * s; };
     first = x_of(shape.nearest());
     last = x_of(shape.farthest());
@@ -63,7 +63,7 @@ class ShapeFunction final : public projection::KernelFunction {
   }
 
  private:
-  const ZonalShape& shape_;
+  const Lobe& shape_;
 };
 
 int clamped(double place, int count) noexcept { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
@@ -97,7 +97,7 @@ std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& sourc
   return result;
 }
 
-std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const ZonalShape& kernel,
+std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const Lobe& kernel,
                                         std::span<const glm::dvec3> directions, const Control& control) {
   return projection::integrate_kernel(source, ShapeFunction(kernel), directions, control);
 }

@@ -7,7 +7,7 @@
 
 #include "projection/kernel_integrals.h"
 #include "projection/sanitized_pixels.h"
-#include "reflections/zonal_shape.h"
+#include "reflections/lobe.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -37,9 +37,8 @@ class GgxFunction final : public projection::KernelFunction {
                                                       std::span<const glm::dvec3> directions, const Control& control);
 
 /// The same of a zonal kernel. Relative error below 1e-5 for continuous kernels.
-[[nodiscard]] std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source,
-                                                      const ZonalShape& kernel, std::span<const glm::dvec3> directions,
-                                                      const Control& control);
+[[nodiscard]] std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const Lobe& kernel,
+                                                      std::span<const glm::dvec3> directions, const Control& control);
 
 /// The radiance of the texel that a unit direction lies in: the limit for roughness 0.
 [[nodiscard]] glm::dvec3 radiance_towards(const projection::SanitizedSource& source,

@@ -5,15 +5,15 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "reflections/lobe.h"
 #include "reflections/lobe_kernels.h"
-#include "reflections/zonal_shape.h"
 
 namespace welkin::reflections {
 
 /// What lights give in a direction, red, green and blue.
 class KernelSums {
  public:
-  KernelSums(const ZonalShape& kernel, const glm::dvec3& direction) : kernel_(kernel), direction_(direction) {}
+  KernelSums(const Lobe& kernel, const glm::dvec3& direction) : kernel_(kernel), direction_(direction) {}
 
   void add(const LobeLight* lights, const std::vector<LobeRun>& runs);
   void add(const CutLight* lights, const std::vector<LobeRun>& runs);
@@ -26,7 +26,7 @@ class KernelSums {
   [[nodiscard]] double mean(const CutLight& cut) const;
   void add(const LobeLight& light, double weight);
 
-  const ZonalShape& kernel_;
+  const Lobe& kernel_;
   glm::dvec3 direction_;
   std::array<double, 3> sums_{};
 };

@@ -560,7 +560,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact,
-                       use == LightsOf::kernels ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
+                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
   make_rooms();
 }
 

@@ -1,6 +1,9 @@
-// The GGX lobe of the split sum as a zonal kernel, and its spectrum.
+// Lobes: GGX of the split sum in closed form, and any other function of the angle from an axis.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <mutex>
 #include <vector>
 
 namespace welkin::reflections {
@@ -30,6 +33,118 @@ inline constexpr double kGaussianStep = 0.8;
 
 /// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal kernel gives.
 [[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
+
+/// A kernel by even steps of s = sin(theta / 2), theta the angle to the axis: cubic polynomials through the kernel's
+/// values. A step is a hundred-and-twenty-eighth of the kernel's scale, so the cubics err by some 1e-8 of its largest
+/// value.
+class KernelTable {
+ public:
+  /// The kernel at s from 0 to 1.
+  [[nodiscard]] double at(double s) const noexcept {
+    const Run* run = runs_.data();
+    while (s >= run->end && run->next) ++run;
+    double place = (s - run->begin) * run->cells_of_s;
+    if (!(place > 0.0)) place = 0.0;
+    auto cell = static_cast<int>(place);
+    if (cell >= run->cells) cell = run->cells - 1;
+    const double t = place - cell;
+    const double* const k = cubics_.data() + 4 * static_cast<std::ptrdiff_t>(run->first + cell);
+    return k[0] + t * (k[1] + t * (k[2] + t * k[3]));
+  }
+
+ private:
+  friend class Lobe;
+
+  /// Cells between two breaks.
+  struct Run {
+    double begin;
+    double end;
+    double cells_of_s;
+    int first;
+    int cells;
+    bool next;  ///< whether another run follows
+  };
+
+  std::vector<Run> runs_;
+  std::vector<double> cubics_;  ///< four coefficients a cell
+};
+
+/// How much light counts, by its angle from an axis; the integral over the sphere is 1. GGX has closed forms. Any other
+/// function is followed by polynomials of degree 19 in s, on panels that are halved until they follow it to 1e-12 of
+/// its largest value.
+class Lobe {
+ public:
+  /// GGX of the split sum (`lobe`); alpha in (0, 1].
+  explicit Lobe(double alpha);
+  /// `breaks`: in s, without 0 and 1. Throws `Error` (invalid_argument), see `ZonalKernel::from_function`.
+  Lobe(const std::function<double(double cosine)>& value, std::vector<double> breaks);
+  /// A finite spectrum, whose first number is 1.
+  explicit Lobe(std::vector<double> factors);
+
+  /// Returns GGX's alpha; 0 for any other lobe.
+  [[nodiscard]] double alpha() const noexcept { return alpha_; }
+  /// Returns the density per steradian.
+  [[nodiscard]] double value(double cosine) const noexcept;
+  /// Returns k_l for l < bands, k_0 = 1; fewer of a lobe other than GGX if `bands` is above `kMaximumSpectrumBands`.
+  [[nodiscard]] std::vector<double> spectrum(int bands) const;
+
+  /// Returns Int k^2 over the sphere: Sum (2 l + 1) k_l^2 / (4 pi). For GGX a bound.
+  [[nodiscard]] double square() const noexcept { return square_; }
+  [[nodiscard]] double peak() const noexcept { return peak_; }  ///< the largest magnitude
+  /// Radians: the largest magnitude over the steepest slope, at most pi.
+  [[nodiscard]] double scale() const noexcept { return scale_; }
+  /// Returns alpha of the GGX lobe that is as narrow as the finest detail.
+  [[nodiscard]] double width_alpha() const noexcept;
+  /// Returns alpha of the GGX lobe through which a light is as bright; at most 0.1 unless the lobe is GGX: every texel
+  /// above 25 times the mean is then a light, however wide the lobe.
+  [[nodiscard]] double light_alpha() const noexcept;
+  /// Where it is seen at all, in s: nearer the axis and farther from it all is below 1e-9 of the largest magnitude.
+  [[nodiscard]] double nearest() const noexcept { return nearest_; }
+  [[nodiscard]] double farthest() const noexcept { return farthest_; }
+  [[nodiscard]] bool negative() const noexcept { return negative_; }      ///< in places
+  [[nodiscard]] bool hemisphere() const noexcept { return hemisphere_; }  ///< 0 wherever the cosine is below 0
+  /// As well as that, next to it all but the cosine times a steady function.
+  [[nodiscard]] bool steady_horizon() const noexcept { return steady_horizon_; }
+  [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
+  [[nodiscard]] const KernelTable& table() const noexcept { return table_; }  ///< empty for GGX
+  /// Bands beyond which there is nothing; 0: it has no end.
+  [[nodiscard]] int last_band() const noexcept { return static_cast<int>(factors_.size()); }
+
+ private:
+  static constexpr int kOrder = 20;
+
+  /// A polynomial in Legendre's form over s in [begin, end].
+  struct Panel {
+    double begin;
+    double end;
+    double coefficients[kOrder];
+  };
+
+  [[nodiscard]] static double evaluate(const Panel& panel, double s) noexcept;
+  [[nodiscard]] double value_at(double s) const noexcept;
+  void follow(const std::function<double(double)>& value);
+  void normalise();
+  void measure();
+  void make_table();
+  void find_ends();
+  [[nodiscard]] std::vector<double> find_spectrum(int bands) const;
+
+  double alpha_ = 0.0;
+  std::vector<double> factors_;
+  std::vector<double> breaks_;  ///< in s
+  std::vector<Panel> panels_;
+  double square_ = 0.0;
+  double peak_ = 0.0;
+  double scale_ = 0.0;
+  double nearest_ = 0.0;
+  double farthest_ = 1.0;
+  bool negative_ = false;
+  bool hemisphere_ = false;
+  bool steady_horizon_ = false;
+  KernelTable table_;
+  mutable std::mutex mutex_;
+  mutable std::vector<double> spectrum_;  ///< made when it is asked for
+};
 
 // How many harmonic bands a lobe needs, and how its spectrum ends.
 

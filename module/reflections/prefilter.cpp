@@ -28,6 +28,7 @@
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
 #include "reflections/far_parts.h"
+#include "reflections/lobe.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
@@ -36,23 +37,23 @@
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
-void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control) {
-  image::fill_cubemap(source, chain.level_size(level), image::faces_of(chain, level), ResampleFilter::area, control);
-}
-
-void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control) {
-  if (source.size == chain.level_size(level) && source.format == PixelFormat::rgb32f) {
-    const std::size_t row_values = 3 * static_cast<std::size_t>(source.size);
+void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, int level, const Control& control) {
+  const int size = chain.level_size(level);
+  const CubemapView& cube = source.cube();
+  if (!source.cubemap()) {
+    image::fill_cubemap(source.lat_long(), size, image::faces_of(chain, level), ResampleFilter::area, control);
+  } else if (cube.size == size) {
+    const std::size_t row_values = 3 * static_cast<std::size_t>(size);
     float* to = chain.face(level, 0);
-    for (int row = 0; row < 6 * source.size; ++row, to += row_values) {
+    for (int row = 0; row < source.rows(); ++row, to += row_values) {
       jobs::throw_if_cancelled(control);
-      std::memcpy(to, image::row_of(source, row / source.size, row % source.size), row_values * sizeof(float));
+      std::memcpy(to, source.row(row), row_values * sizeof(float));
     }
     if (control.progress) control.progress(1.0);
-    return;
+  } else {
+    const CubemapImage image = to_cubemap(cube, size, glm::dmat3(1.0), control);
+    std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
   }
-  const CubemapImage image = to_cubemap(source, chain.level_size(level), glm::dmat3(1.0), control);
-  std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
 }
 
 namespace {
@@ -103,13 +104,12 @@ void make_not_negative(int size, const Faces& faces) {
     std::transform(values, values + count, values, [](float value) { return std::max(value, 0.0F); });
 }
 
-/// One call's work. View: LatLongView or CubemapView, sanitized.
-template <class View>
-class Prefilter {
+/// One call's work: the mips of a plan, each a source blurred by a lobe.
+class LobeChain {
  public:
-  Prefilter(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan, CubemapChain room,
+  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : view_(view), source_(source), plan_(plan) {
+      : source_(source), plan_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     result_.mips.resize(plan_.mips.size());
@@ -126,7 +126,8 @@ class Prefilter {
         graph.add(1000.0, [this, level](const Control& part) { integrate_mip(level, part); });
     }
     graph.run(control);
-    finish();
+    result_.pixels.passes = std::move(passes_);
+    result_.peak_bytes = memory_.peak();
     return std::move(result_);
   }
 
@@ -147,9 +148,7 @@ class Prefilter {
   void integrate_mip(std::size_t level, const Control& control);
   void note_darkness(std::size_t level, double field);
   void end_mip(std::size_t level, const Stopwatch& watch, const Control& control);
-  void finish();
 
-  View view_;
   const projection::SanitizedSource& source_;
   const PrefilterPlan& plan_;
   PrefilteredSpecular result_;
@@ -163,9 +162,9 @@ class Prefilter {
 
 /// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
 /// floats, for the bound on its error.
-template <class View>
-void Prefilter<View>::note_darkness(std::size_t level, double field) {
-  constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
+void LobeChain::note_darkness(std::size_t level, double field) {
+  constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times
+                                        // the rms of harmonics in floats
   const CubemapChain& chain = result_.cubemap;
   const int values = 3 * chain.level_size(static_cast<int>(level));
   const float* row = chain.face(static_cast<int>(level), 0);
@@ -178,8 +177,7 @@ void Prefilter<View>::note_darkness(std::size_t level, double field) {
        "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
 }
 
-template <class View>
-void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const Control& control) {
+void LobeChain::end_mip(std::size_t level, const Stopwatch& watch, const Control& control) {
   MipRecord& mip = record(level);
   mip.size = plan_.mips[level].size;
   mip.roughness = plan_.mips[level].roughness;
@@ -189,20 +187,18 @@ void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const C
   mip.milliseconds = watch.milliseconds();
 }
 
-template <class View>
-void Prefilter<View>::run_spectral(const Control& control) {
+void LobeChain::run_spectral(const Control& control) {
   const Stopwatch watch;
-  const std::vector<BrightTexel> texels =
-      find_bright_texels(source_, plan_.least_alpha, kMostBright, {control.stop, {}});
-  bright_ = BrightLights(texels, PictureShape::of(source_), plan_.least_alpha, plan_.reach);
+  const std::size_t most = plan_.lights == LightsOf::ggx ? kMostBright : kMostBrightFar;
+  const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, most, {control.stop, {}});
+  bright_ = BrightLights(texels, PictureShape::of(source_), plan_.least_alpha, plan_.reach, plan_.lights);
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
   run_rings(texels, control);
 }
 
-template <class View>
-void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
+void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
   const Stopwatch watch;
   const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), rows_of(plan_, source_)) : 0;
   memory_.take(bringing);
@@ -232,38 +228,36 @@ void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Co
   memory_.give_back(spectrum.bytes());
 }
 
-template <class View>
-void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
-                                   const Control& control) {
+void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
+                             const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  const transforms::GridSize grid_size = transforms::grid_for_bands(mip.bands.bands());
+  const transforms::GridSize grid_size = mip.grid();
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
   transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.5));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
-  image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
-                      jobs::part_of(control, 0.5, 0.8));
+  const bool not_negative = !source_.has_negatives() && !mip.lobe->negative();
+  image::sample_faces(grid, mip.size, faces, {.not_negative = not_negative}, jobs::part_of(control, 0.5, 0.8));
   memory_.give_back(grid.bytes());
   note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
   const Stopwatch splatting;
   const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
-  bright_.add({mip.alpha}, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
+  bright_.add({*mip.lobe}, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
   note_darkness(level, field);
   note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(extracted_);
   const SpectralSource source{energies_, source_.cubemap() ? source_.columns() : 0, rows};
   record(level).error_estimate =
-      spectral_rms_error(mip, source, bright_.error(mip.alpha), rms_of_level(result_.cubemap, static_cast<int>(level)));
+      spectral_rms_error(mip, source, bright_.error(*mip.lobe), rms_of_level(result_.cubemap, static_cast<int>(level)));
   end_mip(level, watch, control);
 }
 
-template <class View>
-void Prefilter<View>::run_narrow(const Control& control) {
+void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
   const NarrowSplit split =
       split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
@@ -316,9 +310,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   memory_.give_back(far.bright.bytes());
 }
 
-template <class View>
-void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far,
-                                 const Control& control) {
+void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
@@ -326,7 +318,7 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
   const double far_energy = zonal.front();
   far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
   const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
-  far.bright.add({mip.alpha, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
+  far.bright.add({*mip.lobe, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   note(name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
   const Stopwatch near;
@@ -342,16 +334,14 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
   end_mip(level, watch, control);
 }
 
-template <class View>
-void Prefilter<View>::copy_mip(std::size_t level, const Control& control) {
+void LobeChain::copy_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
-  fill_level(view_, result_.cubemap, static_cast<int>(level), control);
+  fill_level(source_, result_.cubemap, static_cast<int>(level), control);
   record(level).error_estimate = 0.0;
   end_mip(level, watch, control);
 }
 
-template <class View>
-void Prefilter<View>::integrate_mip(std::size_t level, const Control& control) {
+void LobeChain::integrate_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
   const int size = plan_.mips[level].size;
   std::vector<glm::dvec3> directions;
@@ -361,49 +351,16 @@ void Prefilter<View>::integrate_mip(std::size_t level, const Control& control) {
         directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
     }
   }
-  const std::vector<glm::dvec3> values = integrate_lobes(source_, plan_.mips[level].alpha, directions, control);
+  const Lobe& lobe = *plan_.mips[level].lobe;
+  const std::vector<glm::dvec3> values = lobe.alpha() > 0.0
+                                             ? integrate_lobes(source_, lobe.alpha(), directions, control)
+                                             : integrate_shape(source_, lobe, directions, control);
   float* const rgb = result_.cubemap.face(static_cast<int>(level), 0);
   for (std::size_t k = 0; k < values.size(); ++k) {
     for (int c = 0; c < 3; ++c) rgb[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(values[k][c]);
   }
   record(level).error_estimate = kReferenceError;
   end_mip(level, watch, control);
-}
-
-template <class View>
-void Prefilter<View>::finish() {
-  result_.pixels.passes = std::move(passes_);
-  result_.peak_bytes = memory_.peak();
-}
-
-/// View: the source's.
-template <class View>
-PrefilteredSpecular run(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan,
-                        CubemapChain room, const Control& control) {
-  const float scale = safe_scale(source);
-  if (scale == 1.0F) return Prefilter<View>(source, view, plan, std::move(room), control.memory).run(control);
-  const auto pixels = scaled(source, view, scale);
-  const projection::SanitizedSource scaled_source(pixels.view(), {}, {control.stop, {}});
-  PrefilteredSpecular result =
-      Prefilter<View>(scaled_source, pixels.view(), plan, std::move(room), control.memory).run(control);
-  undo_scale(result, scale);
-  return result;
-}
-
-PrefilteredSpecular run(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
-                        const Control& control) {
-  return source.cubemap() ? run(source, source.cube(), plan, std::move(room), control)
-                          : run(source, source.lat_long(), plan, std::move(room), control);
-}
-
-template <class View>
-PrefilteredSpecular sanitize_and_run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                                     CubemapChain room, const Control& control) {
-  const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
-  PrefilteredSpecular result = run(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
-  result.peak_bytes += source.bytes();
-  describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
-  return result;
 }
 
 }  // namespace
@@ -421,23 +378,38 @@ void make_tables(const PrefilterPlan& plan, int face_size, const Control& contro
   if (plan.bands > 0) RingTable::get({face_size, plan.rows_for_cubemap()}, {control.stop});
 }
 
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
+                              const Control& control) {
+  const float scale = safe_scale(source);
+  if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control);
+  const ScaledSource scaled(source, scale, {control.stop, {}});
+  PrefilteredSpecular result = LobeChain(scaled.source(), plan, std::move(room), control.memory).run(control);
+  undo_scale(result, scale);
+  return result;
+}
+
+namespace {
+
+template <class View>
+PrefilteredSpecular sanitize_and_prefilter(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                                           CubemapChain room, const Control& control) {
+  const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
+  PrefilteredSpecular result = prefilter(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
+  result.peak_bytes += source.bytes();
+  describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
+  return result;
+}
+
+}  // namespace
+
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return sanitize_and_run(source, plan, pixels, std::move(room), control);
+  return sanitize_and_prefilter(source, plan, pixels, std::move(room), control);
 }
 
 PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return sanitize_and_run(source, plan, pixels, std::move(room), control);
-}
-
-PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
-                              const Control& control) {
-  PrefilteredSpecular result = run(source, plan, std::move(room), control);
-  ProjectionDiagnostics clean;
-  clean.texels = source.diagnostics().texels;
-  describe_pixels(clean, {}, result);
-  return result;
+  return sanitize_and_prefilter(source, plan, pixels, std::move(room), control);
 }
 
 }  // namespace welkin::reflections

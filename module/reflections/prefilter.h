@@ -13,23 +13,22 @@
 
 namespace welkin::reflections {
 
-/// As `prefilter_specular`, of a plan. The result is put into `room` if that has its shape.
+/// Blurs a sanitized source by the lobes of a plan. The result is put into `room` if that has its shape. `pixels` of it
+/// is empty but for the passes: see `describe_pixels`. Throws `Error` (cancelled).
+[[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
+                                            CubemapChain room, const Control& control);
+
+/// Sanitizes a view, then does the same, and describes its pixels. Throws `Error` (rejected_pixel) as well.
 [[nodiscard]] PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan,
                                             const PixelPolicy& pixels, CubemapChain room, const Control& control);
 [[nodiscard]] PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan,
                                             const PixelPolicy& pixels, CubemapChain room, const Control& control);
 
-/// Prefilters pixels that have been sanitized before: its record says that nothing was replaced, and its memory does
-/// not count theirs.
-[[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
-                                            CubemapChain room, const Control& control);
-
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);
 
-/// Resamples RGB floats by area into a level of `chain`: a copy of a cubemap of the same size.
-void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control);
-void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control);
+/// Resamples a source by area into a level of `chain`: a copy of a cubemap of the same size.
+void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, int level, const Control& control);
 
 /// Fills in `pixels`, but for its passes: what was read, as sanitizing found it. The total radiance is that of the mip
 /// with the most texels: centres stand for texels there.

@@ -70,12 +70,11 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
 namespace {
 
 /// Square of the error by what the spectrum knows, times 4 pi.
-double spectral_square(const KernelFactors& factors, std::span<const double> energies,
-                       const std::optional<Rings>& source) {
-  const std::span<const double> lobe = factors.kernel;
-  const auto bands = static_cast<int>(factors.zonal.size());
+double spectral_square(const MipPlan& mip, std::span<const double> energies, const std::optional<Rings>& source) {
+  const int bands = mip.bands.bands();
+  const std::vector<double> lobe = mip.lobe->spectrum(bands + bands / 2);
   const auto known = static_cast<int>(energies.size());
-  const int rings = factors.rings;
+  const int rings = mip.grid().rings;
   double tail = 0.0;
   for (int l = known - known / 4; l < known; ++l)
     tail += energies[static_cast<std::size_t>(l)] / std::max(1, known / 4);
@@ -84,7 +83,7 @@ double spectral_square(const KernelFactors& factors, std::span<const double> ene
   for (int l = static_cast<int>(lobe.size()); l < known; ++l) finer += energies[static_cast<std::size_t>(l)];
   for (int l = static_cast<int>(lobe.size()) - 1; l >= 0; --l) {
     const auto degree = static_cast<std::size_t>(l);
-    const double zonal = l < bands ? factors.zonal[degree] : 0.0;
+    const double zonal = l < bands ? mip.bands.zonal[degree] : 0.0;
     const double truncated = lobe[degree] - zonal;
     const double interpolated = kSplineMean * zonal * spline_loss(l, rings);
     const double lost = source ? zonal * source->lost(l) : 0.0;
@@ -101,36 +100,12 @@ double spectral_square(const KernelFactors& factors, std::span<const double> ene
 
 }  // namespace
 
-namespace {
-
-/// Rings of a source that is a cubemap.
-std::optional<Rings> rings_of(const SpectralSource& source) {
-  return source.face_size > 0 ? std::optional(Rings{kPi / source.rings}) : std::nullopt;
-}
-
-/// `rounding`: of the rings' weights.
-double spectral_error(const KernelFactors& factors, const SpectralSource& source, double rounding, double of_lights,
-                      double rms) {
-  const std::optional<Rings> rings = rings_of(source);
-  double square = spectral_square(factors, source.energies, rings) / (4.0 * kPi);
-  square += of_lights * of_lights;
-  return (rings ? kRingSafety : kSafety) * (kRounding + rounding + std::sqrt(square) / rms);
-}
-
-}  // namespace
-
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
-  const int bands = mip.bands.bands();
-  const std::vector<double> lobe = lobe_spectrum(mip.alpha, bands + bands / 2);
-  const std::optional<Rings> rings = rings_of(source);
-  return spectral_error({lobe, mip.bands.zonal, transforms::grid_for_bands(bands).rings}, source,
-                        rings ? rings->rounded(mip.alpha) : 0.0, of_lights, rms);
-}
-
-double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights, double rms) {
-  if (!(rms > 0.0)) return kRounding;
-  return spectral_error(factors, source, source.face_size > 0 ? kTableRounding : 0.0, of_lights, rms);
+  const std::optional<Rings> rings = source.face_size > 0 ? std::optional(Rings{kPi / source.rings}) : std::nullopt;
+  const double square = spectral_square(mip, source.energies, rings) / (4.0 * kPi) + of_lights * of_lights;
+  const double rounding = kRounding + (rings ? rings->rounded(mip.lobe->width_alpha()) : 0.0);
+  return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
 double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {

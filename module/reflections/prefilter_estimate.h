@@ -20,22 +20,13 @@ struct SpectralSource {
   int rings = 0;                     ///< that it was read on
 };
 
-/// Root mean square error of `mip` over `rms`, its own, all three channels together:
+/// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
 ///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi
 /// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
 /// r_l what a cubemap's rings lose; energy that those scatter; `of_lights`, what the bright texels' lights err
 /// (`BrightLights::error`). docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
-
-/// The same of a kernel: its spectrum, what degrees were multiplied by instead, and the rings of the synthesis.
-struct KernelFactors {
-  std::span<const double> kernel;  ///< of more degrees than `zonal`
-  std::span<const double> zonal;
-  int rings = 0;
-};
-[[nodiscard]] double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights,
-                                        double rms);
 
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);

@@ -21,11 +21,17 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kLargestSize = 8192;
-constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
-constexpr double kLeastRings = 256.0;    ///< of a `RingTable`
-constexpr double kRingsOfAlpha = 9.5;    ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
+constexpr double kLeastAlpha = 1e-6;   ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kLeastRings = 256.0;  ///< of a `RingTable`
+constexpr double kRingsOfAlpha = 9.5;  ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
+constexpr double kKinkOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
+/// Error of a light alone in the dark over `rms_error`, at most. Bright lights do not go through the harmonics, and
+/// what is left of a picture has most of its light in the lowest degrees.
+constexpr double kOfLoneLight = 3.5;
 constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
+constexpr int kLeastLobeBands = 96;
+constexpr int kBandStep = 8;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
 
@@ -92,14 +98,8 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
-  const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
+  const double wanted = std::max(kLeastRings, kRingsOfAlpha / ring_alpha);
   return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
-}
-
-double PrefilterPlan::loss_at_peak() const noexcept {
-  double loss = 0.0;
-  for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
-  return loss;
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
@@ -114,6 +114,23 @@ std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
   roughness.resize(static_cast<std::size_t>(mips));
   return roughness;
 }
+
+transforms::GridSize MipPlan::grid() const noexcept {
+  return lobe->alpha() > 0.0 ? transforms::grid_for_bands(bands.bands())
+                             : transforms::grid_for_bands(bands.bands(), kKinkOversampling);
+}
+
+namespace {
+
+/// Adds a spectral mip to what all of them share.
+void take_in(const MipPlan& mip, double ring_alpha, PrefilterPlan& plan) {
+  plan.light_alpha = std::min(plan.light_alpha, mip.lobe->light_alpha());
+  plan.least_alpha = std::min(plan.least_alpha, mip.lobe->width_alpha());
+  plan.ring_alpha = std::min(plan.ring_alpha, ring_alpha);
+  plan.bands = std::max(plan.bands, mip.bands.bands());
+}
+
+}  // namespace
 
 PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
@@ -137,12 +154,91 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     mip.roughness = roughness[static_cast<std::size_t>(level)];
     mip.alpha = mip.roughness * mip.roughness;
     mip.method = method_for(options, plan.reach, mip);
+    if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
     if (mip.method == MipMethod::spectral) {
-      plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
       mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
-      plan.bands = std::max(plan.bands, mip.bands.bands());
+      take_in(mip, mip.alpha, plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
+    plan.mips.push_back(std::move(mip));
+  }
+  return plan;
+}
+
+namespace {
+
+/// Of a light alone, when the lobe ends with a taper at so many bands: root mean square over that of the whole.
+double lost_by_taper(const Lobe& lobe, const std::vector<double>& spectrum, int bands) {
+  double kept = 0.0;
+  double whole = 0.0;
+  for (int l = 0; l < bands; ++l) {
+    const double own = (2.0 * l + 1.0) * spectrum[static_cast<std::size_t>(l)] * spectrum[static_cast<std::size_t>(l)];
+    const double left = 1.0 - taper(l, bands);
+    whole += own;
+    kept += own * (1.0 - left * left);
+  }
+  const double all = std::max(whole, 4.0 * std::numbers::pi * lobe.square());
+  return std::sqrt(std::max(0.0, all - kept) / all);
+}
+
+/// Of a lobe other than GGX.
+BandChoice bands_of_lobe(const Lobe& lobe, std::size_t level, double rms_error) {
+  constexpr int most = transforms::kMaximumSpectrumBands;
+  if (lobe.last_band() > 0) return {lobe.spectrum(lobe.last_band())};  // nothing is left out
+  const std::vector<double> spectrum = lobe.spectrum(most);
+  int bands = kLeastLobeBands;
+  const double bound = kOfLoneLight * rms_error;
+  while (bands < most && lost_by_taper(lobe, spectrum, bands) > bound)
+    bands += std::max(kBandStep, bands / 16 / kBandStep * kBandStep);
+  bands = std::min(bands, most);
+  if (const double lost = lost_by_taper(lobe, spectrum, bands); lost > bound) {
+    refuse(ErrorCode::limit_exceeded, "the kernel of mip " + std::to_string(level) +
+                                          " is too narrow or has too sharp an edge: " + std::to_string(most) +
+                                          " harmonic bands lose " + platform::number_text(lost) +
+                                          " of a light alone, and " + platform::number_text(bound) +
+                                          " is the bound; widen it, raise rms_error, or take the reference "
+                                          "method");
+  }
+  BandChoice choice;
+  for (int l = 0; l < bands; ++l) choice.zonal.push_back(taper(l, bands) * spectrum[static_cast<std::size_t>(l)]);
+  return choice;
+}
+
+}  // namespace
+
+PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  image::require_range("the number of kernels, which is that of mips,",
+                       static_cast<int>(std::min<std::size_t>(options.kernels.size(), 99)), 1,
+                       full_chain_levels(options.size));
+  if (!(options.rms_error >= kLeastRmsError && options.rms_error <= 1.0)) {
+    refuse(ErrorCode::invalid_argument,
+           "rms_error is " + platform::number_text(options.rms_error) + "; it must be from 1e-6 to 1");
+  }
+  const bool reference = options.method == PrefilterMethod::reference;
+  if (!reference && options.method != PrefilterMethod::automatic && options.method != PrefilterMethod::spectral)
+    refuse(ErrorCode::invalid_argument,
+           "kernels are prefiltered by the methods automatic, spectral, "
+           "reference");
+  projection::check_policy(options.pixels);
+  PrefilterPlan plan;
+  plan.size = options.size;
+  plan.chain_mips = static_cast<int>(options.kernels.size());
+  const PrefilterOptions usual;
+  plan.reach = reach_for(usual.rms_error, usual.maximum_error);
+  plan.maximum_error = std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error);
+  plan.lights = LightsOf::any;
+  for (std::size_t level = 0; level < options.kernels.size(); ++level) {
+    const ZonalKernel& kernel = options.kernels[level];
+    MipPlan mip;
+    mip.size = std::max(1, options.size >> level);
+    mip.roughness = kernel.roughness();
+    mip.lobe = kernel.lobe();
+    mip.method = reference ? MipMethod::reference : MipMethod::spectral;
+    if (!reference) {
+      mip.bands = bands_of_lobe(*mip.lobe, level, options.rms_error);
+      take_in(mip, std::clamp(plan.reach / (2.0 * mip.bands.bands()), kLeastAlpha, 1.0), plan);
+    }
     plan.mips.push_back(std::move(mip));
   }
   return plan;

@@ -2,19 +2,27 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
+#include "reflections/bright_lights.h"
 #include "reflections/lobe.h"
+#include "transform/spectrum.h"
 #include "welkin/reflections.h"
+#include "welkin/zonal_kernel.h"
 
 namespace welkin::reflections {
 
 struct MipPlan {
   int size = 0;
   double roughness = 0.0;
-  double alpha = 0.0;
+  double alpha = 0.0;                  ///< of GGX; 0: a copy, or another lobe
+  std::shared_ptr<const Lobe> lobe;    ///< null: a copy
   MipMethod method = MipMethod::copy;  ///< never `stored`
   BandChoice bands;                    ///< spectral
+
+  /// The rings of a spectral mip's synthesis.
+  [[nodiscard]] transforms::GridSize grid() const noexcept;
 };
 
 struct PrefilterPlan {
@@ -30,9 +38,12 @@ struct PrefilterPlan {
   /// fewer.
   int bands = 0;
 
-  /// Alpha of the spectral mip with the narrowest lobe, 1 if there is none; of the whole chain, as it decides which
-  /// texels are taken out: a mip must not change where others are left out.
-  double least_alpha = 1.0;
+  // Alphas of the spectral mips' lobes, the least of them, 1 if there is none; of the whole chain, as a mip must not
+  // change where others are left out. All are the same for GGX.
+  double light_alpha = 1.0;         ///< `Lobe::light_alpha`: decides which texels are taken out
+  double least_alpha = 1.0;         ///< `Lobe::width_alpha`: decides how those are cut into lights
+  double ring_alpha = 1.0;          ///< of the GGX lobe that takes as many bands: decides a cubemap's rings
+  LightsOf lights = LightsOf::ggx;  ///< the lobes of all mips
 
   /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
   std::vector<double> narrow_alphas;
@@ -47,8 +58,6 @@ struct PrefilterPlan {
   /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: at least 256, no higher
   /// than a third of the narrowest lobe's alpha.
   [[nodiscard]] int rows_for_cubemap() const noexcept;
-  /// The largest of the spectral mips' losses at a peak.
-  [[nodiscard]] double loss_at_peak() const noexcept;
 };
 
 /// The reach of narrow mips, which look at bounds that are tighter than the default's only.
@@ -60,5 +69,6 @@ struct PrefilterPlan {
 /// Throws `Error`: invalid_argument for options out of range, limit_exceeded for error bounds or lobes that are out of
 /// reach.
 [[nodiscard]] PrefilterPlan plan_prefilter(const PrefilterOptions& options);
+[[nodiscard]] PrefilterPlan plan_prefilter(const KernelChainOptions& options);
 
 }  // namespace welkin::reflections

@@ -39,12 +39,14 @@ float safe_scale(const projection::SanitizedSource& source) noexcept {
   return largest > 0.0F && largest < kDark ? kUp : 1.0F;
 }
 
-LatLongImage scaled(const projection::SanitizedSource& source, const LatLongView& /*view*/, float scale) {
-  return {source.columns(), source.rows(), scaled_pixels(source, scale)};
-}
-
-CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView& /*view*/, float scale) {
-  return {source.columns(), scaled_pixels(source, scale)};
+ScaledSource::ScaledSource(const projection::SanitizedSource& source, float scale, const Control& control) {
+  if (source.cubemap()) {
+    cube_ = {source.columns(), scaled_pixels(source, scale)};
+    source_.emplace(cube_.view(), PixelPolicy{}, control);
+  } else {
+    lat_long_ = {source.columns(), source.rows(), scaled_pixels(source, scale)};
+    source_.emplace(lat_long_.view(), PixelPolicy{}, control);
+  }
 }
 
 void undo_scale(PrefilteredSpecular& result, float scale) {

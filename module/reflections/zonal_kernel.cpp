@@ -1,4 +1,4 @@
-// Kernels with names, and those of the caller's.
+// Kernels with names, those of the caller's, and chains by them.
 #include "welkin/zonal_kernel.h"
 
 #include <algorithm>
@@ -9,7 +9,11 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
-#include "reflections/zonal_shape.h"
+#include "projection/sanitized_pixels.h"
+#include "reflections/direct.h"
+#include "reflections/kernel_reference.h"
+#include "reflections/lobe.h"
+#include "reflections/prefilter.h"
 #include "transform/spectrum.h"
 
 namespace welkin {
@@ -28,8 +32,8 @@ void require_number(const char* what, double value, double least, double most) {
                                                platform::number_text(most));
 }
 
-std::shared_ptr<const reflections::ZonalShape> shape_of(const std::function<double(double)>& value,
-                                                        const std::vector<double>& breaks) {
+std::shared_ptr<const reflections::Lobe> lobe_of(const std::function<double(double)>& value,
+                                                 const std::vector<double>& breaks) {
   std::vector<double> places;
   places.reserve(breaks.size());
   for (const double cosine : breaks) {
@@ -39,13 +43,13 @@ std::shared_ptr<const reflections::ZonalShape> shape_of(const std::function<doub
     }
     places.push_back(std::sqrt(0.5 * (1.0 - cosine)));
   }
-  return std::make_shared<const reflections::ZonalShape>(value, std::move(places));
+  return std::make_shared<const reflections::Lobe>(value, std::move(places));
 }
 
 /// Of a function of cosines above 0.
 template <class Value>
-std::shared_ptr<const reflections::ZonalShape> above_horizon(const Value& value) {
-  return shape_of([&value](double cosine) { return cosine > 0.0 ? value(cosine) : 0.0; }, {0.0});
+std::shared_ptr<const reflections::Lobe> above_horizon(const Value& value) {
+  return lobe_of([&value](double cosine) { return cosine > 0.0 ? value(cosine) : 0.0; }, {0.0});
 }
 
 }  // namespace
@@ -79,7 +83,7 @@ ZonalKernel ZonalKernel::blinn(double power) {
 ZonalKernel ZonalKernel::from_function(const std::function<double(double)>& value, const std::vector<double>& breaks) {
   const platform::FloatingPointScope floating_point;
   if (!value) throw Error(ErrorCode::invalid_argument, "a kernel has no function; pass one of the cosine");
-  return {shape_of(value, breaks), 0.0};
+  return {lobe_of(value, breaks), 0.0};
 }
 
 ZonalKernel ZonalKernel::from_spectrum(const std::vector<double>& factors) {
@@ -96,18 +100,18 @@ ZonalKernel ZonalKernel::from_spectrum(const std::vector<double>& factors) {
   std::vector<double> ratios;
   ratios.reserve(factors.size());
   for (const double factor : factors) ratios.push_back(factor / factors.front());
-  return {std::make_shared<const reflections::ZonalShape>(std::move(ratios)), 0.0};
+  return {std::make_shared<const reflections::Lobe>(std::move(ratios)), 0.0};
 }
 
 double ZonalKernel::value(double cosine) const {
   const platform::FloatingPointScope floating_point;
-  return shape_->value(cosine);
+  return lobe_->value(cosine);
 }
 
 std::vector<double> ZonalKernel::spectrum(int bands) const {
   const platform::FloatingPointScope floating_point;
   image::require_range("bands", bands, 1, transforms::kMaximumSpectrumBands);
-  return shape_->spectrum(bands);
+  return lobe_->spectrum(bands);
 }
 
 std::vector<double> charlie_roughness_of_mips(int mips, int size) {
@@ -119,6 +123,46 @@ std::vector<double> charlie_roughness_of_mips(int mips, int size) {
         std::clamp(static_cast<double>(mip) / steps, kLeastCharlieRoughness, 1.0);
   }
   return roughness;
+}
+
+namespace {
+
+template <class View>
+PrefilteredSpecular by_kernels(const View& source, const KernelChainOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(source);
+  return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
+}
+
+template <class View>
+std::vector<dvec3> reference(const View& view, const ZonalKernel& kernel, const std::vector<dvec3>& directions,
+                             const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(view);
+  const projection::SanitizedSource source(view, {}, {control.stop, {}});
+  return reflections::integrate_kernel(source, *kernel.lobe(), reflections::unit_directions(directions), control);
+}
+
+}  // namespace
+
+PrefilteredSpecular prefilter_by_kernels(const LatLongView& source, const KernelChainOptions& options,
+                                         const Control& control) {
+  return by_kernels(source, options, control);
+}
+
+PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,
+                                         const Control& control) {
+  return by_kernels(source, options, control);
+}
+
+std::vector<dvec3> reference_by_kernel(const LatLongView& source, const ZonalKernel& kernel,
+                                       const std::vector<dvec3>& directions, const Control& control) {
+  return reference(source, kernel, directions, control);
+}
+
+std::vector<dvec3> reference_by_kernel(const CubemapView& source, const ZonalKernel& kernel,
+                                       const std::vector<dvec3>& directions, const Control& control) {
+  return reference(source, kernel, directions, control);
 }
 
 }  // namespace welkin

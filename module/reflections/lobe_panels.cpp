@@ -1,8 +1,8 @@
-#include "reflections/zonal_shape.h"
-
+// Lobes of any function: polynomials by the distance from the axis, their harmonics, and a table.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <mutex>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -10,6 +10,7 @@
 #include "math/quadrature.h"
 #include "platform/text.h"
 #include "reflections/lobe.h"
+#include "transform/spectrum.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -20,6 +21,8 @@ constexpr double kFollowed = 1e-12;    ///< what the last coefficients of a pane
 constexpr std::size_t kPanels = 2000;  ///< at most
 constexpr double kCellsOfScale = 128.0;
 constexpr int kMostCells = 1 << 16;
+constexpr double kMostLightAlpha = 0.1;
+constexpr double kScaleOfAlpha = 1.93;  ///< of narrow GGX lobes, 1 / (1 + (theta / 2 alpha)^2)^2
 
 double cosine_of(double s) noexcept { return 1.0 - 2.0 * s * s; }
 
@@ -54,7 +57,7 @@ struct Recurrence {
 
 }  // namespace
 
-double ZonalShape::evaluate(const Panel& panel, double s) noexcept {
+double Lobe::evaluate(const Panel& panel, double s) noexcept {
   const double x = (2.0 * s - panel.begin - panel.end) / (panel.end - panel.begin);
   static constexpr Recurrence<kOrder + 1> recurrence;
   double next = 0.0;  // Clenshaw's sum
@@ -66,18 +69,19 @@ double ZonalShape::evaluate(const Panel& panel, double s) noexcept {
   return panel.coefficients[0] + x * next - 0.5 * after;
 }
 
-double ZonalShape::value_at(double s) const noexcept {
+double Lobe::value_at(double s) const noexcept {
   const auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, s,
                                    [](double place, const Panel& panel) { return place < panel.end; });
   return evaluate(*at, s);
 }
 
-double ZonalShape::value(double cosine) const noexcept {
+double Lobe::value(double cosine) const noexcept {
+  if (alpha_ > 0.0) return lobe(cosine, alpha_) / lobe_integral(alpha_);
   return value_at(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
 }
 
 /// From the axis on, so that panels come out in order. Each is halved until its last coefficients are small.
-void ZonalShape::follow(const std::function<double(double)>& value) {
+void Lobe::follow(const std::function<double(double)>& value) {
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   std::vector<double> ends = breaks_;
   for (double end = 1.0; end > 5e-4; end *= 0.5) ends.push_back(end);  // the axis is looked at closely
@@ -134,7 +138,7 @@ void ZonalShape::follow(const std::function<double(double)>& value) {
   }
 }
 
-void ZonalShape::normalise() {
+void Lobe::normalise() {
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   double whole = 0.0;
   for (const Panel& panel : panels_) {
@@ -151,7 +155,7 @@ void ZonalShape::normalise() {
   }
 }
 
-void ZonalShape::measure() {
+void Lobe::measure() {
   constexpr int kSteps = 32;  // of a panel
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   double steepest = 0.0;
@@ -186,7 +190,7 @@ void ZonalShape::measure() {
 }
 
 /// By the cells of the table: one that is dark at its ends and in between is.
-void ZonalShape::find_ends() {
+void Lobe::find_ends() {
   constexpr double kSeen = 1e-9;
   double first = 1.0;
   double last = 0.0;
@@ -206,7 +210,7 @@ void ZonalShape::find_ends() {
   farthest_ = last;
 }
 
-void ZonalShape::make_table() {
+void Lobe::make_table() {
   std::vector<double> ends = breaks_;
   ends.push_back(1.0);
   double begin = 0.0;
@@ -238,8 +242,20 @@ void ZonalShape::make_table() {
   }
 }
 
-ZonalShape::ZonalShape(const std::function<double(double)>& value, std::vector<double> breaks)
-    : breaks_(std::move(breaks)) {
+Lobe::Lobe(double alpha)
+    : alpha_(alpha),
+      breaks_{std::sqrt(0.5)},
+      peak_(lobe(1.0, alpha) / lobe_integral(alpha)),
+      scale_(std::min(1.0, kScaleOfAlpha * alpha)),
+      farthest_(std::sqrt(0.5)),
+      hemisphere_(true) {
+  // Int k^2 is at most its peak times Int k, and less for a narrow lobe
+  const double square = alpha * alpha;
+  const double integral = lobe_integral(alpha);
+  square_ = std::min(peak_, 4.0 / (3.0 * kPi * square * std::max(1e-9, 1.0 - square)) / (integral * integral));
+}
+
+Lobe::Lobe(const std::function<double(double)>& value, std::vector<double> breaks) : breaks_(std::move(breaks)) {
   std::sort(breaks_.begin(), breaks_.end());
   breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
   follow(value);
@@ -249,7 +265,7 @@ ZonalShape::ZonalShape(const std::function<double(double)>& value, std::vector<d
   find_ends();
 }
 
-ZonalShape::ZonalShape(std::vector<double> factors) : factors_(std::move(factors)) {
+Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
   follow([this](double cosine) { return sum_of_degrees(factors_, cosine); });
   normalise();
   measure();
@@ -257,12 +273,28 @@ ZonalShape::ZonalShape(std::vector<double> factors) : factors_(std::move(factors
   find_ends();
 }
 
-std::vector<double> ZonalShape::spectrum(int bands) const {
+double Lobe::width_alpha() const noexcept { return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0); }
+
+double Lobe::light_alpha() const noexcept {
+  if (alpha_ > 0.0) return alpha_;
+  // GGX's peak is 4 / alpha^2 times the mean
+  return std::min(kMostLightAlpha, std::sqrt(4.0 / std::max(4.0, 4.0 * kPi * peak_)));
+}
+
+std::vector<double> Lobe::spectrum(int bands) const {
+  if (alpha_ > 0.0) return lobe_spectrum(alpha_, bands);
+  const auto count = static_cast<std::size_t>(bands);
   if (!factors_.empty()) {
     std::vector<double> values = factors_;
-    values.resize(static_cast<std::size_t>(bands), 0.0);
+    values.resize(count, 0.0);
     return values;
   }
+  const std::scoped_lock lock(mutex_);
+  if (spectrum_.empty()) spectrum_ = find_spectrum(transforms::kMaximumSpectrumBands);
+  return {spectrum_.begin(), spectrum_.begin() + static_cast<std::ptrdiff_t>(std::min(count, spectrum_.size()))};
+}
+
+std::vector<double> Lobe::find_spectrum(int bands) const {
   // Legendre's polynomials of the last band move at most 2.83 l a unit of s: see `lobe_spectrum`
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   const double widest = 28.0 / (2.83 * std::max(bands, 8));
