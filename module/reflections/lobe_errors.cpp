@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
-#include "reflections/cube_images.h"
 
 namespace welkin::reflections {
 namespace {
@@ -88,7 +88,7 @@ void LobeErrors::add(int texel, const std::vector<double>& off) {
                                static_cast<int>(block / edge % edge)};
     for (int k = 0; k < kRingImages; ++k) {
       const image::CubeTexel at =
-          image::texel_at(blocks_.size, moved(cube_image_of(k), image::point_of(blocks_.size, own)));
+          image::texel_at(blocks_.size, moved(image::cube_image_of(k), image::point_of(blocks_.size, own)));
       const auto to = static_cast<std::size_t>((at.face * blocks_.size + at.row) * blocks_.size + at.column);
       const int place = kTexelsOfRecord * k + texel % kTexelsOfRecord;
       records_.data()[(first + to) * kRecordFloats + static_cast<std::size_t>(place)] = static_cast<float>(sums[block]);

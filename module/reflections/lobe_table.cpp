@@ -5,12 +5,12 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "math/table_cache.h"
-#include "reflections/cube_images.h"
 #include "reflections/lobe_weights.h"
 
 namespace welkin::reflections {
@@ -43,7 +43,7 @@ struct LevelPoint {
 };
 
 /// Where an image has it.
-LevelPoint moved_point(const CubeImage& image, const CubeLevel& level, const LevelPoint& point) noexcept {
+LevelPoint moved_point(const image::CubeImage& image, const CubeLevel& level, const LevelPoint& point) noexcept {
   const image::Frame& frame = image::face_frame(point.face);
   const glm::ivec3 normal = moved(image, whole(frame.normal));
   const int u = 2 * (point.column - level.margin) + 1 - level.size;
@@ -123,7 +123,7 @@ class LobeTable::Builder {
   }
 
   static bool has_texel(int size, int face, int row, int column) noexcept {
-    return row < size && column < size && in_sixteenth(face, image::point_of(size, {face, column, row}));
+    return row < size && column < size && image::in_sixteenth(face, image::point_of(size, {face, column, row}));
   }
 
   /// Still without groups.
@@ -208,7 +208,7 @@ class LobeTable::Builder {
     const glm::ivec3 point = image::point_of(
         mip.size, {group.face, group.column + static_cast<int>(texel % 2), group.row + static_cast<int>(texel / 2)});
     for (int k = 0; k < kRingImages; ++k) {
-      const image::CubeTexel at = image::texel_at(mip.size, moved(cube_image_of(k), point));
+      const image::CubeTexel at = image::texel_at(mip.size, moved(image::cube_image_of(k), point));
       mip.places.push_back(
           {static_cast<std::uint16_t>(at.face), static_cast<std::uint16_t>(at.row * mip.size + at.column)});
     }
@@ -229,7 +229,7 @@ class LobeTable::Builder {
     ++second.column;
     for (std::size_t k = 0; k < kRingImages; ++k) {
       const auto place = [&](const LevelPoint& point) {
-        const LevelPoint at = moved_point(cube_image_of(static_cast<int>(k)), shape, point);
+        const LevelPoint at = moved_point(image::cube_image_of(static_cast<int>(k)), shape, point);
         return 3 * ((at.face * shape.edge() + at.row) * shape.edge() + at.column);
       };
       run.from[k] = static_cast<std::uint32_t>(table_.level_starts_[level]) + static_cast<std::uint32_t>(place(first));

@@ -7,6 +7,7 @@
 #include <deque>
 #include <glm/geometric.hpp>
 
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
@@ -15,7 +16,6 @@
 #include "math/table_cache.h"
 #include "platform/memory.h"
 #include "platform/standard_library.h"
-#include "reflections/cube_images.h"
 
 namespace welkin::reflections {
 namespace {
@@ -168,7 +168,7 @@ class RingTable::Builder {
         jobs::throw_if_cancelled(control);
         for (int column = 0; column < size_; ++column) {
           const glm::ivec3 point = image::point_of(size_, {face, column, row});
-          if (!in_sixteenth(face, point)) continue;
+          if (!image::in_sixteenth(face, point)) continue;
           add_texel({face, column, row}, point);
         }
       }
@@ -208,8 +208,8 @@ void RingTable::Builder::spread(double distance, double ring, double steradians)
 void RingTable::Builder::add_texel(const image::CubeTexel& texel, const glm::ivec3& point) {
   int alike = 0;  // symmetries that leave it where it is: each of them would count it once
   for (int k = 0; k < kRingImages; ++k) {
-    alike += moved(cube_image_of(k), point) == point ? 1 : 0;
-    const image::CubeTexel from = image::texel_at(size_, moved_back(cube_image_of(k), point));
+    alike += moved(image::cube_image_of(k), point) == point ? 1 : 0;
+    const image::CubeTexel from = image::texel_at(size_, moved_back(image::cube_image_of(k), point));
     images_[static_cast<std::size_t>(k)] =
         static_cast<std::uint32_t>((from.face * size_ + from.row) * size_ + from.column);
   }
@@ -275,7 +275,7 @@ void RingTable::Builder::land(int row, int column, double weight) {
     quarter = (quarter + 1) % 4;
     column = columns_ / 4 - 1 - column;
   }
-  const std::uint32_t texel = images_[static_cast<std::size_t>(index_of({quarter, mirrored, below}))];
+  const std::uint32_t texel = images_[static_cast<std::size_t>(image::index_of({quarter, mirrored, below}))];
   entries_[static_cast<std::size_t>(row)].push_back({static_cast<std::uint32_t>(column), texel, weight});
 }
 
@@ -366,7 +366,7 @@ std::size_t RingTable::making_bytes(const RingTableKey& key) noexcept {
 void RingTable::gather(const CubemapView& source, const Run& run, float* records) const {
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
-    const CubeImage image = cube_image_of(k);
+    const image::CubeImage image = image::cube_image_of(k);
     const auto place = [&](int column) {
       const image::CubeTexel from =
           image::texel_at(size, moved(image, image::point_of(size, {run.face, column, run.row})));
@@ -405,7 +405,7 @@ void RingTable::fill(const CubemapView& source, float* rgb, const Control& contr
                     for (int row = first; row < std::min(half, first + tile_rows); ++row) {
                       RingPlacesInMemory places{};
                       for (int k = 0; k < kRingImages; ++k) {
-                        const CubeImage image = cube_image_of(k);
+                        const image::CubeImage image = image::cube_image_of(k);
                         const std::ptrdiff_t line = image.below ? key_.rows - 1 - row : row;
                         const int column =
                             (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
