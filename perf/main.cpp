@@ -8,6 +8,7 @@
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
 //   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
 //   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
+//   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
 //   welkin_perf --schedule                          bakes on 1 to 64 workers, from the tiles of one
 //   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
 #include <benchmark/benchmark.h>
@@ -22,6 +23,7 @@
 #include "bake.h"
 #include "bc6h.h"
 #include "cancel_latency.h"
+#include "cold.h"
 #include "command.h"
 #include "estimates.h"
 #include "irradiance_errors.h"
@@ -82,6 +84,14 @@ int main(int argc, char** argv) {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
   if (first == "--block-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::block_error_table);
+  if (first == "--cold-calls") {
+    std::cout << perf::cold_calls({argv + 2, argv + argc});
+    return 0;
+  }
+  if (argc > 1 && std::string(argv[1]) == "--cold") {
+    return perf::print_tables(0, {argv + 2, argv + argc},
+                              [&](const auto& arguments) { return perf::cold_tables(argv[0], arguments); });
+  }
   if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
   }

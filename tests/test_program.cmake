@@ -80,6 +80,13 @@ if(WELKIN_TOOLS)
 endif()
 catch_discover_tests(welkin_tests PROPERTIES TIMEOUT 600)
 
+# Nobody reads working memory that nobody wrote: results on record stay the same where it is filled with NaN.
+if(welkin_all_codecs AND NOT WELKIN_TEST_FOLDERS AND NOT CMAKE_CROSSCOMPILING)
+  add_test(NAME "results on record, in working memory filled with NaN" COMMAND welkin_tests "[same_as_before]")
+  set_tests_properties("results on record, in working memory filled with NaN" PROPERTIES
+                       ENVIRONMENT WELKIN_TEST_FILL_MEMORY=1 TIMEOUT 600)
+endif()
+
 # A call of C that computes with the caller's rounding would differ from the call of C++, which does not
 # (tests/float_environment).
 if(welkin_all_codecs AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT WELKIN_TEST_FOLDERS)

@@ -9,6 +9,7 @@
 //   }
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -109,7 +110,7 @@ struct Control {
 
   /// Where the call takes the memory of the `CubemapChain`s that it returns; null: `std::pmr::get_default_resource()`.
   /// Passes run side by side, so that `allocate` may be called from several threads at once. It must outlive the
-  /// results. Working memory, images and coefficients come from the heap.
+  /// results. Images and coefficients come from the heap, and so does working memory (see `keep_working_memory`).
   memory_resource* memory = nullptr;
 };
 
@@ -132,6 +133,20 @@ void run_with_threads(int threads, const std::function<void()>& work);
 /// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where
 /// the CPU quotas of its control groups (Linux cgroups, versions 1 and 2) grant fewer. At least 1.
 [[nodiscard]] int available_threads();
+
+// ---- Working memory
+
+// A call takes its large buffers (256 KiB and more) from blocks that earlier calls left, so that a warm call clears no
+// pages but its result's. On Linux blocks of 1 MiB and more lie in huge pages of 2 MiB, and are rounded up to whole
+// ones. Any thread may call these functions at any time. They change no result.
+
+/// Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
+/// beyond that. 0 keeps none. Under an address sanitizer and in WebAssembly the default is 0.
+void keep_working_memory(std::size_t bytes) noexcept;
+
+/// Frees all blocks that no call uses, after a level is loaded for instance. Calls that run keep theirs and leave them
+/// for later calls.
+void release_working_memory() noexcept;
 
 // ---- Instruction sets
 

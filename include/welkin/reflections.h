@@ -19,7 +19,7 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< for each mip the fastest within both bounds: spectral, summed or narrow
+  automatic,  ///< for each mip the fastest within both bounds: spectral or narrow
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
   reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
 };
@@ -55,10 +55,9 @@ enum class MipMethod {
   reference,  ///< as `PrefilterMethod::reference`
   stored,     ///< it was in the file that was baked
   narrow,     ///< texels near by as areas, the lobe's far part by harmonics: below roughness 0.055 at default bounds
-  summed,     ///< sums over the texels of a small cubemap, by weights that are kept for its size
 };
 
-/// "copy", "spectral", "reference", "stored", "narrow", "summed"
+/// "copy", "spectral", "reference", "stored", "narrow"
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
 /// How one mip was made, and how good it is.
@@ -67,7 +66,7 @@ struct MipRecord {
   double roughness = 0.0;              ///< perceptual
   MipMethod method = MipMethod::copy;  ///< how it was made
   int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
-  int bright_texels = 0;               ///< spectral, narrow, summed: texels whose lobes were added beside the rest
+  int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the rest
   /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of stored mips.
   std::optional<double> error_estimate = std::nullopt;
   /// Mean of the texels, by solid angle. The kernel keeps energy, so the blurred light has the same mean on every mip.

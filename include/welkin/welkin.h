@@ -109,6 +109,17 @@ WELKIN_API const char* welkin_status_name(welkin_status status);
  * instead. Never null; empty if none did. Stays until the next call on this thread that returns an error. */
 WELKIN_API const char* welkin_last_error(void);
 
+/* ---- Working memory ----
+ * Calls take their large buffers from blocks that earlier calls left, so that a warm call clears no pages but its
+ * result's. These functions change no result. */
+
+/* Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
+ * beyond that. 0 keeps none. */
+WELKIN_API void welkin_keep_working_memory(uint64_t bytes);
+
+/* Frees all blocks that no call uses. Calls that run keep theirs and leave them for later calls. */
+WELKIN_API void welkin_release_working_memory(void);
+
 /* ---- Environments ---- */
 
 /* How one texel lies in memory: interleaved channels, no padding. Alpha is never read, and 1 where it is written. F16
@@ -495,8 +506,7 @@ enum {
   WELKIN_PREFILTER_SPECTRAL = 1,
   WELKIN_PREFILTER_REFERENCE = 2, /* the integral, texel by texel: slow */
   WELKIN_PREFILTER_COPY = 4,      /* of a mip that was made: roughness 0 */
-  WELKIN_PREFILTER_NARROW = 5,    /* of a mip that was made: texels near by as areas, the far part by harmonics */
-  WELKIN_PREFILTER_SUMMED = 6     /* of a mip that was made: sums over the texels of a small cubemap */
+  WELKIN_PREFILTER_NARROW = 5     /* of a mip that was made: texels near by as areas, the far part by harmonics */
 };
 
 /* Ways to spread roughness over a chain; reflections.h has the formulas. */

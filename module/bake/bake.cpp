@@ -268,8 +268,7 @@ class Baking {
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    return of_sanitized(
-        [&](const auto& view) { return reflections::prefilter(view, mips, {}, std::move(room), control); });
+    return reflections::prefilter(*sanitized_, mips, std::move(room), control);
   }
 
   Outcome project_source(const Control& control) {

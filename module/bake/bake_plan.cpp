@@ -120,10 +120,10 @@ reflections::PictureShape picture_of(const SourceShape& source) {
 /// weights beside the poles.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const reflections::NarrowSplit split = split_of(source);
-  const int rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : source.rows;
+  const int rings = source.cubemap ? reflections::rows_for_far_part(split) : source.rows;
   std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
   if (source.cubemap) {
-    bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
+    bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, rings);
   } else {
     const double sharpest = reflections::sharpest_far_lobe(split);
     const reflections::BrightSearch search = reflections::search_for_bright_texels(
@@ -145,7 +145,7 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
 
 /// Of the transform that spectral mips share, and of the lights beside it.
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
   std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
                         squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
@@ -161,31 +161,14 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
-/// Of mips that are sums over texels, and of the lights beside them unless those are counted.
-std::uint64_t summed_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan, bool lights_counted) {
-  std::uint64_t bytes = reflections::LobeTable::working_bytes(source.columns) +
-                        reflections::LobeTable::making_bytes({source.columns, plan.summed_mips(source.columns)});
-  const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      true, source.columns, source.rows, plan.least_alpha, reflections::kMostBright);
-  if (search.texels == 0) return bytes;
-  bytes += kTexelBytes * source.texels();  // a copy without them
-  if (lights_counted) return bytes;
-  return std::max<std::uint64_t>(bytes, search.bytes) +
-         reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.least_alpha,
-                                               jobs::worker_count(jobs::Placement::arena));
-}
-
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
-  const int face_size = source.cubemap ? source.columns : 0;
-  const bool rings = plan.needs_rings(face_size);
-  if (rings) bytes += spectral_bytes(source, plan);
-  if (!plan.summed_mips(face_size).empty()) bytes += summed_bytes(source, plan, rings);
+  if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
-    if (mip.bands.bands() == 0 || plan.is_summed(face_size, mip)) continue;
+    if (mip.bands.bands() == 0) continue;
     bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
   }
   return bytes;
@@ -219,16 +202,12 @@ double transforming(double rings, double columns, int bands, const CostModel& co
   return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
 }
 
-/// Of the time that a texel of a narrow mip takes of a cubemap, one that is a sum over texels takes.
-constexpr double kSummedTexel = 0.2;
-
 double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
-  const double rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const double rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const double columns = source.cubemap ? 2.0 * rings : source.columns;
-  const int face_size = source.cubemap ? source.columns : 0;
   double cost = 0.0;
-  if (plan.bands > 0) cost += costs.bright_texel * static_cast<double>(source.texels());
-  if (plan.needs_rings(face_size)) {
+  if (plan.bands > 0) {
+    cost += costs.bright_texel * static_cast<double>(source.texels());
     if (source.cubemap) cost += costs.ring_texel * rings * columns;
     cost += transforming(rings, columns, plan.bands, costs);
   }
@@ -241,7 +220,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
   const auto far_parts = static_cast<double>(reflections::far_alphas(split, plan.narrow_alphas).size());
   if (plan.uses(MipMethod::narrow)) {
     const transforms::GridSize grid = reflections::grid_of_far_part(source.cubemap, split);
-    const double far_rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : rings;
+    const double far_rings = source.cubemap ? reflections::rows_for_far_part(split) : rings;
     const double far_columns = source.cubemap ? 2.0 * far_rings : columns;
     cost += source.cubemap ? costs.ring_texel * far_rings * far_columns
                            : costs.bright_texel * static_cast<double>(source.texels());
@@ -251,9 +230,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
   for (const reflections::MipPlan& mip : plan.mips) {
     const double texels = cube_texels(mip.size);
     cost += projecting(texels, 1, costs);  // its mean
-    if (plan.is_summed(face_size, mip)) {
-      cost += kSummedTexel * costs.near_texel * texels;
-    } else if (mip.method == MipMethod::copy) {
+    if (mip.method == MipMethod::copy) {
       cost += resampling(source, mip.size, costs);
     } else if (mip.method == MipMethod::narrow) {
       cost += (std::min(far_parts, 2.0) * costs.face_texel + near_texel) * texels;

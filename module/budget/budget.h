@@ -67,9 +67,6 @@ struct EnvironmentEnergies {
   reflections::PictureShape shape;
 };
 
-/// A cubemap on rings of latitude, as the prefilter reads it. Throws `Error` (cancelled).
-[[nodiscard]] LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control);
-
 /// `plan` says how narrow lobes get. Throws `Error` (cancelled).
 [[nodiscard]] EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source,
                                                    const reflections::PrefilterPlan& plan, int bands,

@@ -16,8 +16,6 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/lobe.h"
-#include "reflections/lobe_errors.h"
-#include "reflections/lobe_table.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
@@ -57,7 +55,7 @@ double transform_nanoseconds(double bands, double rings) {
 }
 
 double predicted(const PrefilterPlan& plan, const SanitizedSource& source) {
-  const int rings = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
+  const int rings = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
   double sum = transform_nanoseconds(plan.bands, rings);
   for (const MipPlan& mip : plan.mips) {
     const double texels = 6.0 * mip.size * mip.size;
@@ -71,32 +69,8 @@ struct Errors {
   double worst = 0.0;
 };
 
-/// Of mips that are sums over a small cubemap's texels: what their weights err by, of the picture's blocks.
-struct Sums {
-  std::optional<reflections::BlockLight> light;  ///< without the bright texels; none of a lat-long
-  int face_size = 0;
-
-  Sums(const SanitizedSource& source, const std::vector<reflections::BrightTexel>& bright) {
-    if (!source.cubemap() || !reflections::LobeTable::serves(source.columns(), {1, 1.0})) return;
-    face_size = source.columns();
-    const CubemapImage rest{face_size, reflections::pixels_without(bright, source)};
-    light.emplace(face_size).read(rest.view());
-  }
-
-  [[nodiscard]] double error(const PrefilterPlan& plan, const MipPlan& mip, double of_lights, double rms,
-                             const Control& control) const {
-    const reflections::LobeTableKey key{face_size, plan.summed_mips(face_size)};
-    const auto place =
-        std::find(key.mips.begin(), key.mips.end(), reflections::LobeMip{mip.size, mip.alpha}) - key.mips.begin();
-    const auto table = reflections::LobeTable::get(key, {control.stop});
-    const double of_weights = table->errors(static_cast<std::size_t>(place)).rms(*light);
-    return reflections::summed_rms_error(face_size, of_weights, of_lights, rms);
-  }
-};
-
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
-Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies,
-                 const Sums& sums, const Control& control) {
+Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies) {
   Errors errors;
   const reflections::BrightLights lights(energies.bright, energies.shape, plan.least_alpha, plan.reach);
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
@@ -110,10 +84,6 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
       }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
       error = known ? kSafety * budget::spectral_mip_error(mip, energies, lights) + kRounding : kUnknown;
-      if (known && plan.is_summed(sums.face_size, mip)) {
-        const double rms = budget::blurred_rms(mip.alpha, energies.whole);
-        error = sums.error(plan, mip, lights.error(mip.alpha), rms, control) + kRounding;
-      }
     }
     errors.mips.push_back(error);
     errors.worst = std::max(errors.worst, error);
@@ -143,9 +113,9 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
     const bool all_found =
         std::all_of(needs.begin(), needs.end(), [](const MipNeed& need) { return need.source_size > 0; });
     if (size > kMostReducedSize || all_found) break;
-    const LatLongImage rings =
-        budget::sharpened_rings(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
-    const Spectrum spectrum = transforms::analyse(rings.view(), bands, {control.stop, {}});
+    const reflections::Rings rings =
+        reflections::rings_of_cubemap(chain.view(level), plan.rows_for_cubemap(), {control.stop, {}});
+    const Spectrum spectrum = transforms::analyse(rings.view, bands, {control.stop, {}});
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
       const MipPlan& mip = plan.mips[k];
@@ -174,12 +144,11 @@ PrefilterChoice choose_for(const View& view, const SanitizedSource& source, cons
   choice.relative_to = "root mean square of the mip over the sphere, of the worst mip";
   budget::EnvironmentEnergies energies;
   if (finest.bands > 0) energies = budget::analyse_energies(source, finest, finest.bands, control);
-  const Sums sums(source, energies.bright);
   std::vector<Errors> errors;
   for (const double bound : kBounds) {
     const PrefilterOptions setting = with_bounds(options, bound);
     const PrefilterPlan plan = reflections::plan_prefilter(setting);
-    errors.push_back(errors_of(plan, finest, energies, sums, control));
+    errors.push_back(errors_of(plan, finest, energies));
     choice.tried.push_back({setting, errors.back().worst, predicted(plan, source)});
   }
   budget::settle(choice, budget);
@@ -257,10 +226,6 @@ std::vector<double> sum_squares(int bands, const Value& value) {
 
 }  // namespace
 
-LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control) {
-  return reflections::sharp_rings_of_cubemap(cube, rows, control);
-}
-
 std::vector<double> band_energies(const Spectrum& spectrum) {
   return sum_squares(spectrum.bands(), [&](int m, int k) { return static_cast<double>(spectrum.order(m)[k]); });
 }
@@ -273,13 +238,13 @@ std::vector<double> difference_energies(const Spectrum& a, const Spectrum& b) {
 
 namespace {
 
-/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. Edges between texels
-/// are followed in steps of a ring: the loss falls with their number at least, so it is at most twice the difference
-/// to twice as many, and at most the difference to half as many.
+/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. The loss falls with
+/// their number at least, so it is at most twice the difference to twice as many, and at most the difference to half as
+/// many.
 std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spectrum& spectrum, const Control& quiet) {
   const bool finer = 2 * rows <= kMostRings;
-  const LatLongImage other = sharpened_rings(cube, finer ? 2 * rows : rows / 2, quiet);
-  std::vector<double> lost = difference_energies(transforms::analyse(other.view(), spectrum.bands(), quiet), spectrum);
+  const reflections::Rings other = reflections::rings_of_cubemap(cube, finer ? 2 * rows : rows / 8 * 4, quiet);
+  std::vector<double> lost = difference_energies(transforms::analyse(other.view, spectrum.bands(), quiet), spectrum);
   if (finer) {
     for (double& energy : lost) energy *= 4.0;
   }
@@ -296,24 +261,19 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
       reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
   energies.bright = bright;
   energies.shape = reflections::PictureShape::of(source);
-  const auto on_rings = [&](std::vector<float> pixels) {
-    if (!source.cubemap()) return LatLongImage{source.columns(), source.rows(), std::move(pixels)};
-    const CubemapImage cube{source.columns(), std::move(pixels)};
-    return sharpened_rings(cube.view(), plan.rows_for_cubemap(source.columns()), quiet);
-  };
-  const LatLongImage image = on_rings(reflections::pixels_without({}, source));
-  energies.spectrum = transforms::analyse(image.view(), bands, quiet);
+  const int rows = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
+  energies.spectrum = transforms::analyse(reflections::rings_of(source, {}, rows, quiet).view, bands, quiet);
   energies.whole = band_energies(energies.spectrum);
-  if (source.cubemap()) energies.rings = ring_energies(source.cube(), image.height, energies.spectrum, quiet);
+  if (source.cubemap()) energies.rings = ring_energies(source.cube(), rows, energies.spectrum, quiet);
   energies.rest = energies.whole;
   energies.rings_of_rest = energies.rings;
   if (!bright.empty()) {
-    const std::vector<float> pixels = reflections::pixels_without(bright, source);
-    const Spectrum rest = transforms::analyse(on_rings(pixels).view(), bands, quiet);
+    const Spectrum rest = transforms::analyse(reflections::rings_of(source, bright, rows, quiet).view, bands, quiet);
     energies.rest = band_energies(rest);
     if (source.cubemap()) {
-      const CubemapImage cube{source.columns(), pixels};
-      energies.rings_of_rest = ring_energies(cube.view(), image.height, rest, quiet);
+      const platform::AlignedBuffer<float> pixels = reflections::pixels_without(bright, source);
+      const CubemapView cube = image::packed_cubemap(pixels.data(), source.columns());
+      energies.rings_of_rest = ring_energies(cube, rows, rest, quiet);
     }
   }
   return energies;

@@ -108,7 +108,6 @@ welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
     case welkin::MipMethod::spectral: return WELKIN_PREFILTER_SPECTRAL;
     case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
     case welkin::MipMethod::narrow: return WELKIN_PREFILTER_NARROW;
-    case welkin::MipMethod::summed: return WELKIN_PREFILTER_SUMMED;
     case welkin::MipMethod::copy:
     case welkin::MipMethod::stored: break;
   }

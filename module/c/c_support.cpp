@@ -91,6 +91,13 @@ void require(const void* pointer, const char* name) {
 
 }  // namespace welkin::c_interface
 
+void welkin_keep_working_memory(uint64_t bytes) {
+  constexpr std::uint64_t most = std::numeric_limits<std::size_t>::max();
+  welkin::keep_working_memory(static_cast<std::size_t>(std::min(bytes, most)));
+}
+
+void welkin_release_working_memory() { welkin::release_working_memory(); }
+
 const char* welkin_status_name(welkin_status status) {
   switch (status) {
     case WELKIN_OK: return "ok";

@@ -18,7 +18,7 @@ namespace welkin::cache {
 namespace {
 
 /// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
-ContentHash mip_key(int face_size, const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
+ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
   ByteWriter writer;
   writer.put(mip.size);
   writer.put(mip.roughness);
@@ -27,7 +27,6 @@ ContentHash mip_key(int face_size, const reflections::PrefilterPlan& plan, const
     // The narrowest lobe of the whole chain decides which texels are taken out, and a cubemap's rings.
     writer.put(plan.least_alpha);
     writer.put(plan.reach);
-    if (plan.is_summed(face_size, mip)) writer.put(name(MipMethod::summed));
   }
   if (mip.method == MipMethod::narrow) {
     writer.put(2);  // the version of its bits
@@ -40,7 +39,7 @@ ContentHash mip_key(int face_size, const reflections::PrefilterPlan& plan, const
 
 }  // namespace
 
-StoredChain::StoredChain(ResultStore& store, const HashedSource& source, const PixelPolicy& pixels,
+StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
                          const reflections::PrefilterPlan& plan, memory_resource* memory)
     : store_(store),
       plan_(plan),
@@ -48,8 +47,7 @@ StoredChain::StoredChain(ResultStore& store, const HashedSource& source, const P
       mips_(plan.mips.size()) {
   for (std::size_t mip = 0; mip < mips_.size(); ++mip) {
     const auto level = static_cast<int>(mip);
-    const ContentHash key =
-        result_key("specular mip", {source.pixels, pixel_key(pixels), mip_key(source.face_size, plan, plan.mips[mip])});
+    const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
     names_.push_back({EntryKind::specular_mip, key});
     auto found = store.find(names_[mip], mip_bytes(chain_.level_size(level)), [&](ByteSpan bytes) {
       return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0));
@@ -149,8 +147,7 @@ class BakeEntries final : public baking::ArtefactStore {
       }
     }
     if (plan.prefilter) {
-      const int face_size = std::visit([](const auto& view) { return cache::face_size_of(view); }, pixels);
-      chain_.emplace(store_, cache::HashedSource{source_, face_size}, options.pixels, *plan.prefilter, control.memory);
+      chain_.emplace(store_, source_, options.pixels, *plan.prefilter, control.memory);
       found.missing_specular = chain_->missing();
       found.specular_where = chain_->found_text();
       found.specular_milliseconds = chain_->milliseconds();

@@ -15,20 +15,11 @@
 
 namespace welkin::cache {
 
-/// What a chain is made of.
-struct HashedSource {
-  ContentHash pixels;
-  int face_size;  ///< of a cubemap: which method a mip is made by depends on it. 0: a lat-long
-};
-
-[[nodiscard]] inline int face_size_of(const LatLongView&) noexcept { return 0; }
-[[nodiscard]] inline int face_size_of(const CubemapView& view) noexcept { return view.size; }
-
 /// A chain while it is put together.
 class StoredChain {
  public:
-  /// Looks for all mips that `plan` makes of a source.
-  StoredChain(ResultStore& store, const HashedSource& source, const PixelPolicy& pixels,
+  /// Looks for all mips that `plan` makes of a source. `source`: hash of its pixels.
+  StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
               const reflections::PrefilterPlan& plan, memory_resource* memory);
 
   /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.

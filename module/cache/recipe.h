@@ -103,7 +103,7 @@ class ByteReader {
     value.reset();
     if (there) get(value.emplace());
   }
-  void get(MipMethod& method) { enumerator(method, MipMethod::summed); }
+  void get(MipMethod& method) { enumerator(method, MipMethod::narrow); }
   void get(std::string& text) {
     const std::size_t length = count(1);
     text.resize(length);

@@ -192,8 +192,7 @@ template <class View>
 PrefilteredSpecular ResultCache::prefilter_view(const View& view, const PrefilterOptions& options,
                                                 const Control& control) {
   const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
-  cache::StoredChain chain(*store_, {pixels, cache::face_size_of(view)}, options.pixels,
-                           reflections::plan_prefilter(options), control.memory);
+  cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
   const std::optional<reflections::PrefilterPlan> missing = chain.missing();
   const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
   auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
@@ -206,7 +205,7 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
       // Only the whole chain is a result.
       Control making = jobs::part_of(control, kHashing, 1.0);
       making.memory = nullptr;
-      chain.add(reflections::prefilter(projection::view_of(source, view), *missing, {}, {}, making));
+      chain.add(reflections::prefilter(source, *missing, {}, making));
     }
   }
   PrefilteredSpecular specular = chain.take();

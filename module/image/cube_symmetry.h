@@ -40,12 +40,6 @@ inline glm::ivec3 moved_back(const CubeImage& image, glm::ivec3 point) noexcept 
   return point;
 }
 
-/// Whether a texel's centre lies in the sixteenth that is kept of all images: from -Z's middle towards +x and up to +Y.
-/// In half texels, `point_of`, of the faces 5 and 2 only.
-constexpr bool in_sixteenth(int face, const glm::ivec3& point) noexcept {
-  return point.x >= 0 && point.y >= 0 && (face != 2 || (point.z <= 0 && point.x <= -point.z));
-}
-
 using WholeMatrix = glm::mat<3, 3, int>;
 
 /// Returns the matrix in whole numbers if it is one of the cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.

@@ -11,6 +11,7 @@
 
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "math/table_cache.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "welkin/core.h"
@@ -52,14 +53,32 @@ double lat_long_texel_solid_angle(int width, int height, int row) {
   return 2.0 * std::numbers::pi / width * 2.0 * polar_sine * math::sine_cosine_of_turns(0.25 / height).sine;
 }
 
-void cubemap_row_solid_angles(int row, std::span<double> row_angles) {
-  const std::size_t size = row_angles.size();
-  const math::GaussRule rule = math::texel_rule(static_cast<int>(size));
+double cubemap_texel_solid_angle(int size, int row, int column) {
   const double half_edge = 1.0 / static_cast<double>(size);
+  const double u = (2.0 * std::min(column, size - 1 - column) + 1.0) * half_edge - 1.0;
   const double v = (2.0 * row + 1.0) * half_edge - 1.0;
-  for (std::size_t column = 0; column < (size + 1) / 2; ++column) {
-    const double u = (2.0 * static_cast<double>(column) + 1.0) * half_edge - 1.0;
-    row_angles[column] = row_angles[size - 1 - column] = math::rectangle_solid_angle(u, v, half_edge, half_edge, rule);
+  return math::rectangle_solid_angle(u, v, half_edge, half_edge, math::texel_rule(size));
+}
+
+void cubemap_row_solid_angles(int row, std::span<double> row_angles) {
+  const auto size = static_cast<int>(row_angles.size());
+  for (int column = 0; column < (size + 1) / 2; ++column) {
+    row_angles[static_cast<std::size_t>(column)] = row_angles[static_cast<std::size_t>(size - 1 - column)] =
+        cubemap_texel_solid_angle(size, row, column);
+  }
+}
+
+std::shared_ptr<const FaceSolidAngles> FaceSolidAngles::get(int size) {
+  constexpr std::size_t kept = std::size_t{8} << 20U;                      // faces of up to 2048
+  static auto& cache = *new math::TableCache<int, FaceSolidAngles>(kept);  // never destroyed
+  return cache.get(size, [&] { return std::make_shared<const FaceSolidAngles>(size); });
+}
+
+FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
+  const int half = (size + 1) / 2;
+  quadrant_.reserve(static_cast<std::size_t>(half) * static_cast<std::size_t>(half));
+  for (int row = 0; row < half; ++row) {
+    for (int column = 0; column < half; ++column) quadrant_.push_back(cubemap_texel_solid_angle(size, row, column));
   }
 }
 
@@ -214,13 +233,18 @@ void TexelGrid::solid_angles(int row_class, std::span<double> steradians) const 
 
 std::vector<double> solid_angles_of(const TexelGrid& grid, const std::vector<std::int64_t>& texels) {
   std::vector<double> result;
-  std::vector<double> row_angles(static_cast<std::size_t>(grid.columns()));
-  std::int64_t known_row = -1;
+  result.reserve(texels.size());
+  const bool cubemap = grid.kind() == TexelGrid::Kind::cubemap;
+  int known_row = -1;
   for (const std::int64_t texel : texels) {
-    const std::int64_t row = texel / grid.columns();
-    if (row != known_row) grid.solid_angles(grid.class_of(static_cast<int>(row)), row_angles);
+    const auto row = static_cast<int>(texel / grid.columns());
+    if (cubemap) {
+      const auto column = static_cast<int>(texel % grid.columns());
+      result.push_back(cubemap_texel_solid_angle(grid.columns(), grid.class_of(row), column));
+    } else {
+      result.push_back(row == known_row ? result.back() : lat_long_texel_solid_angle(grid.columns(), grid.rows(), row));
+    }
     known_row = row;
-    result.push_back(row_angles[static_cast<std::size_t>(texel % grid.columns())]);
   }
   return result;
 }

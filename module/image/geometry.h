@@ -1,10 +1,13 @@
 // Where texels lie on the sphere and how much of it they cover.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,9 +33,31 @@ struct Frame {
 /// Steradians of each texel in row `row` of a lat-long of `width` x `height`: all texels of a row are equal.
 [[nodiscard]] double lat_long_texel_solid_angle(int width, int height, int row);
 
+/// Returns the steradians of a texel of a cubemap face. Relative error below 1e-11.
+[[nodiscard]] double cubemap_texel_solid_angle(int size, int row, int column);
+
 /// Writes the steradians of the texels in row `row` of a cubemap face to `row_angles` (`size` of them, the
-/// face's edge). Relative error below 1e-11.
+/// face's edge).
 void cubemap_row_solid_angles(int row, std::span<double> row_angles);
+
+/// The steradians of all texels of a cubemap face, for calls that read many of them: computed once for each size.
+class FaceSolidAngles {
+ public:
+  /// A shared table; faces of more than 2048 texels along an edge are computed in each call.
+  [[nodiscard]] static std::shared_ptr<const FaceSolidAngles> get(int size);
+  explicit FaceSolidAngles(int size);
+
+  [[nodiscard]] double at(int row, int column) const noexcept {
+    const int half = (size_ + 1) / 2;
+    return quadrant_[static_cast<std::size_t>(std::min(row, size_ - 1 - row) * half +
+                                              std::min(column, size_ - 1 - column))];
+  }
+  [[nodiscard]] std::size_t bytes() const noexcept { return quadrant_.size() * sizeof(double); }
+
+ private:
+  int size_;
+  std::vector<double> quadrant_;
+};
 
 // A cube's texels as points with whole coordinates: where a texel goes when the cube turns, and what lies beyond a
 // face's edge, without rounding.
@@ -115,7 +140,7 @@ class TexelGrid {
   int rows_;
 };
 
-/// The steradians of some texels, one after the other; each run of texels of the same row takes a row's work.
+/// Returns the steradians of some texels, in their order.
 [[nodiscard]] std::vector<double> solid_angles_of(const TexelGrid& grid, const std::vector<std::int64_t>& texels);
 
 }  // namespace welkin::image

@@ -395,6 +395,13 @@ SphereGrid grid_of(const LatLongView& source, const Control& control) {
 
 }  // namespace
 
+CubemapView packed_cubemap(const float* pixels, int size) noexcept {
+  const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
+  for (std::size_t face = 0; face < view.faces.size(); ++face) view.faces[face] = pixels + face * face_values;
+  return view;
+}
+
 CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory) {
   if (chain.size() == size && chain.levels() == levels) return chain;
   chain = {};  // freed before the next one is allocated

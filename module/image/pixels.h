@@ -136,6 +136,9 @@ void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 
 /// The same into level 0 of a chain.
 void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control);
 
+/// Six packed faces of RGB floats that lie one after the other.
+[[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
+
 /// `chain` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
 [[nodiscard]] CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory);
 

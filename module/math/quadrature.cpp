@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <mutex>
 
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 
 namespace welkin::math {
 namespace {
@@ -50,23 +52,17 @@ void make_rule(int order, double* nodes, double* weights) {
   }
 }
 
-using Rules = std::array<Rule, kMaximumGaussOrder + 1>;
-
-Rules make_rules() {
-  Rules rules;
-  rules[1].weights[0] = 2.0;  // Newton's recurrence starts at two points
-  for (int order = 2; order <= kMaximumGaussOrder; ++order) {
-    Rule& rule = rules[static_cast<std::size_t>(order)];
-    make_rule(order, rule.nodes.data(), rule.weights.data());
-  }
-  return rules;
-}
-
 }  // namespace
 
 GaussRule gauss_legendre(int order) {
-  static const Rules rules = make_rules();
-  const Rule& rule = rules[static_cast<std::size_t>(order)];
+  static std::array<Rule, kMaximumGaussOrder + 1> rules;
+  static std::array<std::once_flag, kMaximumGaussOrder + 1> made;
+  Rule& rule = rules[static_cast<std::size_t>(order)];
+  std::call_once(made[static_cast<std::size_t>(order)], [&] {
+    const platform::FloatingPointScope floating_point;  // the rule outlives the call
+    rule.weights[0] = 2.0;                              // Newton's recurrence starts at two points
+    if (order > 1) make_rule(order, rule.nodes.data(), rule.weights.data());
+  });
   return {order, rule.nodes.data(), rule.weights.data()};
 }
 

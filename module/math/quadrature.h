@@ -15,7 +15,7 @@ struct GaussRule {
 inline constexpr int kMaximumGaussOrder = 32;
 
 /// The rule with `order` points, 1 to kMaximumGaussOrder: exact for polynomials of degree 2 order - 1, nodes
-/// ascending and symmetric, to 2e-16. Built once for all orders; the pointers stay valid.
+/// ascending and symmetric, to 2e-16. Computed when first asked for; the pointers stay valid.
 [[nodiscard]] GaussRule gauss_legendre(int order);
 
 /// Texels of cubemap faces of at most this size are integrated by a Gauss rule. Above it the expansion in the texel's

@@ -16,6 +16,20 @@
 // whole program are made, so what it makes is destroyed after them. 101 is the first priority that the compiler does
 // not keep for itself. Where there is no such thing the function is called by nobody, and the objects are made at first
 // use.
+//
+// WELKIN_ADDRESS_SANITIZER is 1 in a build with that sanitizer: memory that is kept for reuse would hide errors from
+// it.
+#if defined(__SANITIZE_ADDRESS__)
+#define WELKIN_ADDRESS_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define WELKIN_ADDRESS_SANITIZER 1
+#endif
+#endif
+#ifndef WELKIN_ADDRESS_SANITIZER
+#define WELKIN_ADDRESS_SANITIZER 0
+#endif
+
 #if defined(__GNUC__)
 #define WELKIN_INLINE inline __attribute__((always_inline))
 #define WELKIN_INLINE_LAMBDA __attribute__((always_inline))

@@ -11,7 +11,7 @@ namespace welkin::platform {
 
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-  constexpr std::size_t least = std::size_t{4} << 20U;
+  constexpr std::size_t least = std::size_t{2} << 20U;
   if (memory == nullptr || bytes < least) return;
   static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));  // 4 KiB; on ARM also 16 or 64
   const auto address = reinterpret_cast<std::uintptr_t>(memory);

@@ -3,28 +3,25 @@
 
 #include <cstddef>
 #include <memory>
-#include <new>
+
+#include "platform/working_memory.h"
 
 namespace welkin::platform {
 
 /// Asks the system to back large memory that is about to be filled by large pages: with pages of 4 KB the first touch
-/// of a bake's results costs more than filling them. Does nothing below 4 MB, or where the system has no such call;
+/// of a bake's results costs more than filling them. Does nothing below 2 MiB, or where the system has no such call;
 /// the contents stay as they are.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 
 // Memory for kernels.
 
-/// `size` values that start on a cache line, so that kernels may use aligned loads; not initialised.
+/// `size` values that start on a cache line, so that kernels may use aligned loads; not initialised. Large buffers come
+/// from working memory that is kept between calls.
 template <class Value>
 class AlignedBuffer {
  public:
-  static constexpr std::size_t kAlignment = 64;
-
   AlignedBuffer() = default;
-  explicit AlignedBuffer(std::size_t size)
-      : values_(static_cast<Value*>(::operator new (size * sizeof(Value), std::align_val_t{kAlignment}))), size_(size) {
-    advise_huge_pages(values_.get(), bytes());
-  }
+  explicit AlignedBuffer(std::size_t size) : AlignedBuffer(take_working_memory(size * sizeof(Value)), size) {}
 
   [[nodiscard]] Value* data() noexcept { return values_.get(); }
   [[nodiscard]] const Value* data() const noexcept { return values_.get(); }
@@ -33,8 +30,13 @@ class AlignedBuffer {
 
  private:
   struct Free {
-    void operator()(Value* values) const noexcept { ::operator delete (values, std::align_val_t{kAlignment}); }
+    void operator()(Value* /*values*/) const noexcept { give_working_memory(block); }
+
+    WorkingMemory block;
   };
+
+  AlignedBuffer(const WorkingMemory& block, std::size_t size)
+      : values_(static_cast<Value*>(block.data), Free{block}), size_(size) {}
 
   std::unique_ptr<Value, Free> values_;
   std::size_t size_ = 0;

@@ -12,6 +12,8 @@
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
+#include "reflections/kernel_lights.h"
+#include "reflections/light_field.h"
 #include "reflections/lobe.h"
 
 namespace welkin::reflections {
@@ -72,6 +74,8 @@ struct BrightLights::Block {
   bool by_kernel = false;
   double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
   double farthest = 2.0;
+  double smooth = 0.0;  ///< of GGX, see `even_enough`
+  double widest = 0.0;  ///< through a kernel: the radius up to which a field over the block is all but a cubic
   bool horizon = true;  ///< whether nothing comes from below it
 
   enum class Sight { below, cut, above };
@@ -100,16 +104,27 @@ struct BrightLights::Block {
     const double distance = std::max(0.0, std::sqrt(x * x + y * y + z * z) - radius);
     return distance * distance + width_squared >= far * far * node.merged * node.merged;
   }
+  /// Returns whether the node's light, all of it above the horizon, is all but a cubic over the block along each axis.
+  [[nodiscard]] bool even_enough(const Node& node) const noexcept {
+    if (by_kernel || radius > widest) return radius <= widest;
+    const double x = centre[0] - node.centre[0];
+    const double y = centre[1] - node.centre[1];
+    const double z = centre[2] - node.centre[2];
+    const double distance = std::max(0.0, std::sqrt(x * x + y * y + z * z) - node.radius);
+    return distance * distance + width_squared >= smooth * smooth * radius * radius;
+  }
 };
 
 namespace {
 
-constexpr int kMostEdge = 8;
-constexpr int kMostTexels = kMostEdge * kMostEdge;
+constexpr int kLeafEdge = LightField::kMostEdge;
+constexpr int kLeafTexels = kLeafEdge * kLeafEdge;
+constexpr int kTileEdge = 64;   ///< of the areas that threads share out
+constexpr int kSmallMip = 64;   ///< mips below that end with areas of `kPartEdge`, over which no field is interpolated
 constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
-
-double place_on_face(int texel, int size) { return (2.0 * texel + 1.0) / size - 1.0; }
+constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
+static_assert(LightField::kPoints == kLobeTexels);
 
 void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
   if (!runs.empty() && runs.back().first + runs.back().count == run.first) {
@@ -121,33 +136,24 @@ void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
 
 }  // namespace
 
-/// Texels [column, end_column) x [row, end_row) of a face of `size`.
-struct BrightLights::Area {
-  int face;
-  int size;
-  int column;
-  int row;
-  int end_column;
-  int end_row;
-};
-
 /// What a worker needs for one area. Nothing is allocated inside tiles: nodes in a list have no leaf in common, so that
 /// there is room for one of each leaf.
 struct BrightLights::Room {
   explicit Room(std::size_t leaves) {
-    for (std::vector<int>* list : {&stack, &cut}) list->reserve(leaves);
+    stack.reserve(leaves);
+    pending.reserve(kMostLevels * leaves);
     for (std::vector<LobeRun>* list : {&runs, &parts}) list->reserve(leaves);
   }
 
   [[nodiscard]] static constexpr std::size_t bytes(std::size_t leaves) noexcept {
-    return sizeof(Room) + leaves * 2 * (sizeof(int) + sizeof(LobeRun));
+    return sizeof(Room) + leaves * ((1 + kMostLevels) * sizeof(int) + 2 * sizeof(LobeRun));
   }
 
-  std::array<float, kMostTexels> u{};
-  std::array<float, kMostTexels> v{};
-  std::array<float, 3 * kMostTexels> sums{};
+  std::array<float, kLeafTexels> u{};
+  std::array<float, kLeafTexels> v{};
+  std::array<float, 3 * kLeafTexels> sums{};
   std::vector<int> stack;      ///< nodes that are still to be looked at
-  std::vector<int> cut;        ///< nodes that the horizon of some texel cuts
+  std::vector<int> pending;    ///< nodes that are left to the parts of an area; below them, those of wider areas
   std::vector<LobeRun> runs;   ///< of lights
   std::vector<LobeRun> parts;  ///< of cut lights
 };
@@ -196,8 +202,11 @@ void BrightLights::make_rooms() {
   rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
 }
 
-BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& lobe) const {
+BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLobe& lobe) const {
   constexpr double kOfScale = 0.8;  // four Gauss points over a bell of 1.3 standard deviations each side: 3e-4
+  constexpr double kFieldOfScale = 0.4;
+  constexpr double kWidestField = 0.2;  // of directions over a face
+  constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   Block block;
   const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
                                                   0.5 * (area.row + area.end_row));
@@ -212,8 +221,11 @@ BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& l
   block.far = far_;
   block.width_squared = 4.0 * lobe.alpha * lobe.alpha / std::max(1e-6, 1.0 - lobe.alpha * lobe.alpha);
   block.by_kernel = lobe.kernel != nullptr;
+  block.smooth = kSmoothOfFar * far_;
+  block.widest = kWidestField;
   if (block.by_kernel) {
     block.most_merged = kOfScale * lobe.kernel->scale();
+    block.widest = std::min(kWidestField, kFieldOfScale * lobe.kernel->scale());
     block.horizon = lobe.kernel->hemisphere();
     block.nearest = 2.0 * lobe.kernel->nearest();
     block.farthest = 2.0 * lobe.kernel->farthest();
@@ -221,8 +233,9 @@ BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& l
   return block;
 }
 
-/// Takes the stack's nodes to `runs`, and what the horizon cuts to `cut`, or if `to_parts` on to its texels' parts.
-void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
+/// Takes the stack's nodes to `runs`, and those that parts of the area must look at to `pending`; in the last parts,
+/// what the horizon cuts to its texels' parts.
+void BrightLights::choose(const Block& block, Step step, Room& room) const {
   while (!room.stack.empty()) {
     const int index = room.stack.back();
     const Node& node = nodes_[static_cast<std::size_t>(index)];
@@ -231,11 +244,13 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
     if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
     const bool cut = sight == Block::Sight::cut;
-    if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node)))) {
+    const bool has_parts = leaf || (cut && node.parts.count > 0);
+    if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node))) &&
+        (step != Step::field || block.even_enough(node))) {
       add_run(node.smooth, room.runs);
-    } else if (cut && !to_parts && (leaf || node.parts.count > 0 || node.radius < block.radius)) {
-      room.cut.push_back(index);
-    } else if (leaf || (cut && node.parts.count > 0)) {
+    } else if (step != Step::parts && (cut || step == Step::field) && (has_parts || node.radius < block.radius)) {
+      room.pending.push_back(index);
+    } else if (has_parts) {
       add_run(node.parts, room.parts);
     } else {
       room.stack.push_back(node.children[1]);
@@ -244,57 +259,94 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
   }
 }
 
-/// Adds the lights of `room`'s runs to an area's texels, packed RGB, and forgets them.
-void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
-  if (room.runs.empty() && room.parts.empty()) return;
+/// Adds the lights of `room`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and forgets
+/// them.
+void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const {
+  const image::Frame& frame = image::face_frame(face);
   if (lobe.kernel != nullptr) {
-    add_runs_by_kernel(area, *lobe.kernel, rgb, room);
-    return;
+    for (int k = 0; k < count; ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      KernelSums sums(*lobe.kernel, glm::normalize(frame.normal + static_cast<double>(room.u[place]) * frame.u +
+                                                   static_cast<double>(room.v[place]) * frame.v));
+      sums.add(lights_.data(), room.runs);
+      sums.add(cut_lights_.data(), room.parts);
+      sums.add_to(room.sums.data() + k, count);
+    }
+  } else {
+    const double square = lobe.alpha * lobe.alpha;
+    LobeBlock of{{},
+                 {},
+                 {},
+                 room.u.data(),
+                 room.v.data(),
+                 count,
+                 static_cast<float>(square),
+                 static_cast<float>(0.25 * (1.0 - square)),
+                 static_cast<float>(lobe.far_split / (1.0 - square))};
+    for (int axis = 0; axis < 3; ++axis) {
+      of.normal[axis] = static_cast<float>(frame.normal[axis]);
+      of.along[axis] = static_cast<float>(frame.u[axis]);
+      of.down[axis] = static_cast<float>(frame.v[axis]);
+    }
+    const LobeKernels& kernels = lobe_kernels();
+    kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
+    kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
+                          room.sums.data());
   }
-  const int across = area.end_column - area.column;
-  const int texels = across * (area.end_row - area.row);
-  const int count = (texels + kLobeTexels - 1) / kLobeTexels * kLobeTexels;
-  for (int k = 0; k < count; ++k) {
-    const int texel = std::min(k, texels - 1);
-    room.u[static_cast<std::size_t>(k)] = static_cast<float>(place_on_face(area.column + texel % across, area.size));
-    room.v[static_cast<std::size_t>(k)] = static_cast<float>(place_on_face(area.row + texel / across, area.size));
-  }
-  const image::Frame& frame = image::face_frame(area.face);
-  const double square = lobe.alpha * lobe.alpha;
-  LobeBlock of{{},
-               {},
-               {},
-               room.u.data(),
-               room.v.data(),
-               count,
-               static_cast<float>(square),
-               static_cast<float>(0.25 * (1.0 - square)),
-               static_cast<float>(lobe.far_split / (1.0 - square))};
-  for (int axis = 0; axis < 3; ++axis) {
-    of.normal[axis] = static_cast<float>(frame.normal[axis]);
-    of.along[axis] = static_cast<float>(frame.u[axis]);
-    of.down[axis] = static_cast<float>(frame.v[axis]);
-  }
-  if (texels_) add_exactly(area, lobe, rgb, room);
-  room.sums.fill(0.0F);
-  const LobeKernels& kernels = lobe_kernels();
-  kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
-  kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
-                        room.sums.data());
   room.runs.clear();
   room.parts.clear();
-  const double scale = square / kPi / lobe_integral(lobe.alpha);
-  for (int k = 0; k < texels; ++k) {
-    float* const texel = rgb + 3 * (std::ptrdiff_t{area.row + k / across} * area.size + area.column + k % across);
-    for (int c = 0; c < 3; ++c) {
-      const double light = scale * static_cast<double>(room.sums[static_cast<std::size_t>(c * count + k)]);
-      texel[c] = static_cast<float>(static_cast<double>(texel[c]) + light);
+}
+
+/// Adds the lights of `room`'s runs to an area's field.
+void BrightLights::add_to_field(const FaceArea& area, const LightsLobe& lobe, LightField& field, Room& room) const {
+  if (room.runs.empty()) return;
+  for (std::size_t k = 0; k < LightField::kPoints; ++k) {
+    room.u[k] = static_cast<float>(LightField::point(area.column, area.end_column, area.size, k % LightField::kEdge));
+    room.v[k] = static_cast<float>(LightField::point(area.row, area.end_row, area.size, k / LightField::kEdge));
+  }
+  std::array<float, 3 * LightField::kPoints>& values = field.lit();
+  std::copy(values.begin(), values.end(), room.sums.begin());
+  sum_runs(area.face, LightField::kPoints, lobe, room);
+  std::copy_n(room.sums.begin(), values.size(), values.begin());
+}
+
+/// Adds an area's field and the lights of `room`'s runs to its texels, packed RGB.
+void BrightLights::add_to_texels(const FaceArea& area, const LightsLobe& lobe, const LightField& field, float* rgb,
+                                 Room& room) const {
+  if (texels_) add_exactly(area, lobe, rgb, room);
+  if (field.dark() && room.runs.empty() && room.parts.empty()) return;
+  const int across = area.across();
+  const int texels = across * area.down();
+  const int count = (texels + kLobeTexels - 1) / kLobeTexels * kLobeTexels;
+  std::fill_n(room.sums.begin(), 3 * count, 0.0F);
+  if (!field.dark()) field.write(area, count, room.sums.data());
+  if (!room.runs.empty() || !room.parts.empty()) {
+    auto place = std::size_t{0};
+    for (int row = area.row; row < area.end_row; ++row) {
+      for (int column = area.column; column < area.end_column; ++column, ++place) {
+        room.u[place] = static_cast<float>(place_on_face(column, area.size));
+        room.v[place] = static_cast<float>(place_on_face(row, area.size));
+      }
+    }
+    std::fill(room.u.begin() + texels, room.u.begin() + count, room.u[place - 1]);
+    std::fill(room.v.begin() + texels, room.v.begin() + count, room.v[place - 1]);
+    sum_runs(area.face, count, lobe, room);
+  }
+  const float scale =
+      lobe.kernel != nullptr ? 1.0F : static_cast<float>(lobe.alpha * lobe.alpha / kPi / lobe_integral(lobe.alpha));
+  const float* sums = room.sums.data();
+  for (int row = area.row; row < area.end_row; ++row) {
+    float* texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + area.column);
+    for (int column = 0; column < across; ++column, ++sums, texel += 3) {
+      texel[0] += scale * sums[0];
+      texel[1] += scale * sums[count];
+      texel[2] += scale * sums[2 * count];
     }
   }
 }
 
 /// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
-void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+void BrightLights::add_exactly(const FaceArea& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
   const double whole = lobe_integral(lobe.alpha);
   const GgxFunction ggx(lobe.alpha);
@@ -316,100 +368,89 @@ void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* 
   room.parts.clear();
 }
 
-/// Texel by texel in double, as a kernel is a table. A part that the horizon cuts is looked at in 4 x 4 places.
-void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const {
-  constexpr int kPlaces = 4;
-  const KernelTable& table = kernel.table();
-  const auto towards = [&table](const glm::dvec3& normal, double x, double y, double z) {
-    x -= normal.x;
-    y -= normal.y;
-    z -= normal.z;
-    return table.at(0.5 * std::sqrt(x * x + y * y + z * z));
-  };
-  for (int row = area.row; row < area.end_row; ++row) {
-    for (int column = area.column; column < area.end_column; ++column) {
-      const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
-      std::array<double, 3> sum{};
-      const auto add = [&sum](const LobeLight& light, double weight) {
-        sum[0] += weight * static_cast<double>(light.red);
-        sum[1] += weight * static_cast<double>(light.green);
-        sum[2] += weight * static_cast<double>(light.blue);
-      };
-      for (const LobeRun& run : room.runs) {
-        for (int k = run.first; k < run.first + run.count; ++k) {
-          const LobeLight& light = lights_[static_cast<std::size_t>(k)];
-          add(light, towards(normal, static_cast<double>(light.x), static_cast<double>(light.y),
-                             static_cast<double>(light.z)));
-        }
-      }
-      for (const LobeRun& run : room.parts) {
-        for (int k = run.first; k < run.first + run.count; ++k) {
-          const CutLight& cut = cut_lights_[static_cast<std::size_t>(k)];
-          double weight = 0.0;
-          for (int place = 0; place < kPlaces * kPlaces; ++place) {
-            const int down = place / kPlaces;
-            const int across = place % kPlaces;
-            const double s = (2.0 * across + 1.0) / kPlaces - 1.0;
-            const double t = (2.0 * down + 1.0) / kPlaces - 1.0;
-            const auto at = [&](float middle, int axis) {
-              return static_cast<double>(middle) + s * static_cast<double>(cut.along[axis]) +
-                     t * static_cast<double>(cut.down[axis]);
-            };
-            weight += towards(normal, at(cut.light.x, 0), at(cut.light.y, 1), at(cut.light.z, 2));
-          }
-          add(cut.light, weight / (kPlaces * kPlaces));
-        }
-      }
-      float* const texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + column);
-      for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<float>(static_cast<double>(texel[c]) + sum[c]);
-    }
-  }
-  room.runs.clear();
-  room.parts.clear();
-}
-
-void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+/// Adds the lights of `room`'s pending nodes from `first` on to an area of texels that no field is interpolated over.
+void BrightLights::add_to_leaf(const FaceArea& area, const LightsLobe& lobe, const LightField& field, std::size_t first,
+                               float* rgb, Room& room) const {
   // Integrals are costly. Over a wide block, parts, which are placed at their middles, would be used for texels at the
   // peak.
   const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
-  const bool parted = area.end_column - area.column > edge || area.end_row - area.row > edge;
-  room.cut.clear();
-  room.stack.push_back(0);
-  choose(block_of(area, lobe), !parted, room);
-  add_runs(area, lobe, rgb, room);
-  if (room.cut.empty()) return;
-  for (int row = area.row; row < area.end_row; row += edge) {
+  const bool parted = area.across() > edge || area.down() > edge;
+  const std::size_t end = room.pending.size();
+  const auto take_pending = [&room](std::size_t from, std::size_t to) {
+    const auto begin = room.pending.rbegin();
+    const auto last = static_cast<std::ptrdiff_t>(room.pending.size());
+    room.stack.assign(begin + (last - static_cast<std::ptrdiff_t>(to)),
+                      begin + (last - static_cast<std::ptrdiff_t>(from)));
+  };
+  take_pending(first, end);
+  choose(block_of(area, lobe), parted ? Step::texels : Step::parts, room);
+  add_to_texels(area, lobe, field, rgb, room);
+  const std::size_t cut = room.pending.size();
+  for (int row = area.row; row < area.end_row && cut > end; row += edge) {
     for (int column = area.column; column < area.end_column; column += edge) {
-      const Area part{area.face,
-                      area.size,
-                      column,
-                      row,
-                      std::min(column + edge, area.end_column),
-                      std::min(row + edge, area.end_row)};
-      room.stack.assign(room.cut.rbegin(), room.cut.rend());
-      choose(block_of(part, lobe), true, room);
-      add_runs(part, lobe, rgb, room);
+      const FaceArea part{area.face,
+                          area.size,
+                          column,
+                          row,
+                          std::min(column + edge, area.end_column),
+                          std::min(row + edge, area.end_row)};
+      take_pending(end, cut);
+      choose(block_of(part, lobe), Step::parts, room);
+      add_to_texels(part, lobe, {}, rgb, room);
     }
   }
+  room.pending.resize(end);
+}
+
+/// Adds the lights of `room`'s pending nodes from `first` on to an area, over which `field` has those of all others.
+void BrightLights::add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first,
+                               float* rgb, Room& room) const {
+  const int edge = area.size < kSmallMip ? kPartEdge : kLeafEdge;
+  const bool leaf = area.across() <= edge && area.down() <= edge;
+  if (leaf && edge <= LightField::kEdge) {
+    add_to_leaf(area, lobe, field, first, rgb, room);
+    return;
+  }
+  const std::size_t end = room.pending.size();
+  room.stack.assign(room.pending.rbegin(), room.pending.rend() - static_cast<std::ptrdiff_t>(first));
+  choose(block_of(area, lobe), Step::field, room);
+  add_to_field(area, lobe, field, room);
+  if (leaf) {
+    add_to_leaf(area, lobe, field, end, rgb, room);
+  } else if (!field.dark() || room.pending.size() > end) {
+    const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
+    for (int row = area.row; row < area.end_row; row += half(area.down())) {
+      for (int column = area.column; column < area.end_column; column += half(area.across())) {
+        const FaceArea part{area.face,
+                            area.size,
+                            column,
+                            row,
+                            std::min(column + half(area.across()), area.end_column),
+                            std::min(row + half(area.down()), area.end_row)};
+        add_to_area(part, lobe, field.within(area, part), end, rgb, room);
+      }
+    }
+  }
+  room.pending.resize(end);
 }
 
 void BrightLights::add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces,
                        const Control& control) const {
   if (nodes_.empty()) return;
-  const int edge = size >= 64 ? kMostEdge : kPartEdge;
+  const int edge = std::min(kTileEdge, size >= kSmallMip ? size / 4 : size);
   const int across = (size + edge - 1) / edge;
   const auto lights = static_cast<std::int64_t>(std::min<std::size_t>(lights_.size(), 1000));
   const auto placement = jobs::placement_for(std::int64_t{6} * size * size * lights);
   const std::size_t workers = jobs::worker_count(placement);
-  jobs::run_tiles(static_cast<std::size_t>(6 * across), placement, workers, control,
+  jobs::run_tiles(static_cast<std::size_t>(6 * across * across), placement, workers, control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
                     Room& room = rooms_->take();
-                    const int face = static_cast<int>(tile) / across;
-                    const int row = static_cast<int>(tile) % across * edge;
-                    for (int column = 0; column < size; column += edge) {
-                      add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
-                                  lobe, faces[static_cast<std::size_t>(face)], room);
-                    }
+                    const int face = static_cast<int>(tile) / (across * across);
+                    const int row = static_cast<int>(tile) / across % across * edge;
+                    const int column = static_cast<int>(tile) % across * edge;
+                    room.pending.assign(1, 0);
+                    add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
+                                lobe, {}, 0, faces[static_cast<std::size_t>(face)], room);
                     rooms_->give_back(room);
                   });
 }

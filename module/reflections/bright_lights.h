@@ -8,6 +8,7 @@
 
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
+#include "reflections/light_field.h"
 #include "reflections/lobe_kernels.h"
 #include "reflections/zonal_shape.h"
 #include "welkin/core.h"
@@ -81,7 +82,10 @@ class BrightLights {
   };
   struct Block;
 
-  struct Area;
+  /// What becomes of nodes over an area: they are taken at the points of a field, at its texels, or there with what the
+  /// horizon cuts.
+  enum class Step { field, texels, parts };
+
   struct Room;
   class Rooms;
 
@@ -93,12 +97,17 @@ class BrightLights {
                                               double least_alpha) noexcept;
 
   void make_rooms();
-  [[nodiscard]] Block block_of(const Area& area, const LightsLobe& lobe) const;
-  void choose(const Block& block, bool to_parts, Room& room) const;
-  void add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
-  void add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
-  void add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const;
-  void add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+  [[nodiscard]] Block block_of(const FaceArea& area, const LightsLobe& lobe) const;
+  void choose(const Block& block, Step step, Room& room) const;
+  void sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const;
+  void add_exactly(const FaceArea& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+  void add_to_field(const FaceArea& area, const LightsLobe& lobe, LightField& field, Room& room) const;
+  void add_to_texels(const FaceArea& area, const LightsLobe& lobe, const LightField& field, float* rgb,
+                     Room& room) const;
+  void add_to_leaf(const FaceArea& area, const LightsLobe& lobe, const LightField& field, std::size_t first, float* rgb,
+                   Room& room) const;
+  void add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first, float* rgb,
+                   Room& room) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
   /// at the default bounds. The error falls with its fourth power.

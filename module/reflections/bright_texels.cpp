@@ -6,9 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <numbers>
-#include <numeric>
-#include <span>
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
@@ -58,15 +57,18 @@ class Search {
       : source_(source),
         grid_(source.cubemap() ? image::TexelGrid::cubemap(source.columns())
                                : image::TexelGrid::lat_long(source.columns(), source.rows())),
-        angles_a_row_(source.cubemap() ? width() : 1),
-        angles_(static_cast<std::size_t>(grid_.row_classes()) * angles_a_row_),
         face_rows_(source.cubemap() ? source.columns() : source.rows()) {
+    if (source.cubemap()) {
+      of_face_ = image::FaceSolidAngles::get(source.columns());
+    } else {
+      for (int row = 0; row < source.rows(); ++row)
+        of_row_.push_back(image::lat_long_texel_solid_angle(source.columns(), source.rows(), row));
+    }
     std::vector<double> of_rows;  // of each class
-    for (int kind = 0; kind < grid_.row_classes(); ++kind) {
-      grid_.solid_angles(kind, angles_of_class(kind));
-      const std::span<const double> angles = angles_of_class(kind);
-      const double sum = std::accumulate(angles.begin(), angles.end(), 0.0);
-      of_rows.push_back(source.cubemap() ? sum : sum * source.columns());
+    for (int row = 0; row < grid_.row_classes(); ++row) {
+      double sum = source.cubemap() ? 0.0 : angle_of(row, 0) * source.columns();
+      for (int column = 0; source.cubemap() && column < source.columns(); ++column) sum += angle_of(row, column);
+      of_rows.push_back(sum);
     }
     double total = 0.0;
     for (int row = 0; row < source.rows(); ++row)
@@ -200,12 +202,8 @@ class Search {
   }
 
   [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(source_.columns()); }
-  [[nodiscard]] std::span<double> angles_of_class(int kind) noexcept {
-    return std::span(angles_).subspan(static_cast<std::size_t>(kind) * angles_a_row_, angles_a_row_);
-  }
   [[nodiscard]] double angle_of(int row, int column) const noexcept {
-    const std::size_t first = static_cast<std::size_t>(grid_.class_of(row)) * angles_a_row_;
-    return angles_[angles_a_row_ == 1 ? first : first + static_cast<std::size_t>(column)];
+    return of_face_ ? of_face_->at(row % source_.columns(), column) : of_row_[static_cast<std::size_t>(row)];
   }
   [[nodiscard]] int first_row(int band) const noexcept {
     return band / bands_a_face_ * face_rows_ + band % bands_a_face_ * band_rows_;
@@ -229,8 +227,8 @@ class Search {
 
   const projection::SanitizedSource& source_;
   image::TexelGrid grid_;
-  std::size_t angles_a_row_;    ///< all texels of a lat-long's row have one
-  std::vector<double> angles_;  ///< steradians, by classes of rows
+  std::shared_ptr<const image::FaceSolidAngles> of_face_;  ///< of a cubemap; null of a lat-long
+  std::vector<double> of_row_;                             ///< steradians of a texel of each row of a lat-long
   int face_rows_;
   int band_rows_ = 1;
   int bands_a_face_ = 1;
@@ -252,8 +250,9 @@ BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, doubl
   const auto product = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
   const std::size_t found = product(rows, columns) / static_cast<std::size_t>(kPeak) + 1;
   // a list that grows is there twice for a moment, once with room for double
-  return {std::min(found, most), product(cubemap ? (columns + 1) / 2 : rows, cubemap ? columns : 1) * sizeof(double) +
-                                     product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};
+  return {std::min(found, most),
+          product(cubemap ? (columns + 1) / 2 : rows, cubemap ? (columns + 1) / 2 : 1) * sizeof(double) +
+              product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};
 }
 
 std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha, std::size_t most,
@@ -284,12 +283,12 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
   return found;
 }
 
-std::vector<float> pixels_without(const std::vector<BrightTexel>& texels, const projection::SanitizedSource& source) {
+platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
+                                              const projection::SanitizedSource& source) {
   const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
-  std::vector<float> pixels;
-  pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
+  platform::AlignedBuffer<float> pixels(row_values * static_cast<std::size_t>(source.rows()));
   for (int row = 0; row < source.rows(); ++row)
-    pixels.insert(pixels.end(), source.row(row), source.row(row) + row_values);
+    std::copy_n(source.row(row), row_values, pixels.data() + row_values * static_cast<std::size_t>(row));
   for (const BrightTexel& texel : texels) {
     float* const rgb = pixels.data() + row_values * static_cast<std::size_t>(texel.row) +
                        std::size_t{3} * static_cast<std::size_t>(texel.column);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
 
@@ -36,8 +37,8 @@ struct BrightSearch {
 [[nodiscard]] BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, double alpha,
                                                     std::size_t most) noexcept;
 
-/// The source's pixels with what is left of them.
-[[nodiscard]] std::vector<float> pixels_without(const std::vector<BrightTexel>& texels,
-                                                const projection::SanitizedSource& source);
+/// Returns the source's pixels, packed, with what is left of the bright ones.
+[[nodiscard]] platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
+                                                            const projection::SanitizedSource& source);
 
 }  // namespace welkin::reflections

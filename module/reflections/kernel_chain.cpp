@@ -134,10 +134,10 @@ KernelPlan plan_kernels(const KernelChainOptions& options) {
 }
 
 /// Rows of a lat-long that a cubemap goes through: as for a GGX lobe that needs as many bands.
-int rows_for(const KernelPlan& plan, int face_size) {
+int rows_for(const KernelPlan& plan) {
   PrefilterPlan of_lobe;
   of_lobe.least_alpha = std::clamp(reach_for(1e-3, 1e-2) / (2.0 * plan.bands), 1e-6, 1.0);
-  return of_lobe.rows_for_cubemap(face_size);
+  return of_lobe.rows_for_cubemap();
 }
 
 /// One call's work on sanitized pixels.
@@ -169,7 +169,7 @@ class KernelChain {
     const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, kMostBrightFar, quiet);
     const BrightLights lights(texels, PictureShape::of(source_), plan_.narrow_alpha, reach_for(1e-3, 1e-2),
                               LightsOf::kernels);
-    const int rows = source_.cubemap() ? rows_for(plan_, source_.columns()) : 0;
+    const int rows = source_.cubemap() ? rows_for(plan_) : 0;
     Rings rings = rings_of(source_, texels, rows, quiet);
     const SpectralSource read{{}, source_.cubemap() ? source_.columns() : 0, rings.view.height};
     const transforms::Spectrum spectrum =

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
 
@@ -20,9 +22,11 @@ constexpr int kOrder = 4;           ///< points along a rule's edge
 constexpr double kWidest = 0.25;    ///< radius of a node: places on it are still all but linear in rows and columns
 constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
 
-constexpr double kDefaultReach = 9.25;  ///< of `reach_for`
-constexpr double kMostParts = 4096.0;   ///< that a few texels are cut into, all together
-constexpr double kOnePart = 0.01;       ///< radians: smaller texels need not be cut for the horizon
+constexpr double kDefaultReach = 9.25;    ///< of `reach_for`
+constexpr double kMostCutRadius = 0.012;  ///< of a node that the horizon may cut as one light, at the default bounds
+constexpr int kLeastCutTexels = 4;        ///< of such a node
+constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
+constexpr double kOnePart = 0.01;         ///< radians: smaller texels need not be cut for the horizon
 
 glm::dvec3 direction_at(const PictureShape& shape, int face, double column, double row) {
   return shape.cubemap ? image::face_direction(shape.columns, face, column, row)
@@ -197,9 +201,10 @@ class LightTree {
   }
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
+  /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, bool exact,
-            BrightLights& lights)
-      : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
+            double most_cut_radius, BrightLights& lights)
+      : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)), most_cut_radius_(most_cut_radius) {
     const double edge = edge_of(shape);
     smooth_ = smooth_points(edge, least_alpha);
     lights.edge_ = edge;
@@ -212,9 +217,9 @@ class LightTree {
     }
     lights_.nodes_.reserve(2 * texels.size());
     samples_.reserve(texels.size() * points_of_leaf(smooth_));
-    lights_.cut_lights_.reserve(texels.size() * static_cast<std::size_t>(parts_ * parts_));
+    lights_.cut_lights_.reserve(texels.size() * static_cast<std::size_t>(parts_ * parts_ + 1));
     lights_.nodes_.emplace_back();
-    build(0, 0, places_.size());
+    build(0, 0, places_.size(), false);
     lights_.lights_.reserve(samples_.size());
     for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(shape_, sample));
   }
@@ -304,28 +309,125 @@ class LightTree {
     return part([=](const Corner& corner) { return corner.row < half; });
   }
 
-  void build(std::size_t index, std::size_t first, std::size_t end) {
+  /// Where light lies, all channels together.
+  struct Moments {
+    glm::dvec3 light{0.0};   ///< of each channel
+    glm::dvec3 first{0.0};   ///< Sum light x direction
+    glm::dmat3 second{0.0};  ///< Sum light x the outer product of the direction with itself
+
+    void add(const Moments& other) {
+      light += other.light;
+      first += other.first;
+      second += other.second;
+    }
+  };
+
+  /// `within`: a node above can be cut as one light.
+  Moments build(std::size_t index, std::size_t first, std::size_t end, bool within) {
     bound(lights_.nodes_[index], first, end);
     if (end - first == 1) {
       const BrightTexel& texel = *places_[first].texel;
       const auto smooth = static_cast<int>(samples_.size());
       add_points(texel, shape_, smooth_, samples_);
       lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
-      lights_.nodes_[index].parts = cut_lights_of(texel);
-      return;
+      const LobeRun parts = cut_lights_of(texel);
+      lights_.nodes_[index].parts = parts;
+      return parts_ > 0 ? moments_of(parts, within) : Moments{};
     }
+    const bool one_cut = can_be_one_cut(lights_.nodes_[index], first, end);
+    Moments moments;
     const Box box = box_of(first, end);
     const std::size_t middle = parted(box, first, end);
     std::array<int, 2> children{};
     for (std::size_t k = 0; k < 2; ++k) {
       children[k] = static_cast<int>(lights_.nodes_.size());
       lights_.nodes_.emplace_back();
-      build(static_cast<std::size_t>(children[k]), k == 0 ? first : middle, k == 0 ? middle : end);
+      moments.add(build(static_cast<std::size_t>(children[k]), k == 0 ? first : middle, k == 0 ? middle : end,
+                        within || one_cut));
     }
     BrightLights::Node& node = lights_.nodes_[index];
     node.children = children;
     if (parts_ == 0 && node.radius < kWidest) node.parts = rectangle_of(box, first, end);
+    if (one_cut) node.parts = one_cut_light(node, box, moments, within);
     merge(node, box);
+    return moments;
+  }
+
+  /// Whether the texels are small together and each has all but the same colour and brightness.
+  [[nodiscard]] bool can_be_one_cut(const BrightLights::Node& node, std::size_t first, std::size_t end) const {
+    constexpr float kEven = 4.0F;
+    if (parts_ == 0 || end - first < kLeastCutTexels || node.radius > most_cut_radius_) return false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      float least = places_[first].texel->excess[c];
+      float most = least;
+      for (std::size_t k = first; k < end; ++k) {
+        least = std::min(least, places_[k].texel->excess[c]);
+        most = std::max(most, places_[k].texel->excess[c]);
+      }
+      if (most > kEven * least) return false;
+    }
+    return true;
+  }
+
+  /// Of a leaf's parts, which count for the error unless they are `within` a node that is cut as one light.
+  Moments moments_of(const LobeRun& parts, bool within) {
+    Moments moments;
+    for (int k = parts.first; k < parts.first + parts.count; ++k) {
+      const CutLight& cut = lights_.cut_lights_[static_cast<std::size_t>(k)];
+      const auto vector = [](const auto& x, const auto& y, const auto& z) { return glm::dvec3(x, y, z); };
+      const glm::dvec3 direction = vector(cut.light.x, cut.light.y, cut.light.z);
+      const glm::dvec3 along = vector(cut.along[0], cut.along[1], cut.along[2]);
+      const glm::dvec3 down = vector(cut.down[0], cut.down[1], cut.down[2]);
+      const glm::dvec3 colour = vector(cut.light.red, cut.light.green, cut.light.blue);
+      const double light = colour.x + colour.y + colour.z;
+      moments.add({colour, light * direction,
+                   light * (glm::outerProduct(direction, direction) +
+                            (glm::outerProduct(along, along) + glm::outerProduct(down, down)) / 3.0)});
+    }
+    if (!within) count_cut(parts, lights_.edge_ / parts_);
+    return moments;
+  }
+
+  void count_cut(const LobeRun& parts, double size) {
+    for (int k = parts.first; k < parts.first + parts.count; ++k) {
+      const LobeLight& light = lights_.cut_lights_[static_cast<std::size_t>(k)].light;
+      lights_.cut_[0] += static_cast<double>(light.red) * size * size;
+      lights_.cut_[1] += static_cast<double>(light.green) * size * size;
+      lights_.cut_[2] += static_cast<double>(light.blue) * size * size;
+    }
+  }
+
+  /// A parallelogram with the node's light, centroid and second moments.
+  LobeRun one_cut_light(const BrightLights::Node& node, const Box& box, const Moments& moments, bool within) {
+    const double light = moments.light.x + moments.light.y + moments.light.z;
+    const glm::dvec3 mean = moments.first / light;
+    const glm::dmat3 spread = moments.second / light - glm::outerProduct(mean, mean);
+    const double column = 0.5 * (box.first.column + box.end.column);
+    const double row = 0.5 * (box.first.row + box.end.row);
+    const glm::dvec3 normal = glm::normalize(mean);
+    const glm::dvec3 step = direction_at(shape_, box.first.face, column + 0.5, row) -
+                            direction_at(shape_, box.first.face, column - 0.5, row);
+    const glm::dvec3 across = glm::normalize(step - glm::dot(step, normal) * normal);
+    const glm::dvec3 below = glm::cross(normal, across);
+    // 3 spread = along along^T + down down^T in that plane, and rows lie along `across`
+    const double across_across = 3.0 * glm::dot(across, spread * across);
+    const double across_below = 3.0 * glm::dot(across, spread * below);
+    const double below_below = 3.0 * glm::dot(below, spread * below);
+    const double high = std::sqrt(std::max(below_below, 1e-18));
+    const double lean = across_below / high;
+    const double wide = std::sqrt(std::max(across_across - lean * lean, 1e-18));
+    const glm::dvec3 along = wide * across;
+    const glm::dvec3 down = high * below + lean * across;
+    const auto index = static_cast<int>(lights_.cut_lights_.size());
+    const auto single = [](double value) { return static_cast<float>(value); };
+    const glm::dvec3& colour = moments.light;
+    lights_.cut_lights_.push_back(
+        {{single(normal.x), single(normal.y), single(normal.z), single(colour.x), single(colour.y), single(colour.z)},
+         {single(along.x), single(along.y), single(along.z)},
+         {single(down.x), single(down.y), single(down.z)},
+         single(0.01 * (wide + high))});
+    if (!within) count_cut({index, 1}, std::numbers::sqrt2 * node.radius);
+    return {index, 1};
   }
 
   LobeRun rectangle_of(const projection::TexelRectangle& texels, const BrightTexel& texel) {
@@ -353,16 +455,12 @@ class LightTree {
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
       return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
-    const double part = lights_.edge_ / parts_;
     const auto first = static_cast<int>(lights_.cut_lights_.size());
     cut_.clear();
     add_parts(texel, shape_, parts_, cut_);
     for (const Sample& sample : cut_) {
       lights_.cut_lights_.push_back(cut_light_of(shape_, sample, parts_));
-      for (std::size_t c = 0; c < 3; ++c) {
-        lights_.power_[c] += sample.light[c];
-        lights_.cut_[c] += sample.light[c] * part * part;
-      }
+      for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += sample.light[c];
     }
     return {first, static_cast<int>(cut_.size())};
   }
@@ -446,6 +544,7 @@ class LightTree {
   std::vector<Place> places_;
   std::vector<Sample> samples_;
   std::vector<Sample> cut_;  ///< of a texel
+  double most_cut_radius_ = 0.0;
 };
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
@@ -458,7 +557,10 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   if (exact)
     texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
+  // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
+  const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact,
+                       use == LightsOf::kernels ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
   make_rooms();
 }
 
@@ -474,7 +576,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
                                      double least_alpha) noexcept {
   if (texels == 0) return 0;
   const double edge = edge_of(shape) / cuts_of(shape, least_alpha, LightsOf::ggx, texels);
-  const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
+  const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4)) + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha)) + cut * sizeof(CutLight) + cutting;

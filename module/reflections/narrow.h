@@ -37,7 +37,7 @@ inline constexpr double kFarLights = 3.0;
 [[nodiscard]] transforms::GridSize grid_of_far_part(bool cubemap, const NarrowSplit& split) noexcept;
 
 /// Rows of the lat-long, twice as wide, on which a cubemap's far part is found.
-[[nodiscard]] int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept;
+[[nodiscard]] int rows_for_far_part(const NarrowSplit& split) noexcept;
 
 /// Returns the contrast of a source. For cubemaps it is the root mean square of the differences between neighbouring
 /// texels along both axes. For lat-longs it is the root of the sum over edges between texels of squared step times

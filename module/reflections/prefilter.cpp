@@ -28,7 +28,6 @@
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
 #include "reflections/far_parts.h"
-#include "reflections/lobe_table.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
@@ -60,7 +59,7 @@ namespace {
 
 /// Of a cubemap's rings.
 int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
-  return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
+  return source.cubemap() ? plan.rows_for_cubemap() : 0;
 }
 
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
@@ -110,11 +109,10 @@ class Prefilter {
  public:
   Prefilter(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : view_(projection::view_of(source, view)), source_(source), plan_(plan) {
+      : view_(view), source_(source), plan_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     result_.mips.resize(plan_.mips.size());
-    memory_.take(source.bytes());
   }
 
   PrefilteredSpecular run(const Control& control) {
@@ -141,7 +139,6 @@ class Prefilter {
   }
 
   void run_spectral(const Control& control);
-  void sum_mips(const std::vector<BrightTexel>& bright, const Control& control);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
   void run_narrow(const Control& control);
@@ -201,51 +198,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
-  const int face_size = source_.cubemap() ? source_.columns() : 0;
-  const bool rings = plan_.needs_rings(face_size);
-  if (!plan_.summed_mips(face_size).empty()) sum_mips(texels, jobs::part_of(control, 0.0, rings ? 0.2 : 1.0));
-  if (rings) run_rings(texels, control);
-}
-
-template <class View>
-void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Control& control) {
-  const Stopwatch watch;
-  const auto table = LobeTable::get({source_.columns(), plan_.summed_mips(source_.columns())}, {control.stop});
-  const CubemapImage rest{source_.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source_)};
-  platform::AlignedBuffer<float> room(table->room_floats());
-  memory_.take(room.bytes() + rest.pixels.size() * sizeof(float));
-  std::vector<Faces> faces;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    if (!plan_.is_summed(source_.columns(), plan_.mips[level])) continue;
-    faces.push_back(image::faces_of(result_.cubemap, static_cast<int>(level)));
-  }
-  const CubemapView& view = bright.empty() ? source_.cube() : rest.view();
-  table->fill(view, room.data(), faces, !source_.has_negatives(), jobs::part_of(control, 0.0, 0.8));
-  BlockLight light(source_.columns());
-  light.read(view);
-  memory_.give_back(room.bytes() + rest.pixels.size() * sizeof(float));
-  note("sums", std::to_string(faces.size()) + " mips from their texels", watch.milliseconds());
-  jobs::TaskGraph graph;
-  std::size_t summed = 0;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (!plan_.is_summed(source_.columns(), mip)) continue;
-    const auto finish_mip = [&, level, summed](const Control& part) {
-      const Stopwatch own;
-      const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
-      bright_.add({mip.alpha}, mip.size, faces[summed], {part.stop});
-      note_darkness(level, field);
-      record(level).bright_texels = static_cast<int>(extracted_);
-      const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
-      record(level).error_estimate =
-          summed_rms_error(source_.columns(), table->errors(summed).rms(light), bright_.error(mip.alpha), rms);
-      end_mip(level, own, part);
-      record(level).method = MipMethod::summed;
-    };
-    graph.add(static_cast<double>(mip.size) * mip.size, finish_mip);
-    ++summed;
-  }
-  graph.run(jobs::part_of(control, 0.8, 1.0));
+  run_rings(texels, control);
 }
 
 template <class View>
@@ -271,7 +224,7 @@ void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Co
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
-    if (mip.bands.bands() == 0 || (source_.cubemap() && plan_.is_summed(source_.columns(), mip))) continue;
+    if (mip.bands.bands() == 0) continue;
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
               [this, level, &spectrum, rows](const Control& part) { spectral_mip(level, spectrum, rows, part); });
   }
@@ -317,8 +270,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   Rings rings;
   FarParts far;
   if (source_.cubemap()) {
-    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
-    rings.view = rings.owned.view();
+    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(split), {control.stop, {}});
   } else {
     const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
@@ -424,20 +376,32 @@ void Prefilter<View>::finish() {
   result_.peak_bytes = memory_.peak();
 }
 
+/// View: the source's.
 template <class View>
-PrefilteredSpecular run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels, CubemapChain room,
+PrefilteredSpecular run(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan,
+                        CubemapChain room, const Control& control) {
+  const float scale = safe_scale(source);
+  if (scale == 1.0F) return Prefilter<View>(source, view, plan, std::move(room), control.memory).run(control);
+  const auto pixels = scaled(source, view, scale);
+  const projection::SanitizedSource scaled_source(pixels.view(), {}, {control.stop, {}});
+  PrefilteredSpecular result =
+      Prefilter<View>(scaled_source, pixels.view(), plan, std::move(room), control.memory).run(control);
+  undo_scale(result, scale);
+  return result;
+}
+
+PrefilteredSpecular run(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
                         const Control& control) {
+  return source.cubemap() ? run(source, source.cube(), plan, std::move(room), control)
+                          : run(source, source.lat_long(), plan, std::move(room), control);
+}
+
+template <class View>
+PrefilteredSpecular sanitize_and_run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                                     CubemapChain room, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
-  const Control rest = jobs::part_of(control, 0.05, 1.0);
-  PrefilteredSpecular result;
-  if (const float scale = safe_scale(source); scale != 1.0F) {
-    const auto scaled_pixels = scaled(source, view, scale);
-    const projection::SanitizedSource scaled_source(scaled_pixels.view(), {}, {control.stop, {}});
-    result = Prefilter<View>(scaled_source, view, plan, std::move(room), rest.memory).run(rest);
-    undo_scale(result, scale);
-  } else {
-    result = Prefilter<View>(source, view, plan, std::move(room), rest.memory).run(rest);
-  }
+  PrefilteredSpecular result = run(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
+  result.peak_bytes += source.bytes();
   describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;
 }
@@ -454,20 +418,26 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 }
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
-  if (const std::vector<LobeMip> mips = plan.summed_mips(face_size); !mips.empty())
-    LobeTable::get({face_size, mips}, {control.stop});
-  const RingTableKey rings{face_size, plan.rows_for_cubemap(face_size)};
-  if (plan.needs_rings(face_size) && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
+  if (plan.bands > 0) RingTable::get({face_size, plan.rows_for_cubemap()}, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return run(source, plan, pixels, std::move(room), control);
+  return sanitize_and_run(source, plan, pixels, std::move(room), control);
 }
 
 PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return run(source, plan, pixels, std::move(room), control);
+  return sanitize_and_run(source, plan, pixels, std::move(room), control);
+}
+
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
+                              const Control& control) {
+  PrefilteredSpecular result = run(source, plan, std::move(room), control);
+  ProjectionDiagnostics clean;
+  clean.texels = source.diagnostics().texels;
+  describe_pixels(clean, {}, result);
+  return result;
 }
 
 }  // namespace welkin::reflections
@@ -490,7 +460,6 @@ const char* name(MipMethod method) noexcept {
     case MipMethod::reference: return "reference";
     case MipMethod::stored: return "stored";
     case MipMethod::narrow: return "narrow";
-    case MipMethod::summed: return "summed";
   }
   return "copy";
 }

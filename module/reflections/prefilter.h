@@ -19,6 +19,11 @@ namespace welkin::reflections {
 [[nodiscard]] PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan,
                                             const PixelPolicy& pixels, CubemapChain room, const Control& control);
 
+/// Prefilters pixels that have been sanitized before: its record says that nothing was replaced, and its memory does
+/// not count theirs.
+[[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
+                                            CubemapChain room, const Control& control);
+
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);
 

@@ -9,8 +9,6 @@
 
 #include "image/geometry.h"
 #include "reflections/lobe.h"
-#include "reflections/lobe_errors.h"
-#include "reflections/ring_table.h"
 #include "transform/transform_kernels.h"
 
 namespace welkin::reflections {
@@ -30,47 +28,28 @@ double spline_loss(int l, int rings) {
 constexpr double kSafety = 1.8;
 constexpr double kRingSafety = 2.5;     ///< the same of cubemaps, whose edges rings meet by chance
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
-constexpr double kFourthOrder = 0.07;   ///< of (l h)^4, which sharpened rings of height h lose of degree l
-constexpr double kCrossed = 0.0125;     ///< of l (l + 1) h^2 at edges that rings cross at all places, by chance
-constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatter finer degrees' energy to degree l
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
-constexpr double kTableRounding = 5e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
-
-constexpr double kSummedSafety = 2.4;  ///< of sums over the texels of faces up to 24, each of which is looked at
-constexpr double kBlockSafety = 4.2;   ///< of larger ones, where an edge may lie between the places looked at
-constexpr double kSumRounding = 4e-7;  ///< of float sums
+constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
-  /// Share of degree l that is lost at edges.
+  /// Share of degree l that is lost.
   [[nodiscard]] double lost(int l) const {
     const double phase = l * height;
-    const double of_fourth_order = fourth_order * phase * phase * phase * phase;
-    const double of_edges = crossed * phase * phase;
-    return std::sqrt(of_fourth_order * of_fourth_order + of_edges * of_edges);
+    return kSpreadOrder * phase * phase * phase * phase;
   }
-  [[nodiscard]] double scattered(int l) const { return scattering * l * height * height; }
+  [[nodiscard]] double scattered(int l) const { return kSpreadScattered * l * height * height; }
 
-  double height;
-  double fourth_order;
-  double crossed;
   /// Of even light by a lobe: a table's weights are floats, and few rings lie within a lobe.
   [[nodiscard]] double rounded(double alpha) const {
     const double rings = std::max(1.0, alpha / (3.0 * height));
-    return rounding / (rings * rings);
+    return kTableRounding / (rings * rings);
   }
 
-  double scattering;
-  double rounding;
+  double height;
 };
-
-Rings rings_of(int rows, int face_size) {
-  const double height = kPi / rows;
-  if (RingTable::serves({face_size, rows})) return {height, kSpreadOrder, 0.0, kSpreadScattered, kTableRounding};
-  return {height, kFourthOrder, kCrossed * std::sqrt(height * face_size / (0.5 * kPi)), kScattered, 0.0};
-}
 
 }  // namespace
 
@@ -126,7 +105,7 @@ namespace {
 
 /// Rings of a source that is a cubemap.
 std::optional<Rings> rings_of(const SpectralSource& source) {
-  return source.face_size > 0 ? std::optional(rings_of(source.rings, source.face_size)) : std::nullopt;
+  return source.face_size > 0 ? std::optional(Rings{kPi / source.rings}) : std::nullopt;
 }
 
 /// `rounding`: of the rings' weights.
@@ -154,12 +133,6 @@ double spectral_rms_error(const KernelFactors& factors, const SpectralSource& so
   return spectral_error(factors, source, source.face_size > 0 ? kTableRounding : 0.0, of_lights, rms);
 }
 
-double summed_rms_error(int face_size, double of_weights, double of_lights, double rms) {
-  if (!(rms > 0.0)) return kSumRounding;
-  const double safety = CubeBlocks(face_size).edge == 1 ? kSummedSafety : kBlockSafety;
-  return kSumRounding + safety * std::sqrt(of_weights * of_weights + of_lights * of_lights) / rms;
-}
-
 double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {
   double sum = 0.0;
   for (std::size_t l = 0; l < std::min(energies.size(), zonal.size()); ++l) sum += energies[l] * zonal[l] * zonal[l];
@@ -169,15 +142,14 @@ double blurred_rms(std::span<const double> energies, std::span<const double> zon
 double rms_of_level(const CubemapChain& chain, int level, int samples) {
   const int size = chain.level_size(level);
   const int step = (size + samples - 1) / samples;
-  std::vector<double> angles(static_cast<std::size_t>(size));
+  const auto angles = image::FaceSolidAngles::get(size);
   double squares = 0.0;
   double whole = 0.0;
   for (int row = step / 2; row < size; row += step) {
-    image::cubemap_row_solid_angles(row, angles);
     for (int face = 0; face < 6; ++face) {
       const float* const values = chain.face(level, face) + std::ptrdiff_t{3} * size * row;
       for (int column = step / 2; column < size; column += step) {
-        const double steradians = angles[static_cast<std::size_t>(column)];
+        const double steradians = angles->at(row, column);
         for (int c = 0; c < 3; ++c) {
           const auto value = static_cast<double>(values[3 * column + c]);
           squares += steradians * value * value;

@@ -37,9 +37,6 @@ struct KernelFactors {
 [[nodiscard]] double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights,
                                         double rms);
 
-/// As `spectral_rms_error`, of a mip that is a sum of texels. `of_weights`: `LobeErrors::rms`.
-[[nodiscard]] double summed_rms_error(int face_size, double of_weights, double of_lights, double rms);
-
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);
 

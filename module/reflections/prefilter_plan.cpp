@@ -12,7 +12,6 @@
 #include "platform/standard_library.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
-#include "reflections/ring_table.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "welkin/core.h"
@@ -92,34 +91,9 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
   return platform::ranges::find(mips, method, &MipPlan::method) != mips.end();
 }
 
-bool PrefilterPlan::is_summed(int face_size, const MipPlan& mip) const noexcept {
-  // Larger texels are left to the transform.
-  const bool small_texels = 0.5 * std::numbers::pi <= 2.0 * least_alpha * face_size;
-  return sums && small_texels && mip.method == MipMethod::spectral &&
-         LobeTable::serves(face_size, {mip.size, mip.alpha});
-}
-
-std::vector<LobeMip> PrefilterPlan::summed_mips(int face_size) const {
-  std::vector<LobeMip> summed;
-  for (const MipPlan& mip : mips) {
-    if (is_summed(face_size, mip)) summed.push_back({mip.size, mip.alpha});
-  }
-  return summed;
-}
-
-bool PrefilterPlan::needs_rings(int face_size) const noexcept {
-  return std::any_of(mips.begin(), mips.end(), [&](const MipPlan& mip) {
-    return mip.method == MipMethod::spectral && !is_summed(face_size, mip);
-  });
-}
-
-int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
+int PrefilterPlan::rows_for_cubemap() const noexcept {
   const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
-  const int rows = 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
-  if (RingTable::serves({face_size, rows})) return rows;
-  const double fine = std::clamp(std::numbers::pi / (0.2 * least_alpha), 512.0, 2048.0);
-  const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
-  return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
+  return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
 }
 
 double PrefilterPlan::loss_at_peak() const noexcept {
@@ -157,10 +131,6 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.chain_mips = mips;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
   plan.maximum_error = options.maximum_error;
-  // their weights are made for the default bounds
-  const PrefilterOptions usual;
-  plan.sums = options.method == PrefilterMethod::automatic &&
-              plan.reach <= reach_for(usual.rms_error, usual.maximum_error) + 1e-9;
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "reflections/lobe.h"
-#include "reflections/lobe_table.h"
 #include "welkin/reflections.h"
 
 namespace welkin::reflections {
@@ -35,9 +34,6 @@ struct PrefilterPlan {
   /// texels are taken out: a mip must not change where others are left out.
   double least_alpha = 1.0;
 
-  /// Whether spectral mips of small cubemaps may be sums over texels instead: see `is_summed`.
-  bool sums = false;
-
   /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
   std::vector<double> narrow_alphas;
 
@@ -48,17 +44,9 @@ struct PrefilterPlan {
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
-  /// Whether a mip is made by a `LobeTable` if the source is a cubemap of such faces.
-  [[nodiscard]] bool is_summed(int face_size, const MipPlan& mip) const noexcept;
-  /// All of those.
-  [[nodiscard]] std::vector<LobeMip> summed_mips(int face_size) const;
-  /// Whether a spectral mip is left.
-  [[nodiscard]] bool needs_rings(int face_size) const noexcept;
-
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics. By a `RingTable`: at
-  /// least 256, no higher than a third of the narrowest lobe's alpha. Where there is none: a multiple of 2 face_size
-  /// (of 4 face_size up to 512), at least 512, no higher than 0.2 of that alpha, if some 2048 rows do.
-  [[nodiscard]] int rows_for_cubemap(int face_size) const noexcept;
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: at least 256, no higher
+  /// than a third of the narrowest lobe's alpha.
+  [[nodiscard]] int rows_for_cubemap() const noexcept;
   /// The largest of the spectral mips' losses at a peak.
   [[nodiscard]] double loss_at_peak() const noexcept;
 };

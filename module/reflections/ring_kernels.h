@@ -1,4 +1,4 @@
-// Kernels that take a cubemap to rings of latitude or to texels of blurred mips, sixteen images at a time.
+// Kernels that take a cubemap to rings of latitude, sixteen images at a time.
 #pragma once
 
 #include <cstddef>
@@ -36,39 +36,8 @@ struct RingPlacesInMemory {
 /// Sums of weight times record, tap after tap.
 using SumRingTaps = void (*)(const RingRun& run, const RingPlacesInMemory& places);
 
-/// Points in a row that become records: image i's of point k is at from[i] + step[i] k. A float more than the last
-/// point's three can be read.
-struct ImageRows {
-  const float* from[kRingImages];
-  std::ptrdiff_t step[kRingImages];
-  int count;
-};
-
-/// Copies them to records side by side.
-using GatherImages = void (*)(const ImageRows& rows, float* records);
-
-/// Texels that are summed together, as most of their taps are of the same records.
-inline constexpr int kTexelsOfGroup = 4;
-
-struct GroupTap {
-  std::uint32_t record;
-  float weights[kTexelsOfGroup];
-};
-
-/// Taps from `taps` up to `end`; sums[texel] are those of all images.
-struct TexelGroup {
-  const float* records;
-  const GroupTap* taps;
-  const GroupTap* end;
-};
-
-/// Sums of weight times record, of 64 taps at a time, one after the other; `sums` on a cache line.
-using SumGroupTaps = void (*)(const TexelGroup& group, float (&sums)[kTexelsOfGroup][kRecordFloats]);
-
 struct RingKernels {
   SumRingTaps sum_ring_taps;
-  GatherImages gather_images;
-  SumGroupTaps sum_group_taps;
 };
 WELKIN_KERNEL_TABLES(RingKernels, ring_kernels)
 

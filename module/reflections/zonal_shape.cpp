@@ -182,6 +182,7 @@ void ZonalShape::measure() {
   const bool broken =
       std::any_of(breaks_.begin(), breaks_.end(), [](double s) { return std::abs(s - std::sqrt(0.5)) < 1e-12; });
   hemisphere_ = broken && below == 0.0;
+  steady_horizon_ = hemisphere_ && std::abs(value(1e-6)) < 1e-4 * peak_;
 }
 
 /// By the cells of the table: one that is dark at its ends and in between is.

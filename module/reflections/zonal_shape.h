@@ -63,6 +63,8 @@ class ZonalShape {
   [[nodiscard]] double farthest() const noexcept { return farthest_; }
   [[nodiscard]] bool negative() const noexcept { return negative_; }      ///< in places
   [[nodiscard]] bool hemisphere() const noexcept { return hemisphere_; }  ///< 0 wherever the cosine is below 0
+  /// As well as that, next to it all but the cosine times a steady function.
+  [[nodiscard]] bool steady_horizon() const noexcept { return steady_horizon_; }
   [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
   [[nodiscard]] const KernelTable& table() const noexcept { return table_; }
   /// Bands beyond which there is nothing; 0: it has no end.
@@ -96,6 +98,7 @@ class ZonalShape {
   double farthest_ = 1.0;
   bool negative_ = false;
   bool hemisphere_ = false;
+  bool steady_horizon_ = false;
   KernelTable table_;
 };
 

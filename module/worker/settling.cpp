@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "jobs/control.h"
+#include "platform/compiler.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
@@ -344,16 +345,7 @@ void throw_taken() {
 namespace {
 
 constexpr std::size_t kSmallestBlock = 64;
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define WELKIN_SEES_ADDRESSES
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(WELKIN_SEES_ADDRESSES)
-constexpr std::size_t kLargestBlock = 0;  // AddressSanitizer is to see what is used after its end
-#else
-constexpr std::size_t kLargestBlock = 4096;
-#endif
+constexpr std::size_t kLargestBlock = WELKIN_ADDRESS_SANITIZER ? 0 : 4096;
 
 struct FreeBlock {
   FreeBlock* next;

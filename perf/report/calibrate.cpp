@@ -283,7 +283,7 @@ class Calibration {
     costs_.face_texel = nanoseconds_of(sharp.pixels.passes, "mip 0: faces") / cube_texels(128);
     const CubemapImage cube = to_cubemap(image_.view(), 64, glm::dmat3(1.0), ResampleFilter::area, quiet());
     const PrefilterOptions options{.size = 64, .roughness = {0.2}};
-    const double rows = reflections::plan_prefilter(options).rows_for_cubemap(64);
+    const double rows = reflections::plan_prefilter(options).rows_for_cubemap();
     const PrefilteredSpecular of_cube = prefiltered(cube.view(), options);
     const double per_texel = nanoseconds_of(of_cube.pixels.passes, "bright texels") / (2.0 * rows * rows);
     costs_.ring_texel = std::max(kLeast, per_texel - costs_.bright_texel);

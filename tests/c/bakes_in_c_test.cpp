@@ -69,7 +69,6 @@ welkin_pixel_policy clamping_policy() {
 const char* name_of(welkin_prefilter_method method) {
   if (method == WELKIN_PREFILTER_COPY) return "copy";
   if (method == WELKIN_PREFILTER_NARROW) return "narrow";
-  if (method == WELKIN_PREFILTER_SUMMED) return "summed";
   return name(static_cast<PrefilterMethod>(method));
 }
 

@@ -152,6 +152,28 @@ TEST_CASE("A lat-long's neighbours cross the seam and the poles", "[image][sun]"
   CHECK(neighbour_set(grid, 25) == std::set<std::int64_t>{24, 26, 16, 17, 18, 28, 29, 30});
 }
 
+TEST_CASE("Solid angles of a face are computed once for each size, texel by texel", "[image]") {
+  for (const int size : {1, 2, 5, 64, 129}) {
+    const auto angles = image::FaceSolidAngles::get(size);
+    CHECK(image::FaceSolidAngles::get(size) == angles);
+    std::vector<double> row_angles(static_cast<std::size_t>(size));
+    for (int row = 0; row < size; ++row) {
+      image::cubemap_row_solid_angles(std::min(row, size - 1 - row), row_angles);
+      for (int column = 0; column < size; ++column) {
+        CAPTURE(size, row, column);
+        REQUIRE(angles->at(row, column) == row_angles[static_cast<std::size_t>(column)]);
+      }
+    }
+    // Those of some texels are the same.
+    const std::int64_t last = std::int64_t{6} * size * size - 1;
+    const std::vector<double> some = image::solid_angles_of(image::TexelGrid::cubemap(size), {0, last / 2, last});
+    CHECK(some ==
+          std::vector<double>{angles->at(0, 0),
+                              angles->at(static_cast<int>(last / 2 / size) % size, static_cast<int>(last / 2 % size)),
+                              angles->at(size - 1, size - 1)});
+  }
+}
+
 TEST_CASE("Solid angles of all row classes make a sphere", "[image][sun]") {
   std::vector<image::TexelGrid> grids;
   for (const int size : {1, 2, 3, 7, 64, 257}) {

@@ -140,6 +140,25 @@ TEST_CASE("A Gauss rule of n points is exact to degree 2n - 1", "[tables]") {
   }
 }
 
+TEST_CASE("A Gauss rule has the same bits whoever asks for it first", "[tables][threads]") {
+  std::vector<std::thread> threads;
+  std::vector<int> wrong(4, 0);
+  for (std::size_t k = 0; k < wrong.size(); ++k) {
+    threads.emplace_back([k, &wrong] {
+      for (int turn = 0; turn < math::kMaximumGaussOrder; ++turn) {
+        const int order = 1 + (turn * 7 + static_cast<int>(k) * 11) % math::kMaximumGaussOrder;
+        const math::GaussRule rule = math::gauss_legendre(order);
+        const math::GaussNodes alone = math::gauss_nodes(order);
+        if (!std::equal(alone.nodes.begin(), alone.nodes.end(), rule.nodes) ||
+            !std::equal(alone.weights.begin(), alone.weights.end(), rule.weights))
+          ++wrong[k];
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == std::vector<int>(4, 0));
+}
+
 // The cache: one build for all who want the same table, and a bound on what is kept.
 
 namespace {

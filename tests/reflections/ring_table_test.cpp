@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "reflections/ring_kernels.h"
+#include "reflections/ring_weights.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/sanitized.h"
@@ -97,16 +99,63 @@ TEST_CASE("Sums of a ring's taps are the same on all instruction sets", "[prefil
   }
 }
 
-TEST_CASE("Tables of rings are only made where they can be kept", "[prefilter][rings]") {
-  CHECK(RingTable::serves({2, 256}));
-  CHECK(!RingTable::serves({257, 960}));
-  CHECK(RingTable::serves({512, 960}));
-  CHECK(!RingTable::serves({4096, 960}));
-  CHECK(!RingTable::serves({64, 258}));
-  CHECK(!RingTable::serves({64, 12}));
+TEST_CASE("Even light stays even on rings away from the poles", "[prefilter][rings]") {
+  for (const int size : {1, 2, 7, 16, 40}) {
+    for (const int rows : {64, 100}) {
+      CAPTURE(size, rows);
+      const CubemapImage cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
+      const LatLongImage rings = rings_of(cube.view(), rows);
+      const std::size_t polar =
+          std::size_t{6} * static_cast<std::size_t>(rows) * 12;  // shares there are of other areas
+      float worst = 0.0F;
+      for (std::size_t k = polar; k < rings.pixels.size() - polar; k += 3)
+        worst = std::max(worst, std::abs(rings.pixels[k] - 1.0F));
+      CHECK(worst < 4e-6F);
+    }
+  }
+}
+
+TEST_CASE("Weights of rings are the same on all instruction sets", "[prefilter][rings][kernels]") {
+  for (const auto& [size, rows] : {std::pair{6, 100}, {9, 32}, {40, 64}}) {
+    CAPTURE(size, rows);
+    std::vector<float> first;
+    for (const InstructionSet set : available_instruction_sets()) {
+      const reflections::RingWeights weights(size, rows, reflections::ring_weight_kernels(set));
+      std::vector<float> found;
+      for (int band = 0; band < weights.bands(); ++band) {
+        const int rings = weights.first_ring(band + 1) - weights.first_ring(band);
+        std::vector<std::uint32_t> next(static_cast<std::size_t>(rings) * static_cast<std::size_t>(rows / 4));
+        weights.count(band, next.data());
+        std::uint32_t sum = 0;
+        for (std::uint32_t& count : next) sum += std::exchange(count, sum);
+        std::vector<RingTap> taps(sum);
+        weights.weigh(band, next.data(), taps.data());
+        CHECK(next.back() == sum);
+        for (const RingTap& tap : taps) {
+          CHECK(tap.record < weights.record_count());
+          found.push_back(tap.weight);
+        }
+      }
+      if (first.empty()) first = found;
+      CHECK(found == first);
+    }
+  }
+}
+
+TEST_CASE("Tables of rings are kept, and made by any number of threads alike", "[prefilter][rings]") {
   const auto table = RingTable::get({16, 256});
   CHECK(table == RingTable::get({16, 256}));
   CHECK(table->bytes() > 1000);
+  const TestCubemap cube = make_cubemap(Content::random, 16, 3, 7);
+  const LatLongImage rings = rings_of(cube.view(), 256);
+  std::vector<float> others(rings.pixels.size());
+  run_with_threads(1, [&] { RingTable({16, 256}).fill(cube.view(), others.data(), {}); });
+  CHECK(others == rings.pixels);
+  // too large to be kept: made band after band
+  const RingTable unkept({16, 256}, {}, 0);
+  unkept.fill(cube.view(), others.data(), {});
+  CHECK(others == rings.pixels);
+  CHECK(unkept.bytes() < table->bytes());
 }
 
 TEST_CASE("Making a table of rings takes no more memory than it says", "[prefilter][rings]") {

@@ -1,6 +1,8 @@
 // Looking at the heap, and making it fail.
 #pragma once
 
+#include "support/kept_memory.h"
+
 namespace welkin::test {
 
 /// Allocations inside tiles since the last `forget_allocations_in_tiles()`, on all threads, by operator new or malloc.
@@ -27,6 +29,7 @@ class FailingHeap {
   [[nodiscard]] bool failed() const noexcept;
 
  private:
+  KeptMemory kept_{0};  ///< all memory is the heap's
   long number_;
 };
 
@@ -41,6 +44,9 @@ class HeapWatch {
 
   /// The most so far, bytes. Sanitizers bring a heap of their own: 0 under them.
   [[nodiscard]] long peak_bytes() const noexcept;
+
+ private:
+  KeptMemory kept_{0};  ///< all memory is the heap's
 };
 
 /// While it lives, watches blocks that this thread gets from malloc meanwhile, and counts those of them that other

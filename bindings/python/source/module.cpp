@@ -15,6 +15,10 @@ void bind_machine(py::module_& module) {
   module.attr("__version__") = WELKIN_VERSION_STRING;
   module.def("available_threads", &available_threads,
              "available_threads()\n--\n\nHow many threads a call uses unless `threads` says otherwise.");
+  module.def("keep_working_memory", &keep_working_memory, py::arg("bytes"),
+             "keep_working_memory(bytes)\n--\n\nHow many bytes of working memory stay with the process between calls.");
+  module.def("release_working_memory", &release_working_memory,
+             "release_working_memory()\n--\n\nFrees all working memory that no call uses.");
   module.def(
       "instruction_set", [] { return name(active_instruction_set()); },
       "instruction_set()\n--\n\n"

@@ -173,7 +173,7 @@ void bind_chains(py::module_& module) {
       .def_readonly("roughness", &MipRecord::roughness, "Perceptual, 0 to 1; GGX's alpha is its square.")
       .def_property_readonly(
           "method", [](const MipRecord& self) { return name(self.method); },
-          "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\", \"summed\"")
+          "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\"")
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
       .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added beside the rest.")
       .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")

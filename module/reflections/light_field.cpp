@@ -1,0 +1,90 @@
+#include "reflections/light_field.h"
+
+#include <algorithm>
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kFar = 0.92387953251128674;   ///< cos(pi / 8): Chebyshev's points are there and
+constexpr double kNear = 0.38268343236508977;  ///< at cos(3 pi / 8), on either side
+constexpr std::array<double, LightField::kEdge> kNodes{-kFar, -kNear, kNear, kFar};
+
+/// The centres of texels [first, end) of a face along one axis: their middle and half their extent.
+struct Span {
+  Span(int first, int end, int size)
+      : middle(place_on_face(0.5 * (first + end - 1), size)), half(static_cast<double>(end - first - 1) / size) {}
+
+  /// Sets each point's share of the value at a place: Lagrange's polynomials.
+  template <class Shares>
+  void share(double place, std::size_t index, Shares& shares) const noexcept {
+    constexpr double kScale = 1.0 / (2.0 * (kFar * kFar - kNear * kNear));
+    const double t = half > 0.0 ? (place - middle) / half : 0.0;
+    const double outer = (t * t - kNear * kNear) * (kScale / kFar);
+    const double inner = (kFar * kFar - t * t) * (kScale / kNear);
+    shares[0][index] = static_cast<float>((kFar - t) * outer);
+    shares[1][index] = static_cast<float>((kNear - t) * inner);
+    shares[2][index] = static_cast<float>((kNear + t) * inner);
+    shares[3][index] = static_cast<float>((kFar + t) * outer);
+  }
+
+  double middle;
+  double half;
+};
+
+}  // namespace
+
+double LightField::point(int first, int end, int size, std::size_t k) noexcept {
+  const Span span(first, end, size);
+  return span.middle + span.half * kNodes[k];
+}
+
+/// At the products of places along both axes, to[channel][row][column].
+template <std::size_t Places>
+void LightField::interpolate(const Shares<Places>& down, const Shares<Places>& across, float* to) const {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float* const from = values_.data() + c * kPoints;
+    for (std::size_t row = 0; row < Places; ++row, to += Places) {
+      std::array<float, kEdge> line{};
+      for (std::size_t j = 0; j < kEdge; ++j) {
+        for (std::size_t i = 0; i < kEdge; ++i) line[i] += down[j][row] * from[j * kEdge + i];
+      }
+      for (std::size_t k = 0; k < Places; ++k)
+        to[k] = (line[0] * across[0][k] + line[1] * across[1][k]) + (line[2] * across[2][k] + line[3] * across[3][k]);
+    }
+  }
+}
+
+LightField LightField::within(const FaceArea& area, const FaceArea& part) const {
+  LightField field;
+  if (dark_) return field;
+  Shares<kEdge> down{};
+  Shares<kEdge> across{};
+  const Span rows(area.row, area.end_row, area.size);
+  const Span columns(area.column, area.end_column, area.size);
+  for (std::size_t k = 0; k < kEdge; ++k) {
+    rows.share(point(part.row, part.end_row, area.size, k), k, down);
+    columns.share(point(part.column, part.end_column, area.size, k), k, across);
+  }
+  interpolate(down, across, field.lit().data());
+  return field;
+}
+
+void LightField::write(const FaceArea& area, int count, float* sums) const {
+  Shares<kMostEdge> down{};
+  Shares<kMostEdge> across{};
+  const Span rows(area.row, area.end_row, area.size);
+  const Span columns(area.column, area.end_column, area.size);
+  for (int k = 0; k < area.down(); ++k)
+    rows.share(place_on_face(area.row + k, area.size), static_cast<std::size_t>(k), down);
+  for (int k = 0; k < area.across(); ++k)
+    columns.share(place_on_face(area.column + k, area.size), static_cast<std::size_t>(k), across);
+  std::array<float, std::size_t{3} * kMostEdge * kMostEdge> all;
+  interpolate(down, across, all.data());
+  for (int c = 0; c < 3; ++c) {
+    for (int row = 0; row < area.down(); ++row)
+      std::copy_n(all.data() + kMostEdge * (kMostEdge * c + row), area.across(),
+                  sums + c * count + row * area.across());
+  }
+}
+
+}  // namespace welkin::reflections

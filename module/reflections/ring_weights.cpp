@@ -1,0 +1,515 @@
+#include "reflections/ring_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "image/image_kernels.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr int kMiddle = kSpread / 2;
+constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
+constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twice
+constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
+constexpr int kEighths = 8;                          ///< of a turn: the columns of a sixteenth
+
+/// Places in cells as a cell and what is left, from its middle.
+void split(const double* places, int count, int last_cell, int* cells, float* rest) {
+  for (int i = 0; i < count; ++i) {
+    cells[i] = std::clamp(static_cast<int>(places[i]), 0, last_cell);
+    rest[i] = static_cast<float>(places[i] - cells[i] - 0.5);
+  }
+}
+
+}  // namespace
+
+/// Edges of texels, cut into parts, and what their points give. An edge lies on a line at a distance from the axis, and
+/// reaches along it from one place to another, seen from above at a height.
+class RingWeights::EdgeLine {
+ public:
+  EdgeLine(const RingWeights& weights, std::size_t edges, std::size_t parts)
+      : weights_(weights), edges_(edges), first_parts_(edges + 1), columns_(parts), points_(kPartPoints * parts) {
+    for (std::vector<double>* list : {&ends_, &distances_, &places_}) list->resize(2 * parts);
+    end_cells_.resize(2 * parts);
+    rest_.resize(2 * parts);
+    for (std::vector<float>* list : {&end_shares_, &point_shares_, &across_, &along_})
+      list->resize(2 * parts * kShareLanes);
+    point_cells_.resize(points_);
+    rings_.resize(points_);
+    all_alike_.resize(points_);
+    widths_.resize(points_);
+    horizontals_.resize(points_);
+  }
+
+  struct Edge {
+    double distance;
+    double from;
+    double to;
+  };
+  [[nodiscard]] Edge& edge(int index) noexcept { return edges_[static_cast<std::size_t>(index)]; }
+
+  /// `mirrored`: lines that run away from the middle of the face, whose longitudes count from the other end of a
+  /// quarter of a turn.
+  void cut(int first, int end, double height, bool mirrored);
+  /// Rings of points of this or of another cut line, for edges of the latter.
+  void find_rings(const EdgeLine& line, int first, int end, double height);
+
+  [[nodiscard]] RingEdges edges(const EdgeLine& cut) const noexcept {
+    return {cut.first_parts_.data(), cut.columns_.data(), cut.across_.data(), rings_.data(), along_.data()};
+  }
+  [[nodiscard]] std::uint32_t first_part(int edge) const noexcept {
+    return first_parts_[static_cast<std::size_t>(edge)];
+  }
+
+ private:
+  /// places = the angles of ends_ over distances_, in columns.
+  void find_longitudes(int count, bool mirrored);
+
+  const RingWeights& weights_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> first_parts_;
+  std::vector<int> columns_;
+  std::size_t points_;
+  std::vector<double> ends_, distances_, places_;
+  std::vector<int> end_cells_, point_cells_, rings_;
+  std::vector<int> all_alike_;  ///< columns' shares are those of one cell
+  std::vector<float> rest_, end_shares_, point_shares_, across_, along_, widths_;
+  std::vector<double> horizontals_;
+};
+
+void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
+  weights_.find_angles(ends_.data(), distances_.data(), count, places_.data());
+  if (!mirrored) return;
+  const double quarter = 0.25 * weights_.columns_;
+  for (int i = 0; i < count; ++i) places_[static_cast<std::size_t>(i)] = quarter - places_[static_cast<std::size_t>(i)];
+}
+
+void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored) {
+  if (first >= end) return;
+  const auto per_column = weights_.columns_ / (2.0 * std::numbers::pi);
+  // The angles at an edge's ends tell the number of its parts.
+  std::size_t k = 0;
+  for (int index = first; index < end; ++index) {
+    for (const double place : {edge(index).from, edge(index).to}) {
+      ends_[k] = place;
+      distances_[k++] = edge(index).distance;
+    }
+  }
+  const auto ends = static_cast<int>(k);
+  find_longitudes(ends, mirrored);
+  std::uint32_t part = 0;
+  for (int index = first; index < end; ++index) {
+    const Edge& here = edge(index);
+    const auto at = static_cast<std::size_t>(2 * (index - first));
+    const double across = std::abs(places_[at + 1] - places_[at]);
+    const double low = here.distance * here.distance + height * height;
+    // the ring's change along the line is at most this
+    const double reach = (here.to - here.from) * here.to * height /
+                         (std::sqrt(here.distance * here.distance + here.to * here.to) * (low + here.from * here.from));
+    const double cells = std::max(across, reach * per_column);
+    first_parts_[static_cast<std::size_t>(index)] = part;
+    part += static_cast<std::uint32_t>(std::max(1.0, std::ceil(cells / kPartCells)));
+  }
+  first_parts_[static_cast<std::size_t>(end)] = part;
+  k = 0;
+  for (int index = first; index < end; ++index) {
+    const Edge& here = edge(index);
+    const std::uint32_t count = first_part(index + 1) - first_part(index);
+    const double step = (here.to - here.from) / count;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double low = i == 0 ? here.from : here.from + i * step;
+      const double high = i + 1 == count ? here.to : here.from + (i + 1) * step;
+      for (const double place : {low, high}) {
+        ends_[k] = place;
+        distances_[k++] = here.distance;
+      }
+    }
+  }
+  const auto count = static_cast<int>(k);
+  find_longitudes(count, mirrored);
+  const RingShares& shares = weights_.shares_;
+  const int last_column = 2 * weights_.rows_;
+  split(places_.data(), count, last_column, end_cells_.data(), rest_.data());
+  weights_.kernels_.evaluate_shares(shares.columns_before.data(), all_alike_.data(), rest_.data(), count,
+                                    end_shares_.data());
+  for (std::size_t i = 0; i < k; i += 2) {
+    const double middle = 0.5 * (ends_[i] + ends_[i + 1]);
+    const double half = 0.5 * (ends_[i + 1] - ends_[i]);
+    for (std::size_t point = i; point < i + 2; ++point) {
+      const double place = middle + (point == i ? -kGaussPoint : kGaussPoint) * half;
+      const double square = distances_[point] * distances_[point] + place * place;
+      ends_[point] = place;
+      horizontals_[point] = std::sqrt(square);
+      widths_[point] = static_cast<float>(per_column * half * distances_[point] / square);
+    }
+  }
+  find_longitudes(count, mirrored);
+  split(places_.data(), count, last_column, point_cells_.data(), rest_.data());
+  weights_.kernels_.evaluate_shares(shares.columns.data(), all_alike_.data(), rest_.data(), count,
+                                    point_shares_.data());
+  weights_.kernels_.share_columns({end_cells_.data(), end_shares_.data(), point_cells_.data(), point_shares_.data(),
+                                   widths_.data(), count / kPartPoints, mirrored},
+                                  columns_.data(), across_.data());
+}
+
+void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end, double height) {
+  if (first >= end) return;
+  const auto from = std::size_t{kPartPoints} * line.first_part(first);
+  const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
+  std::fill_n(distances_.begin(), count, height);
+  weights_.find_angles(line.horizontals_.data() + from, distances_.data(), count, places_.data());
+  split(places_.data(), count, weights_.rows_ / 2, rings_.data() + from, rest_.data());
+  weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_.data() + from, rest_.data(), count,
+                                    along_.data() + kShareLanes * from);
+}
+
+/// What one thread needs for itself.
+class RingWeights::Workspace {
+ public:
+  explicit Workspace(const RingWeights& weights);
+
+  EdgeLine side;  ///< of -Z, cut once
+  EdgeLine lines[2];
+  EdgeLine steps;  ///< of +Y: edges that run away from the middle of the face, of one row of texels
+  std::vector<float> block;
+};
+
+/// An edge has one part, and more where it crosses many rings or columns: those of a line's edges add up to less than a
+/// third of the columns.
+std::size_t RingWeights::parts_of_line(int texels, int rows) noexcept {
+  constexpr int kRounding = 16;
+  return static_cast<std::size_t>(texels + rows / 2 + kRounding);
+}
+
+std::size_t RingWeights::making_bytes(int face_size, int rows, std::size_t threads) noexcept {
+  constexpr std::size_t kPartBytes = 400;  // of an `EdgeLine`
+  constexpr std::size_t kLines = 4;        // of a `Workspace`
+  constexpr std::size_t kCornerBytes = 12;
+  constexpr std::size_t kTexelBytes = 20;  // with images along the sixteenth's edges
+  const int texels = (face_size + 1) / 2;
+  const auto corners = static_cast<std::size_t>(texels + 1) * static_cast<std::size_t>(texels + 1);
+  const auto near_corners =
+      static_cast<std::size_t>(texels + 2 * kSpread) * static_cast<std::size_t>(texels + 2 * kSpread);
+  const std::size_t bands = static_cast<std::size_t>(std::max(1, rows / 2 / kBandRings));
+  const std::size_t shares = sizeof(float) * kSharePowers * kShareLanes * static_cast<std::size_t>(rows / 2 + 3);
+  const auto rings = static_cast<std::size_t>(rows / 2 + 2 * kSpread);
+  const std::size_t block =
+      sizeof(float) * (rings / static_cast<std::size_t>(texels) + 2 * kSpread) * (rings / 2 + 2 * kSpread);
+  return kCornerBytes * corners + kTexelBytes * near_corners + shares +
+         std::min(bands, threads) * (kLines * kPartBytes * parts_of_line(texels, rows) + block);
+}
+
+std::size_t RingWeights::bytes() const noexcept {
+  const std::size_t corners = side_rings_.size() + top_rings_.size() + top_columns_.size() + side_columns_.size();
+  return sizeof(*this) + corners * sizeof(int) + shares_.rings_before.size() * sizeof(float) +
+         lines_.size() * sizeof(double) + texel_count_ * (sizeof(std::uint16_t) + sizeof(std::uint32_t)) +
+         images_.size() * sizeof(ImageRecord) + texel_rows_.size() * sizeof(TexelRow);
+}
+
+RingWeights::Workspace::Workspace(const RingWeights& weights)
+    : side(weights, static_cast<std::size_t>(weights.texels_), weights.parts_),
+      lines{side, side},
+      steps(weights, static_cast<std::size_t>(weights.texels_ + 1), weights.parts_),
+      block(weights.block_floats_ + kShareLanes) {
+  const std::vector<double>& lines_on_face = weights.lines_;
+  for (int k = 0; k < weights.texels_; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    side.edge(k) = {1.0, lines_on_face[at], lines_on_face[at + 1]};
+  }
+  side.cut(0, weights.texels_, 1.0, false);
+}
+
+RingWeights::RingWeights(int face_size, int rows, const RingWeightKernels& kernels)
+    : texels_((face_size + 1) / 2),
+      rows_(rows),
+      columns_(2 * rows),
+      shares_(rows),
+      kernels_(kernels),
+      parts_(parts_of_line(texels_, rows)) {
+  const int odd = face_size % 2;
+  for (int k = 0; k <= texels_; ++k) lines_.push_back(k == 0 ? 0.0 : (2.0 * k - odd) / face_size);
+  for (int row = 0; row < texels_; ++row) {
+    texel_rows_.push_back({{1 - odd, 2 * row + 1 - odd, -face_size}, texels_, texel_count_});
+    texel_count_ += static_cast<std::uint32_t>(texels_);
+  }
+  for (int row = 0; row < texels_; ++row) {
+    texel_rows_.push_back({{1 - odd, face_size, -(2 * row + 1 - odd)}, row + 1, texel_count_});
+    texel_count_ += static_cast<std::uint32_t>(row + 1);
+  }
+  find_corners();
+  find_images();
+}
+
+/// Angles of the points (x, y) from the x axis, in columns; a ring is as high as a column is wide.
+void RingWeights::find_angles(const double* y, const double* x, int count, double* angles) const {
+  image::image_kernels().places_of_angles(y, x, count, 0.25 * columns_, 0.0, angles);
+}
+
+void RingWeights::find_corners() {
+  const auto edge = static_cast<std::size_t>(texels_ + 1);
+  std::vector<double> y(edge);
+  std::vector<double> x(edge);
+  std::vector<double> angles(edge);
+  const auto find = [&](int* to) {
+    find_angles(y.data(), x.data(), texels_ + 1, angles.data());
+    std::transform(angles.begin(), angles.end(), to, [](double place) { return static_cast<int>(place); });
+  };
+  side_columns_.resize(edge);
+  for (std::vector<int>* list : {&side_rings_, &top_rings_, &top_columns_}) list->resize(edge * edge);
+  std::fill(x.begin(), x.end(), 1.0);
+  std::copy(lines_.begin(), lines_.end(), y.begin());
+  find(side_columns_.data());
+  for (int row = 0; row <= texels_; ++row) {
+    const double line = lines_[static_cast<std::size_t>(row)];
+    std::copy(lines_.begin(), lines_.end(), y.begin());
+    std::fill(x.begin(), x.end(), line);
+    find(top_columns_.data() + corner(row, 0));
+    for (std::size_t k = 0; k < edge; ++k) y[k] = std::sqrt(1.0 + lines_[k] * lines_[k]);
+    find(side_rings_.data() + corner(row, 0));
+    for (std::size_t k = 0; k < edge; ++k) y[k] = std::sqrt(line * line + lines_[k] * lines_[k]);
+    std::fill(x.begin(), x.end(), 1.0);
+    find(top_rings_.data() + corner(row, 0));
+  }
+}
+
+RingWindow RingWeights::side_window(int row, int column) const noexcept {
+  const int first_ring = side_rings_[corner(row + 1, column)];
+  const int last_ring = side_rings_[corner(row, column + 1)];
+  const int first_column = side_columns_[static_cast<std::size_t>(column)];
+  const int last_column = side_columns_[static_cast<std::size_t>(column + 1)];
+  return {first_ring - kMiddle, last_ring - first_ring + kSpread, first_column - kMiddle,
+          last_column - first_column + kSpread};
+}
+
+RingWindow RingWeights::top_window(int row, int column) const noexcept {
+  const int first_ring = top_rings_[corner(row, column)];
+  const int last_ring = top_rings_[corner(row + 1, column + 1)];
+  const int first_column = top_columns_[corner(row + 1, column)];
+  const int last_column = row == column ? columns_ / kEighths : top_columns_[corner(row, column + 1)];
+  return {first_ring - kMiddle, last_ring - first_ring + kSpread, first_column - kMiddle,
+          last_column - first_column + kSpread};
+}
+
+std::uint32_t RingWeights::images_of(const RingWindow& window) const noexcept {
+  const int width = columns_ / kEighths;
+  const int end_column = window.first_column + window.columns;
+  const int end_ring = window.first_ring + window.rings;
+  if (window.first_ring >= 0 && end_ring <= rows_ / 2 && window.first_column >= 0 && end_column <= width) return 0;
+  std::uint32_t bits = 0;
+  const auto add = [&](int ring) {
+    for (int column = window.first_column; column < end_column + width - 1; column += width)
+      bits |= 1U << static_cast<unsigned>(folded(ring, std::min(column, end_column - 1), rows_, width).image);
+  };
+  if (window.first_ring < 0) add(window.first_ring);
+  if (end_ring > rows_ / 2) add(end_ring - 1);
+  if (end_ring > 0 && window.first_ring < rows_ / 2) add(std::max(0, window.first_ring));
+  return bits & ~1U;
+}
+
+void RingWeights::find_images() {
+  image_bits_.reserve(texel_count_);
+  first_images_.reserve(texel_count_);
+  const auto add = [&](const RingWindow& window) {
+    const std::uint32_t bits = images_of(window);
+    const auto record = static_cast<std::uint32_t>(image_bits_.size());
+    image_bits_.push_back(static_cast<std::uint16_t>(bits));
+    first_images_.push_back(texel_count_ + static_cast<std::uint32_t>(images_.size()));
+    for (int image = 1; image < kRingImages; ++image) {
+      if ((bits >> static_cast<unsigned>(image) & 1U) != 0) images_.push_back({record, image});
+    }
+    block_floats_ = std::max(
+        block_floats_, static_cast<std::size_t>(window.rings) * static_cast<std::size_t>(window.columns + kShareLanes));
+  };
+  for (int row = 0; row < texels_; ++row) {
+    for (int column = 0; column < texels_; ++column) add(side_window(row, column));
+  }
+  for (int row = 0; row < texels_; ++row) {
+    for (int column = 0; column <= row; ++column) add(top_window(row, column));
+  }
+}
+
+int RingWeights::bands() const noexcept { return std::max(1, rows_ / 2 / kBandRings); }
+
+int RingWeights::first_ring(int band) const noexcept { return band * (rows_ / 2) / bands(); }
+
+RingWeights::Clip RingWeights::clip_of(int band) const noexcept {
+  return {band == 0 ? -kSpread : first_ring(band), band + 1 == bands() ? rows_ / 2 + kSpread : first_ring(band + 1)};
+}
+
+/// Windows lie farther from the pole from texel to texel.
+template <class Window>
+RingWeights::Range RingWeights::range_of(int count, const Clip& clip, const Window& window) {
+  const auto first_where = [&](const auto& reached) {
+    int low = 0;
+    int high = count;
+    while (low < high) {
+      const int middle = (low + high) / 2;
+      if (reached(window(middle)))
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    return low;
+  };
+  const int first = first_where([&](const RingWindow& here) { return here.first_ring + here.rings > clip.first; });
+  const int end = first_where([&](const RingWindow& here) { return here.first_ring >= clip.end; });
+  return {first, std::max(first, end)};
+}
+
+RingWeights::Range RingWeights::side_range(int row, const Clip& clip) const {
+  return range_of(texels_, clip, [&](int column) { return side_window(row, column); });
+}
+
+RingWeights::Range RingWeights::top_range(int row, const Clip& clip) const {
+  return range_of(row + 1, clip, [&](int column) { return top_window(row, column); });
+}
+
+/// Marks where runs of columns begin and, by less, where they end.
+void RingWeights::mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring,
+                             int* marks) const {
+  const int width = columns_ / kEighths;
+  const int end = std::min(clip.end, window.first_ring + window.rings);
+  for (int ring = std::max(clip.first, window.first_ring); ring < end; ++ring) {
+    if (image_bits_[record] == 0) {
+      int* const run = marks + std::ptrdiff_t{width + 1} * (ring - first_ring) + window.first_column;
+      ++run[0];
+      --run[window.columns];
+      continue;
+    }
+    for (int column = 0; column < window.columns; ++column) {
+      const RingCell cell = folded(ring, window.first_column + column, rows_, width);
+      int* const run = marks + std::ptrdiff_t{width + 1} * (cell.ring - first_ring) + cell.column;
+      ++run[0];
+      --run[1];
+    }
+  }
+}
+
+void RingWeights::count(int band, std::uint32_t* counts) const {
+  const Clip clip = clip_of(band);
+  const int width = columns_ / kEighths;
+  const int rings = first_ring(band + 1) - first_ring(band);
+  std::vector<int> marks(static_cast<std::size_t>(rings) * static_cast<std::size_t>(width + 1));
+  for (int row = 0; row < 2 * texels_; ++row) {
+    const bool top = row >= texels_;
+    const int line = top ? row - texels_ : row;
+    const Range range = top ? top_range(line, clip) : side_range(line, clip);
+    for (int column = range.first; column < range.end; ++column) {
+      mark_texel(top ? top_window(line, column) : side_window(line, column),
+                 texel_rows_[static_cast<std::size_t>(row)].record + static_cast<std::size_t>(column), clip,
+                 first_ring(band), marks.data());
+    }
+  }
+  const int* mark = marks.data();
+  for (int ring = 0; ring < rings; ++ring, ++mark) {
+    int sum = 0;
+    for (int column = 0; column < width; ++column) *counts++ = static_cast<std::uint32_t>(sum += *mark++);
+  }
+}
+
+WeighedTexel RingWeights::texel(const RingWindow& window, const Clip& clip, std::uint32_t record) const noexcept {
+  return {window, clip.first, clip.end, {}, 0, record, image_bits_[record], first_images_[record]};
+}
+
+void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const {
+  EdgeLine& side = workspace.side;
+  Range before{0, 0};
+  int ready = -1;  // the line whose rings are known
+  Range here = side_range(0, clip);
+  for (int row = 0; row < texels_; ++row) {
+    const Range after = row + 1 < texels_ ? side_range(row + 1, clip) : Range{0, 0};
+    if (here.first < here.end) {
+      const auto find = [&](int line, const Range& one, const Range& other) {
+        const bool both = one.first < one.end && other.first < other.end;
+        const Range range{both ? std::min(one.first, other.first) : here.first,
+                          both ? std::max(one.end, other.end) : here.end};
+        workspace.lines[line % 2].find_rings(side, range.first, range.end, lines_[static_cast<std::size_t>(line)]);
+      };
+      if (ready != row) find(row, before, here);
+      find(row + 1, here, after);
+      ready = row + 1;
+      const RingEdges lower = workspace.lines[row % 2].edges(side);
+      const RingEdges upper = workspace.lines[(row + 1) % 2].edges(side);
+      for (int column = here.first; column < here.end; ++column) {
+        const std::uint32_t record =
+            texel_rows_[static_cast<std::size_t>(row)].record + static_cast<std::uint32_t>(column);
+        WeighedTexel weighed = texel(side_window(row, column), clip, record);
+        const std::uint32_t first = side.first_part(column);
+        const std::uint32_t end = side.first_part(column + 1);
+        weighed.edges[weighed.edge_count++] = {&lower, first, end, false};
+        weighed.edges[weighed.edge_count++] = {&upper, first, end, true};
+        kernels_.weigh_texel(weighed, band, workspace.block.data());
+      }
+    }
+    before = here;
+    here = after;
+  }
+}
+
+void RingWeights::weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const {
+  constexpr double kHeight = 1.0;
+  EdgeLine& steps = workspace.steps;
+  Range before{0, 0};
+  int ready = -1;
+  Range here = top_range(0, clip);
+  for (int row = 0; row < texels_; ++row) {
+    const Range after = row + 1 < texels_ ? top_range(row + 1, clip) : Range{0, 0};
+    if (here.first < here.end) {
+      // A line has edges up to the diagonal.
+      const auto find = [&](int line, const Range& one, const Range& other) {
+        const bool both = one.first < one.end && other.first < other.end;
+        const Range range{both ? std::min(one.first, other.first) : here.first,
+                          std::min(line, both ? std::max(one.end, other.end) : here.end)};
+        EdgeLine& edges = workspace.lines[line % 2];
+        for (int k = range.first; k < range.end; ++k) {
+          const auto at = static_cast<std::size_t>(k);
+          edges.edge(k) = {lines_[static_cast<std::size_t>(line)], lines_[at], lines_[at + 1]};
+        }
+        edges.cut(range.first, range.end, kHeight, false);
+        edges.find_rings(edges, range.first, range.end, kHeight);
+      };
+      if (ready != row) find(row, before, here);
+      find(row + 1, here, after);
+      ready = row + 1;
+      const int first_step = std::max(1, here.first);
+      const int end_step = std::min(row, here.end) + 1;
+      for (int k = first_step; k < end_step; ++k) {
+        const auto at = static_cast<std::size_t>(row);
+        steps.edge(k) = {lines_[static_cast<std::size_t>(k)], lines_[at], lines_[at + 1]};
+      }
+      steps.cut(first_step, end_step, kHeight, true);
+      steps.find_rings(steps, first_step, end_step, kHeight);
+      const EdgeLine& near_line = workspace.lines[row % 2];
+      const EdgeLine& far_line = workspace.lines[(row + 1) % 2];
+      const RingEdges near_edges = near_line.edges(near_line);
+      const RingEdges far_edges = far_line.edges(far_line);
+      const RingEdges step_edges = steps.edges(steps);
+      for (int column = here.first; column < here.end; ++column) {
+        const std::uint32_t record =
+            texel_rows_[static_cast<std::size_t>(texels_ + row)].record + static_cast<std::uint32_t>(column);
+        WeighedTexel weighed = texel(top_window(row, column), clip, record);
+        const auto add = [&](const RingEdges& edges, const EdgeLine& line, int edge, bool inner) {
+          weighed.edges[weighed.edge_count++] = {&edges, line.first_part(edge), line.first_part(edge + 1), inner};
+        };
+        add(far_edges, far_line, column, false);
+        if (column < row) add(step_edges, steps, column + 1, false);
+        if (column < row) add(near_edges, near_line, column, true);
+        if (column > 0) add(step_edges, steps, column, true);
+        kernels_.weigh_texel(weighed, band, workspace.block.data());
+      }
+    }
+    before = here;
+    here = after;
+  }
+}
+
+void RingWeights::weigh(int band, std::uint32_t* next, RingTap* taps) const {
+  Workspace workspace(*this);
+  const RingBand to{shares_.whole.data(), rows_, first_ring(band), columns_ / kEighths, next, taps};
+  weigh_side(clip_of(band), to, workspace);
+  weigh_top(clip_of(band), to, workspace);
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,111 @@
+// What each texel of a cubemap gives to rings of latitude, made band after band.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "reflections/ring_shares.h"
+#include "reflections/ring_weight_kernels.h"
+#include "welkin/core.h"
+
+namespace welkin::reflections {
+
+/// The texels of a sixteenth of the cube, from -Z's middle towards +x and up to +Y, and the weights with which they and
+/// their images reach the rings' texels of the same sixteenth.
+///
+/// The integral of a ring's and a column's share over a texel is one along its edges: of the column's share times the
+/// ring's integral from the pole to the edge, by longitude. Edges along meridians give nothing, and what an edge gives
+/// one texel it takes from the other, so that even light stays even. Gauss points stand for an edge's parts; they are
+/// made to add up to the columns' exact integrals over the part.
+class RingWeights {
+ public:
+  RingWeights(int face_size, int rows, const RingWeightKernels& kernels = ring_weight_kernels());
+
+  /// Rows of texels: of -Z from the equator upwards, then of +Y from the middle of the face on.
+  struct TexelRow {
+    glm::ivec3 first;  ///< centre of the first texel, in half texels
+    int count;         ///< the others follow in steps of two along x
+    std::uint32_t record;
+  };
+  [[nodiscard]] const std::vector<TexelRow>& rows() const noexcept { return texel_rows_; }
+
+  /// A record that is an image of another one.
+  struct ImageRecord {
+    std::uint32_t record;
+    int image;
+  };
+  /// Those that come after the rows' texels.
+  [[nodiscard]] const std::vector<ImageRecord>& images() const noexcept { return images_; }
+  [[nodiscard]] std::size_t record_count() const noexcept { return texel_count_ + images_.size(); }
+
+  /// Rings of a hemisphere, cut by their number alone.
+  [[nodiscard]] int bands() const noexcept;
+  [[nodiscard]] int first_ring(int band) const noexcept;  ///< of band `bands()`: one beyond the last
+
+  /// Writes to `counts`, [ring of the band][column], how many taps each of the texels has.
+  void count(int band, std::uint32_t* counts) const;
+
+  /// Writes the band's taps, in an order that depends on the sizes alone. `next`: as `count` has it, where the taps of
+  /// each texel begin in `taps`.
+  void weigh(int band, std::uint32_t* next, RingTap* taps) const;
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
+  /// A bound on what the object and so many threads in `weigh` take.
+  [[nodiscard]] static std::size_t making_bytes(int face_size, int rows, std::size_t threads) noexcept;
+
+ private:
+  class EdgeLine;
+  class Workspace;
+  /// Texels of a row.
+  struct Range {
+    int first;
+    int end;
+  };
+  /// Rings that belong to a band, those that fold back into it included.
+  struct Clip {
+    int first;
+    int end;
+  };
+
+  [[nodiscard]] static std::size_t parts_of_line(int texels, int rows) noexcept;
+  [[nodiscard]] std::size_t corner(int row, int column) const noexcept {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(texels_ + 1) + static_cast<std::size_t>(column);
+  }
+  void find_angles(const double* y, const double* x, int count, double* angles) const;
+  void find_corners();
+  void find_images();
+  [[nodiscard]] RingWindow side_window(int row, int column) const noexcept;
+  [[nodiscard]] RingWindow top_window(int row, int column) const noexcept;
+  [[nodiscard]] std::uint32_t images_of(const RingWindow& window) const noexcept;
+  [[nodiscard]] Clip clip_of(int band) const noexcept;
+  template <class Window>
+  [[nodiscard]] static Range range_of(int count, const Clip& clip, const Window& window);
+  [[nodiscard]] Range side_range(int row, const Clip& clip) const;
+  [[nodiscard]] Range top_range(int row, const Clip& clip) const;
+  void mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring, int* marks) const;
+  void weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const;
+  void weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const;
+  [[nodiscard]] WeighedTexel texel(const RingWindow& window, const Clip& clip, std::uint32_t record) const noexcept;
+
+  int texels_;  ///< of half a face's edge; the first one of an odd face is a half
+  int rows_;
+  int columns_;
+  RingShares shares_;
+  const RingWeightKernels& kernels_;
+  std::vector<double> lines_;      ///< between texels, on the face
+  std::vector<int> side_columns_;  ///< [line]: that it lies on
+  std::vector<int> side_rings_;    ///< of -Z's corners, [row][column]
+  std::vector<int> top_rings_;     ///< of +Y's
+  std::vector<int> top_columns_;
+  std::vector<TexelRow> texel_rows_;
+  std::vector<ImageRecord> images_;
+  std::vector<std::uint16_t> image_bits_;    ///< [record]
+  std::vector<std::uint32_t> first_images_;  ///< [record]
+  std::uint32_t texel_count_ = 0;
+  std::size_t parts_ = 0;         ///< of a line, at most
+  std::size_t block_floats_ = 0;  ///< of a texel's window, at most
+};
+
+}  // namespace welkin::reflections

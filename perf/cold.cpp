@@ -1,0 +1,442 @@
+#include "cold.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+#include "perf/report/environment.h"
+#include "perf/report/process.h"
+#include "platform/text.h"
+#include "scratch_files.h"
+#include "welkin/bake.h"
+#include "welkin/environment_file.h"
+#include "welkin/importance.h"
+#include "welkin/irradiance.h"
+#include "welkin/probes.h"
+#include "welkin/reflections.h"
+#include "welkin/requests.h"
+#include "welkin/resampling.h"
+#include "welkin/sky.h"
+#include "welkin/worker.h"
+#include "welkin/zonal_kernel.h"
+
+namespace welkin::perf {
+namespace {
+
+using Call = std::function<void()>;
+using platform::number_text;
+
+/// What a child reads; pixels as raw floats, so that it decodes nothing by the library.
+struct Pixels {
+  LatLongImage lat_long;
+  CubemapImage cube;
+};
+
+enum class Kind { none, lat_long, cube };
+
+struct Operation {
+  std::string name;
+  Kind kind = Kind::none;
+  int source = 0;  ///< width of the lat-long, or texels along an edge of the cube
+  int calls = 10;  ///< per process
+  std::function<Call(const Pixels&)> prepare;
+};
+
+/// Takes a result that nobody reads.
+template <class Result>
+void use(const Result& result) {
+  static volatile std::size_t used = 0;
+  used = used + (reinterpret_cast<std::size_t>(&result) & 1U);
+}
+
+/// The operations that read pixels of one kind, which `view` returns.
+template <class View>
+void add_prefilters(std::vector<Operation>& operations, const std::string& from, Operation source, int size,
+                    const View& view) {
+  source.name = "prefilter " + from + " -> " + std::to_string(size);
+  source.prepare = [=](const Pixels& pixels) -> Call {
+    return [=, &pixels] { use(prefilter_specular(view(pixels), {.size = size})); };
+  };
+  operations.push_back(source);
+}
+
+template <class View>
+void add_bakes(std::vector<Operation>& operations, const std::string& from, Operation source, int size,
+               const View& view) {
+  source.name = "bake " + from + " -> " + std::to_string(size);
+  source.prepare = [=](const Pixels& pixels) -> Call {
+    return [=, &pixels] {
+      BakeOptions options;
+      options.specular->size = size;
+      use(bake(view(pixels), options));
+    };
+  };
+  operations.push_back(source);
+}
+
+void add_projections(std::vector<Operation>& operations) {
+  for (const int size : {64, 256, 1024}) {
+    const std::string text = " cube " + std::to_string(size);
+    operations.push_back({"project rgb32f" + text, Kind::cube, size, 10,
+                          [](const Pixels& pixels) -> Call { return [&] { use(project(pixels.cube.view())); }; }});
+    operations.push_back({"project rgba16f" + text, Kind::cube, size, 10, [](const Pixels& pixels) -> Call {
+                            const auto halves =
+                                std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
+                            return [halves] { use(project(halves->view())); };
+                          }});
+  }
+  operations.push_back({"project lat-long 1024", Kind::lat_long, 1024, 10,
+                        [](const Pixels& pixels) -> Call { return [&] { use(project(pixels.lat_long.view())); }; }});
+}
+
+void add_reflections(std::vector<Operation>& operations) {
+  const auto lat_long = [](const Pixels& pixels) { return pixels.lat_long.view(); };
+  const auto cube = [](const Pixels& pixels) { return pixels.cube.view(); };
+  for (const int size : {64, 128, 256, 512, 1024})
+    add_prefilters(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long);
+  for (const int size : {512, 2048})
+    add_prefilters(operations, "lat-long 4096", {"", Kind::lat_long, 4096, size > 512 ? 4 : 10, {}}, size, lat_long);
+  for (const int size : {64, 256, 512})
+    add_bakes(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long);
+  for (const int size : {16, 32, 64, 128, 256, 512, 1024})
+    add_prefilters(operations, "cube", {"", Kind::cube, size, size > 512 ? 4 : 10, {}}, size, cube);
+  for (const int size : {64, 128}) add_bakes(operations, "cube", {"", Kind::cube, size, 10, {}}, size, cube);
+  operations.push_back({"sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) -> Call {
+                          return [&] {
+                            KernelChainOptions sheen;
+                            sheen.size = 256;
+                            for (const double roughness : charlie_roughness_of_mips(5, 256))
+                              sheen.kernels.push_back(ZonalKernel::charlie(roughness));
+                            use(prefilter_by_kernels(pixels.lat_long.view(), sheen));
+                          };
+                        }});
+}
+
+void add_others(std::vector<Operation>& operations) {
+  operations.push_back({"irradiance cube 64", Kind::none, 0, 10, [](const Pixels&) -> Call {
+                          return [] { use(irradiance_cubemap(SphericalHarmonics(3), 64)); };
+                        }});
+  operations.push_back({"direct irradiance lat-long 1024", Kind::lat_long, 1024, 10, [](const Pixels& pixels) -> Call {
+                          return [&] { use(direct_irradiance(pixels.lat_long.view(), {0.0, 1.0, 0.0})); };
+                        }});
+  for (const int size : {64, 128}) {
+    operations.push_back({"BRDF table " + std::to_string(size), Kind::none, 0, 10, [=](const Pixels&) -> Call {
+                            return [=] { use(brdf_table({size, size, BrdfModel::split_sum, true})); };
+                          }});
+  }
+  operations.push_back({"importance lat-long 1024", Kind::lat_long, 1024, 10, [](const Pixels& pixels) -> Call {
+                          return [&] { use(importance_table(pixels.lat_long.view())); };
+                        }});
+  operations.push_back({"64 probes of cube 32", Kind::cube, 32, 10, [](const Pixels& pixels) -> Call {
+                          return [&] {
+                            ProbeGrid grid;
+                            grid.counts = {4, 4, 4};
+                            use(bake_probes(grid, std::vector<CubemapView>(64, pixels.cube.view())));
+                          };
+                        }});
+}
+
+void add_workers(std::vector<Operation>& operations) {
+  const auto post = [](Worker& worker, const std::shared_ptr<const CubemapImage>& cube) {
+    use(worker.post(ProjectCubemap{CubemapSource(cube), {}}).get());
+  };
+  operations.push_back({"worker made, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
+                          const auto cube = std::make_shared<const CubemapImage>(pixels.cube);
+                          return [=] {
+                            Worker worker;
+                            post(worker, cube);
+                          };
+                        }});
+  operations.push_back({"worker kept, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
+                          const auto cube = std::make_shared<const CubemapImage>(pixels.cube);
+                          const auto worker = std::make_shared<std::unique_ptr<Worker>>();
+                          return [=] {
+                            if (!*worker) *worker = std::make_unique<Worker>();
+                            post(**worker, cube);
+                          };
+                        }});
+}
+
+void add_skies(std::vector<Operation>& operations) {
+  const auto compact = [] {
+    SkyTableOptions options;
+    options.layout = ScatteringLayout::compact;
+    return options;
+  };
+  const auto view = [=] {
+    return std::make_shared<const SkyView>(std::make_shared<const SkyTables>(precompute_sky(earth(), compact())), 0.0);
+  };
+  const dvec3 sun{0.0, 0.5, 0.866'025'403'784'438'6};
+  operations.push_back({"sky view", Kind::none, 0, 10, [=](const Pixels&) -> Call {
+                          const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), compact()));
+                          return [=] { use(SkyView(tables, 0.0).radiance({0.0, 1.0, 0.0}, sun)); };
+                        }});
+  operations.push_back({"sky harmonics", Kind::none, 0, 10, [=](const Pixels&) -> Call {
+                          return [view = view(), sun] { use(SkyProjector(*view).project(sun)); };
+                        }});
+  operations.push_back({"sky curve", Kind::none, 0, 10,
+                        [=](const Pixels&) -> Call { return [view = view()] { use(SkyCurve(*view)); }; }});
+  operations.push_back({"sky tables, compact", Kind::none, 0, 3,
+                        [=](const Pixels&) -> Call { return [=] { use(precompute_sky(earth(), compact())); }; }});
+  operations.push_back({"sky tables, full", Kind::none, 0, 3,
+                        [](const Pixels&) -> Call { return [] { use(precompute_sky(earth())); }; }});
+}
+
+std::vector<Operation> all_operations() {
+  std::vector<Operation> operations;
+  add_projections(operations);
+  add_reflections(operations);
+  add_others(operations);
+  add_workers(operations);
+  add_skies(operations);
+  return operations;
+}
+
+// Pixels between the processes.
+
+std::string file_of(const Operation& operation) {
+  return (operation.kind == Kind::cube ? "cube-" : "lat-long-") + std::to_string(operation.source);
+}
+
+std::vector<float> read_floats(const std::filesystem::path& file, std::size_t count) {
+  std::vector<float> values(count);
+  const auto bytes = static_cast<std::streamsize>(count * sizeof(float));
+  if (!std::ifstream(file, std::ios::binary).read(reinterpret_cast<char*>(values.data()), bytes))
+    throw Error(ErrorCode::file_access, file.string() + ": cannot be read");
+  return values;
+}
+
+Pixels read_pixels(const Operation& operation, const std::filesystem::path& folder) {
+  const auto source = static_cast<std::size_t>(operation.source);
+  Pixels pixels;
+  if (operation.kind == Kind::lat_long) {
+    pixels.lat_long = {operation.source, operation.source / 2,
+                       read_floats(folder / file_of(operation), source * source / 2 * 3)};
+  } else if (operation.kind == Kind::cube) {
+    pixels.cube = {operation.source, read_floats(folder / file_of(operation), 18 * source * source)};
+  }
+  return pixels;
+}
+
+/// The parent's, which may warm up as it likes.
+class Sources {
+ public:
+  explicit Sources(std::filesystem::path file) : file_(std::move(file)) {}
+
+  [[nodiscard]] LatLongImage lat_long(int width) const {
+    return (file_.empty() ? report::built_in_environment(width) : report::environment_from(file_, width)).image;
+  }
+  [[nodiscard]] CubemapImage cube(int size) const { return to_cubemap(lat_long(1024).view(), size); }
+
+  /// The folder of the pixels that an operation reads.
+  [[nodiscard]] std::filesystem::path write(const Operation& operation) const {
+    return scratch_file(file_of(operation),
+                        [&](const std::filesystem::path& path) {
+                          std::vector<float> values;
+                          if (operation.kind == Kind::cube) values = cube(operation.source).pixels;
+                          if (operation.kind == Kind::lat_long) values = lat_long(operation.source).pixels;
+                          std::ofstream(path, std::ios::binary)
+                              .write(reinterpret_cast<const char*>(values.data()),
+                                     static_cast<std::streamsize>(values.size() * sizeof(float)));
+                        })
+        .parent_path();
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+// The child.
+
+/// Page faults of this process that read nothing from disk; 0 where the system does not say.
+long page_faults() {
+  std::ifstream stream("/proc/self/stat");
+  std::string text((std::istreambuf_iterator<char>(stream)), {});
+  std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 1)));
+  std::string field;
+  for (int k = 0; k < 8; ++k) fields >> field;  // the state is the third field, the faults are the tenth
+  return std::atol(field.c_str());
+}
+
+/// The most memory that this process has had, MiB; 0 where the system does not say.
+long resident_megabytes() {
+  std::ifstream stream("/proc/self/status");
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind("VmHWM:", 0) == 0) return std::atol(line.c_str() + 6) / 1024;
+  }
+  return 0;
+}
+
+/// A row's numbers. Of several processes each has its least.
+struct Row {
+  std::array<double, 7> values{};  ///< ms of the first, second, last and fastest later call; faults of first, last; MiB
+
+  void keep_least(const Row& other) {
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::min(values[k], other.values[k]);
+  }
+};
+
+double seconds(report::Clock clock) {
+  if (clock == report::Clock::processor) return report::processor_seconds();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Row measure(const Call& call, int calls, report::Clock clock) {
+  std::vector<double> milliseconds;
+  std::vector<long> faults;
+  for (int k = 0; k < calls; ++k) {
+    const long before = page_faults();
+    const double start = seconds(clock);
+    call();
+    milliseconds.push_back(1e3 * (seconds(clock) - start));
+    faults.push_back(page_faults() - before);
+  }
+  return {{milliseconds[0], milliseconds[1], milliseconds.back(),
+           *std::min_element(milliseconds.begin() + 1, milliseconds.end()), static_cast<double>(faults.front()),
+           static_cast<double>(faults.back()), static_cast<double>(resident_megabytes())}};
+}
+
+const Operation& find(const std::vector<Operation>& operations, const std::string& name) {
+  const auto at =
+      std::find_if(operations.begin(), operations.end(), [&](const Operation& one) { return one.name == name; });
+  if (at == operations.end()) throw Error(ErrorCode::invalid_argument, name + ": no such operation");
+  return *at;
+}
+
+// The parent.
+
+struct Options {
+  std::vector<int> threads{1};
+  int runs = 3;
+  std::string only;
+  report::Clock clock = report::Clock::wall;
+  std::filesystem::path file;
+};
+
+Options read_options(const std::vector<std::filesystem::path>& arguments) {
+  Options options;
+  for (const std::filesystem::path& argument : arguments) {
+    const std::string word = argument.string();
+    if (word.rfind("--threads=", 0) == 0) {
+      options.threads.clear();
+      std::istringstream list(word.substr(10));
+      for (std::string one; std::getline(list, one, ',');) options.threads.push_back(std::atoi(one.c_str()));
+    } else if (word.rfind("--runs=", 0) == 0) {
+      options.runs = std::max(1, std::atoi(word.c_str() + 7));
+    } else if (word == "--processor") {
+      options.clock = report::Clock::processor;
+    } else if (word.rfind("--only=", 0) == 0) {
+      options.only = word.substr(7);
+    } else {
+      options.file = argument;
+    }
+  }
+  return options;
+}
+
+std::string digits(double value) {
+  return value < 1000.0 ? number_text(value, std::chars_format::general, 3)
+                        : number_text(value, std::chars_format::fixed, 0);
+}
+
+std::string row_of(const std::filesystem::path& program, const Operation& operation, const Sources& sources,
+                   int threads, const Options& options) {
+  const std::filesystem::path folder = sources.write(operation);
+  const std::filesystem::path output = folder / "row";
+  Row least;
+  for (int run = 0; run < options.runs; ++run) {
+    const report::ProcessResult result =
+        report::run_process({program.string(), "--cold-calls", operation.name, folder.string(), std::to_string(threads),
+                             options.clock == report::Clock::processor ? "processor" : "wall"},
+                            0, report::Clock::wall, output);
+    Row row;
+    std::ifstream stream(output);
+    for (double& value : row.values) stream >> value;
+    if (result.exit_code != 0 || !stream) throw Error(ErrorCode::file_access, operation.name + ": the process failed");
+    if (run == 0) least = row;
+    least.keep_least(row);
+  }
+  const auto& [first, second, last, warm, first_faults, last_faults, resident] = least.values;
+  return "| " + operation.name + " | " + digits(first) + " | " + digits(second) + " | " + digits(last) + " | " +
+         digits(warm) + " | " + digits(first / warm) + " | " + number_text(first_faults, std::chars_format::fixed, 0) +
+         " / " + number_text(last_faults, std::chars_format::fixed, 0) + " | " +
+         number_text(resident, std::chars_format::fixed, 0) + " |\n";
+}
+
+/// Whole processes of the command: KTX2 without previews.
+std::string process_rows(const std::filesystem::path& command, const Sources& sources, int threads,
+                         const Options& options) {
+  std::string text;
+  const auto add = [&](const std::string& name, int size,
+                       const std::function<void(const std::filesystem::path&)>& write) {
+    if (name.find(options.only) == std::string::npos) return;
+    const std::filesystem::path picture = scratch_file(name + ".exr", write);
+    double seconds = 1e9;
+    for (int run = 0; run < options.runs; ++run) {
+      const report::ProcessResult result = report::run_process(
+          {command.string(), "bake", picture.string(), "--quiet", "--no-previews", "--size", std::to_string(size),
+           "--threads", std::to_string(threads), "-o", (picture.parent_path() / "baked").string()},
+          threads, options.clock);
+      if (result.exit_code != 0) throw Error(ErrorCode::file_access, command.string() + " bake: the process failed");
+      seconds = std::min(seconds, result.seconds);
+    }
+    text += "| " + name + " | " + digits(1e3 * seconds) + " |\n";
+  };
+  for (const int size : {64, 128, 256, 512}) {
+    add("process: bake cube -> " + std::to_string(size), size,
+        [&](const auto& path) { (void)write_environment(path, sources.cube(size).view()); });
+  }
+  for (const int size : {256, 512}) {
+    add("process: bake lat-long 1024 -> " + std::to_string(size), size,
+        [&](const auto& path) { (void)write_environment(path, sources.lat_long(1024).view()); });
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string cold_tables(const std::filesystem::path& program, const std::vector<std::filesystem::path>& arguments) {
+  const Options options = read_options(arguments);
+  const Sources sources(options.file);
+  const std::filesystem::path command = program.parent_path() / "welkin";
+  std::string text;
+  for (const int threads : options.threads) {
+    std::string rows;
+    for (const Operation& operation : all_operations()) {
+      if (operation.name.find(options.only) != std::string::npos)
+        rows += row_of(program, operation, sources, threads, options);
+    }
+    const std::string count = std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+    if (!rows.empty()) {
+      text += "| " + count + " | first, ms | second | last | best | first / best | faults, first / last | MiB |\n" +
+              "|---|---|---|---|---|---|---|---|\n" + rows + "\n";
+    }
+    if (!std::filesystem::exists(command)) continue;
+    if (const std::string processes = process_rows(command, sources, threads, options); !processes.empty())
+      text += "| " + count + " | whole process, ms |\n|---|---|\n" + processes + "\n";
+  }
+  return text;
+}
+
+std::string cold_calls(const std::vector<std::filesystem::path>& arguments) {
+  const std::vector<Operation> operations = all_operations();
+  const Operation& operation = find(operations, arguments.at(0).string());
+  const Pixels pixels = read_pixels(operation, arguments.at(1));
+  const Call call = operation.prepare(pixels);
+  const report::Clock clock = arguments.at(3) == "processor" ? report::Clock::processor : report::Clock::wall;
+  Row row;
+  run_with_threads(std::atoi(arguments.at(2).string().c_str()), [&] { row = measure(call, operation.calls, clock); });
+  std::string text;
+  for (const double value : row.values) text += number_text(value, std::chars_format::general, 6) + " ";
+  return text + "\n";
+}
+
+}  // namespace welkin::perf

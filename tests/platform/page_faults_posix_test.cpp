@@ -1,0 +1,69 @@
+// Page faults of warm calls. What Linux counts, and glibc can be told: elsewhere there is nothing to compare.
+#include <cstdlib>
+
+#if defined(__linux__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <malloc.h>
+#include <sys/resource.h>
+
+#include <functional>
+
+#include "support/catch.h"
+#include "support/kept_memory.h"
+#include "support/test_environments.h"
+#include "welkin/bake.h"
+
+namespace welkin::test {
+namespace {
+
+/// While it lives, malloc maps every block of 256 KiB and more anew, as in a process that has just begun: what comes
+/// from the heap is cleared page by page in each call.
+class FreshHeap {
+ public:
+  FreshHeap() noexcept { mallopt(M_MMAP_THRESHOLD, 256 << 10); }
+  ~FreshHeap() { mallopt(M_MMAP_THRESHOLD, 32 << 20); }
+  FreshHeap(const FreshHeap&) = delete;
+  FreshHeap& operator=(const FreshHeap&) = delete;
+};
+
+long page_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_minflt;
+}
+
+/// Of the fourth call, on one thread.
+long warm_faults(const std::function<void()>& call) {
+  long faults = 0;
+  run_with_threads(1, [&] {
+    for (int k = 0; k < 3; ++k) call();
+    faults = page_faults();
+    call();
+    faults = page_faults() - faults;
+  });
+  return faults;
+}
+
+}  // namespace
+
+TEST_CASE("A warm bake takes no page faults beyond its result", "[platform][memory][pages]") {
+  constexpr long few = 64;  // stacks, tables of pointers and the like
+  const FreshHeap fresh;
+  BakeOptions options;
+  options.specular->size = 128;
+  options.irradiance.reset();
+  BakeResult result;
+  const auto lat_long = make_lat_long(Content::sun_disc, 512, 256, 1);
+  const auto cubemap = make_cubemap(Content::sun_disc, 128, 3, 1);
+  {
+    const KeptMemory kept(std::size_t{128} << 20U);
+    CHECK(warm_faults([&] { bake_into(result, lat_long.view(), options); }) <= few);
+    CHECK(warm_faults([&] { bake_into(result, cubemap.view(), options); }) <= few);
+  }
+  // Without kept memory there are hundreds, which is what is counted.
+  const KeptMemory kept(0);
+  CHECK(warm_faults([&] { bake_into(result, lat_long.view(), options); }) > 10 * few);
+  CHECK(warm_faults([&] { bake_into(result, cubemap.view(), options); }) > 10 * few);
+}
+
+}  // namespace welkin::test
+#endif

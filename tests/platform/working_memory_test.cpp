@@ -1,0 +1,133 @@
+// Working memory that stays between calls: what is kept, what is freed, and that nobody reads what nobody wrote.
+#include "platform/working_memory.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "platform/memory.h"
+#include "support/catch.h"
+#include "support/kept_memory.h"
+#include "welkin/core.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+namespace {
+
+using platform::give_working_memory;
+using platform::kept_working_memory;
+using platform::take_working_memory;
+using platform::WorkingMemory;
+
+constexpr std::size_t kMebi = std::size_t{1} << 20U;
+
+}  // namespace
+
+TEST_CASE("A block that was given back serves the next call", "[platform][memory]") {
+  const KeptMemory kept(64 * kMebi);
+  const WorkingMemory block = take_working_memory(3 * kMebi);
+  CHECK(block.bytes >= 3 * kMebi);
+  CHECK(reinterpret_cast<std::uintptr_t>(block.data) % platform::kCacheLine == 0);
+  give_working_memory(block);
+  CHECK(kept_working_memory() == block.bytes);
+  const WorkingMemory again = take_working_memory(3 * kMebi);
+  CHECK(again.data == block.data);
+  CHECK(kept_working_memory() == 0);
+  const WorkingMemory other = take_working_memory(3 * kMebi);  // the first one is in use
+  CHECK(other.data != again.data);
+  give_working_memory(again);
+  give_working_memory(other);
+}
+
+TEST_CASE("A block serves requests of half its size and more, the smallest one first", "[platform][memory]") {
+  const KeptMemory kept(64 * kMebi);
+  const WorkingMemory large = take_working_memory(16 * kMebi);
+  const WorkingMemory medium = take_working_memory(10 * kMebi);
+  give_working_memory(large);
+  give_working_memory(medium);
+  const WorkingMemory small = take_working_memory(4 * kMebi);  // both are too large
+  CHECK(small.data != large.data);
+  CHECK(small.data != medium.data);
+  CHECK(take_working_memory(9 * kMebi).data == medium.data);
+  CHECK(take_working_memory(9 * kMebi).data == large.data);
+  for (const WorkingMemory& block : {small, medium, large}) give_working_memory(block);
+}
+
+TEST_CASE("The oldest blocks are freed beyond the limit", "[platform][memory]") {
+  const KeptMemory kept(12 * kMebi);
+  const WorkingMemory first = take_working_memory(6 * kMebi);
+  const WorkingMemory second = take_working_memory(6 * kMebi);
+  const WorkingMemory third = take_working_memory(6 * kMebi);
+  const WorkingMemory huge = take_working_memory(20 * kMebi);
+  for (const WorkingMemory& block : {first, second, third}) give_working_memory(block);
+  CHECK(kept_working_memory() == second.bytes + third.bytes);
+  give_working_memory(huge);  // above the limit itself: it drives nothing out
+  CHECK(kept_working_memory() == second.bytes + third.bytes);
+  keep_working_memory(7 * kMebi);
+  CHECK(kept_working_memory() == third.bytes);
+  welkin_keep_working_memory(0);
+  CHECK(kept_working_memory() == 0);
+  give_working_memory(take_working_memory(6 * kMebi));
+  CHECK(kept_working_memory() == 0);
+}
+
+TEST_CASE("Memory that no call uses is freed when asked for", "[platform][memory]") {
+  const KeptMemory kept(64 * kMebi);
+  const WorkingMemory used = take_working_memory(2 * kMebi);
+  give_working_memory(take_working_memory(4 * kMebi));
+  CHECK(kept_working_memory() > 0);
+  release_working_memory();
+  CHECK(kept_working_memory() == 0);
+  give_working_memory(used);
+  CHECK(kept_working_memory() == used.bytes);
+  welkin_release_working_memory();
+  CHECK(kept_working_memory() == 0);
+}
+
+TEST_CASE("Small blocks stay with the heap, and many blocks are bounded", "[platform][memory]") {
+  const KeptMemory kept(512 * kMebi);
+  give_working_memory(take_working_memory(platform::kLeastKeptBlock - 1));
+  CHECK(kept_working_memory() == 0);
+  constexpr std::size_t most = 256;
+  std::vector<WorkingMemory> blocks(most + 20);
+  for (WorkingMemory& block : blocks) block = take_working_memory(platform::kLeastKeptBlock);
+  for (const WorkingMemory& block : blocks) give_working_memory(block);
+  CHECK(kept_working_memory() == most * blocks.front().bytes);
+}
+
+TEST_CASE("A block belongs to one thread at a time", "[platform][memory][threads]") {
+  const KeptMemory kept(8 * kMebi);
+  std::vector<std::thread> threads;
+  std::vector<char> mixed(4, 0);
+  for (std::size_t k = 0; k < mixed.size(); ++k) {
+    threads.emplace_back([k, &mixed] {
+      for (int turn = 0; turn < 200; ++turn) {
+        platform::AlignedBuffer<std::size_t> buffer(platform::kLeastKeptBlock / sizeof(std::size_t));
+        std::fill_n(buffer.data(), buffer.size(), k);
+        if (std::any_of(buffer.data(), buffer.data() + buffer.size(), [&](std::size_t value) { return value != k; }))
+          mixed[k] = 1;
+        if (turn % 50 == 0) release_working_memory();
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(mixed == std::vector<char>(4, 0));
+}
+
+TEST_CASE("A test can fill blocks before they are used", "[platform][memory]") {
+  const KeptMemory kept(8 * kMebi);
+  platform::fill_taken_memory(0xFF);
+  platform::AlignedBuffer<unsigned char> small(100);
+  platform::AlignedBuffer<unsigned char> large(kMebi);
+  std::memset(large.data(), 0, large.size());
+  large = {};
+  large = platform::AlignedBuffer<unsigned char>(kMebi);
+  platform::fill_taken_memory(-1);
+  CHECK(small.data()[99] == 0xFF);
+  CHECK(large.data()[0] == 0xFF);
+  CHECK(large.data()[kMebi - 1] == 0xFF);
+}
+
+}  // namespace welkin::test

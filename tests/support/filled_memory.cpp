@@ -1,0 +1,17 @@
+// With WELKIN_TEST_FILL_MEMORY set, working memory is filled with NaN before the program's calls get it: who reads what
+// nobody wrote, also in tables that are made once, changes results that are on record.
+#include <cstdlib>
+
+#include "platform/working_memory.h"
+
+namespace welkin::test {
+namespace {
+
+[[maybe_unused]] const bool filled = [] {
+  const bool wanted = std::getenv("WELKIN_TEST_FILL_MEMORY") != nullptr;
+  if (wanted) platform::fill_taken_memory(0xFF);
+  return wanted;
+}();
+
+}  // namespace
+}  // namespace welkin::test
