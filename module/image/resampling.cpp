@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "image/area_resampling.h"
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/moved_row.h"
 #include "image/pixels.h"
@@ -256,7 +257,7 @@ CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& t
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
   }
   const int levels = halvings(source.size, size);
-  if (levels > 0 && image::is_cube_symmetry(turn)) {
+  if (levels > 0 && image::cube_symmetry_of(turn)) {
     return turned(reduced(source, levels, jobs::part_of(control, 0.0, kShareOfFilling)), turn,
                   jobs::part_of(control, kShareOfFilling, 1.0));
   }
@@ -269,7 +270,7 @@ CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& t
   image::check_view(source);
   image::check_face_size(size);
   require_orthogonal(turn);
-  if (image::is_cube_symmetry(turn)) {
+  if (image::cube_symmetry_of(turn)) {
     const bool upright = turn == glm::dmat3(1.0);
     CubemapImage result = empty_cubemap(size);
     std::array<float*, 6> faces{};
@@ -286,7 +287,7 @@ LatLongImage to_lat_long(const CubemapView& source, int width, int height, const
   image::check_view(source);
   image::check_lat_long_size(width, height);
   require_orthogonal(turn);
-  if (filter == ResampleFilter::area && image::is_cube_symmetry(turn)) {
+  if (filter == ResampleFilter::area && image::cube_symmetry_of(turn)) {
     LatLongImage result{
         width, height,
         std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
@@ -412,20 +413,6 @@ constexpr int kTileTexels = 16384;
 
 bool is_near(double value, double wanted) { return std::abs(value - wanted) <= kMatrixTolerance; }
 
-using WholeMatrix = glm::mat<3, 3, int>;
-
-std::optional<WholeMatrix> signed_permutation(const glm::dmat3& turn) {
-  WholeMatrix result(0);
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      const double whole = std::round(turn[column][row]);
-      if (!is_near(turn[column][row], whole)) return {};
-      result[column][row] = static_cast<int>(whole);
-    }
-  }
-  return result;
-}
-
 /// Where a lat-long's columns and rows come from.
 struct ColumnsAndRows {
   bool rows_reversed = false;
@@ -468,10 +455,8 @@ void for_each_row(int rows, int width, const Control& control, const Move& move)
 
 }  // namespace
 
-bool is_cube_symmetry(const glm::dmat3& turn) noexcept { return signed_permutation(turn).has_value(); }
-
 std::optional<CubemapImage> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
-  const std::optional<WholeMatrix> forward = signed_permutation(turn);
+  const std::optional<WholeMatrix> forward = cube_symmetry_of(turn);
   if (!forward) return {};
   const WholeMatrix& matrix = *forward;
   const int size = source.size;

@@ -59,9 +59,6 @@ class CubemapSampler final : public Sampler {
 
 // Turns that take texels to texels: nothing is interpolated, every texel stays what it is.
 
-/// Whether each entry is within 1e-9 of 0, 1 or -1: one of a cube's 48 symmetries.
-[[nodiscard]] bool is_cube_symmetry(const glm::dmat3& turn) noexcept;
-
 /// The result, if the turn is one of a cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
 [[nodiscard]] std::optional<CubemapImage> turned_exactly(const CubemapView& source, const glm::dmat3& turn,
                                                          const Control& control);

@@ -156,7 +156,7 @@ class LatLongNear {
   /// Images that differ by their turns alone.
   struct Turned {
     struct One {
-      TexelImage image;
+      image::CubeImage image;
       int columns;   ///< to its texels of the source from the others'
       float* first;  ///< of the mip, and the floats from there to an original's
       std::ptrdiff_t across;
@@ -312,14 +312,14 @@ Window LatLongNear::weigh_polar(const Places& places, Room& room) const {
 
 LatLongNear::Turned LatLongNear::turned_of(const MirroredTexels::Set& set, bool mirrored, bool below) const {
   Turned turned{mirrored, below, {}};
-  for (const TexelImage& image : set.images) {
+  for (const image::CubeImage& image : set.images) {
     if (image.below != below || (image.mirrored != set.own.mirrored) != mirrored) continue;
     float* const first = pixel(texels_.texel(set, {0, 0}, image));
     // an original beside the first one is there if there is more than one
     const bool one = texels_.count() == 1;
     const std::ptrdiff_t across = one ? 0 : pixel(texels_.texel(set, {1, 0}, image)) - first;
     const std::ptrdiff_t along = one ? 0 : pixel(texels_.texel(set, {0, 1}, image)) - first;
-    turned.images.push_back({image, (set.own.turns - image.turns) * (columns_ / 4), first, across, along});
+    turned.images.push_back({image, (turns_of(set.own) - turns_of(image)) * (columns_ / 4), first, across, along});
   }
   return turned;
 }

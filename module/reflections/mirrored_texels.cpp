@@ -10,11 +10,11 @@ namespace welkin::reflections {
 namespace {
 
 /// What makes six faces of a quarter of +z, or of +Y: of a cap half the turns, because its mirrors do the others.
-std::vector<TexelImage> images_of(bool cap) {
-  std::vector<TexelImage> images;
+std::vector<image::CubeImage> images_of(bool cap) {
+  std::vector<image::CubeImage> images;
   for (const bool below : {false, true}) {
     for (const bool mirrored : {false, true}) {
-      for (int turns = 0; turns < 4; turns += cap ? 2 : 1) images.push_back({mirrored, turns, below});
+      for (int turns = 0; turns < 4; turns += cap ? 2 : 1) images.push_back({(4 - turns) % 4, mirrored, below});
     }
   }
   return images;
@@ -28,8 +28,8 @@ MirroredTexels::MirroredTexels(int size, int columns) : size_(size), half_((size
       sets_.push_back({cap, {}, images_of(cap)});
       continue;
     }
-    for (const TexelImage& own : images_of(cap)) {
-      if (!own.below) sets_.push_back({cap, own, {own, {own.mirrored, own.turns, true}}});
+    for (const image::CubeImage& own : images_of(cap)) {
+      if (!own.below) sets_.push_back({cap, own, {own, {own.quarter, own.mirrored, true}}});
     }
   }
 }
@@ -47,20 +47,17 @@ SpherePlace MirroredTexels::place(const Set& set, const Original& original) cons
     place = {math::turns_of(along, level), math::turns_of(across, 1.0), along * scale, level * scale};
   }
   if (set.own.mirrored) place.longitude = -place.longitude;
-  place.longitude += 0.25 * set.own.turns;
+  place.longitude += 0.25 * turns_of(set.own);
   if (place.longitude > 0.5) place.longitude -= 1.0;
   return place;
 }
 
 image::CubeTexel MirroredTexels::texel(const Set& set, const Original& original,
-                                       const TexelImage& image) const noexcept {
+                                       const image::CubeImage& image) const noexcept {
   const int across = steps(original.across);
   const int along = steps(original.along);
-  glm::ivec3 point(across, set.cap ? size_ : along, set.cap ? along : size_);
-  if (image.mirrored) point.x = -point.x;
-  for (int k = 0; k < image.turns; ++k) point = {point.z, point.y, -point.x};
-  if (image.below) point.y = -point.y;
-  return image::texel_at(size_, point);
+  const glm::ivec3 point(across, set.cap ? size_ : along, set.cap ? along : size_);
+  return image::texel_at(size_, moved(image, point));
 }
 
 }  // namespace welkin::reflections

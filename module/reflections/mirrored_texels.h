@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 
 namespace welkin::reflections {
@@ -17,13 +18,8 @@ struct SpherePlace {
   double cosine;
 };
 
-/// How a texel comes from another one: first x becomes -x where it is mirrored, then it turns about y, from z towards
-/// x; y becomes -y where it lies below.
-struct TexelImage {
-  bool mirrored = false;
-  int turns = 0;  ///< quarters of one
-  bool below = false;
-};
+/// Quarter turns of an image from z towards x, the way that longitudes rise.
+constexpr int turns_of(const image::CubeImage& image) noexcept { return (4 - image.quarter) % 4; }
 
 /// The texels of six faces, as some that are given by number, "originals", and the images of each.
 class MirroredTexels {
@@ -33,9 +29,9 @@ class MirroredTexels {
 
   /// Originals that have the same images.
   struct Set {
-    bool cap = false;                ///< on the upper face, else on +z before their own image
-    TexelImage own;                  ///< where the originals are
-    std::vector<TexelImage> images;  ///< all of them, the originals' own place included
+    bool cap = false;                      ///< on the upper face, else on +z before their own image
+    image::CubeImage own;                  ///< where the originals are
+    std::vector<image::CubeImage> images;  ///< all of them, the originals' own place included
   };
   [[nodiscard]] const std::vector<Set>& sets() const noexcept { return sets_; }
   /// Originals of a set, and one of them: texels from the middle of a face, across, and up or (on a cap) towards z.
@@ -51,14 +47,14 @@ class MirroredTexels {
   /// Of an original: y >= 0.
   [[nodiscard]] SpherePlace place(const Set& set, const Original& original) const;
   /// Whether an image is not another one too, as those on the plane of a mirror are.
-  [[nodiscard]] bool has(const Set& set, const Original& original, const TexelImage& image) const noexcept {
+  [[nodiscard]] bool has(const Set& set, const Original& original, const image::CubeImage& image) const noexcept {
     if (size_ % 2 == 0) return true;
     if (image.mirrored && original.across == 0) return false;
-    return original.along != 0 || !(set.cap ? image.turns != 0 : image.below);
+    return original.along != 0 || !(set.cap ? image.quarter != 0 : image.below);
   }
   /// Steps in memory are even: of packed texels where `Original` counts.
   [[nodiscard]] image::CubeTexel texel(const Set& set, const Original& original,
-                                       const TexelImage& image) const noexcept;
+                                       const image::CubeImage& image) const noexcept;
 
  private:
   /// Halves of a texel from the middle of a face.

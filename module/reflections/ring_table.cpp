@@ -4,11 +4,11 @@
 #include <array>
 #include <cstddef>
 
+#include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/table_cache.h"
-#include "reflections/cube_images.h"
 
 namespace welkin::reflections {
 namespace {
@@ -26,10 +26,10 @@ std::array<std::array<std::size_t, kRingImages>, kRingImages> composed_images() 
   const glm::ivec3 point{1, 2, 4};
   std::array<std::array<std::size_t, kRingImages>, kRingImages> composed{};
   for (int image = 0; image < kRingImages; ++image) {
-    const glm::ivec3 there = moved_back(cube_image_of(image), point);
+    const glm::ivec3 there = moved_back(image::cube_image_of(image), point);
     for (int k = 0; k < kRingImages; ++k) {
       int found = 0;
-      while (moved(cube_image_of(found), point) != moved(cube_image_of(k), there)) ++found;
+      while (moved(image::cube_image_of(found), point) != moved(image::cube_image_of(k), there)) ++found;
       composed[static_cast<std::size_t>(image)][static_cast<std::size_t>(k)] = static_cast<std::size_t>(found);
     }
   }
@@ -106,7 +106,7 @@ std::size_t RingTable::making_bytes(const RingTableKey& key) {
 void RingTable::gather(const CubemapView& source, const RingWeights::TexelRow& row, float* records) const {
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
-    const CubeImage image = cube_image_of(k);
+    const image::CubeImage image = image::cube_image_of(k);
     const auto place = [&](int column) {
       const image::CubeTexel from = image::texel_at(size, moved(image, row.first + glm::ivec3(2 * column, 0, 0)));
       return static_cast<const float*>(image::row_of(source, from.face, from.row)) + std::ptrdiff_t{3} * from.column;
@@ -126,7 +126,7 @@ void RingTable::sum(const float* records, const RingTap* taps, const std::uint32
   const int columns = 2 * key_.rows;
   RingPlacesInMemory places{};
   for (int k = 0; k < kRingImages; ++k) {
-    const CubeImage image = cube_image_of(k);
+    const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;
     const int column = (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
     places.to[k] = rgb + 3 * (line * columns + column);

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "image/image_kernels.h"
-#include "reflections/cube_images.h"
 
 namespace welkin::reflections {
 namespace {

@@ -1,0 +1,58 @@
+// The symmetries of a cube: mirror images and quarter turns that take texels of a cubemap to texels.
+#pragma once
+
+#include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+
+namespace welkin::image {
+
+// The 16 that keep the vertical axis. On a lat-long whose columns divide by four the images of a texel lie at the same
+// places within its texels, so that they share what depends on the place alone.
+
+/// A mirror, x to -x; then quarter turns about y, from x towards z; then the other hemisphere, y to -y.
+struct CubeImage {
+  int quarter = 0;
+  bool mirrored = false;
+  bool below = false;
+};
+
+constexpr CubeImage cube_image_of(int index) noexcept { return {index / 4, (index & 2) != 0, (index & 1) != 0}; }
+
+constexpr int index_of(const CubeImage& image) noexcept {
+  return 4 * image.quarter + (image.mirrored ? 2 : 0) + (image.below ? 1 : 0);
+}
+
+/// Where an image has a point of the cube.
+inline glm::ivec3 moved(const CubeImage& image, glm::ivec3 point) noexcept {
+  if (image.mirrored) point.x = -point.x;
+  for (int k = 0; k < image.quarter; ++k) point = {-point.z, point.y, point.x};
+  if (image.below) point.y = -point.y;
+  return point;
+}
+
+/// Which point an image has here.
+inline glm::ivec3 moved_back(const CubeImage& image, glm::ivec3 point) noexcept {
+  if (image.below) point.y = -point.y;
+  for (int k = 0; k < image.quarter; ++k) point = {point.z, point.y, -point.x};
+  if (image.mirrored) point.x = -point.x;
+  return point;
+}
+
+using WholeMatrix = glm::mat<3, 3, int>;
+
+/// Returns the matrix in whole numbers if it is one of the cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
+[[nodiscard]] inline std::optional<WholeMatrix> cube_symmetry_of(const glm::dmat3& turn) noexcept {
+  WholeMatrix result(0);
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const double whole = std::round(turn[column][row]);
+      if (!(std::abs(turn[column][row] - whole) <= 1e-9)) return {};
+      result[column][row] = static_cast<int>(whole);
+    }
+  }
+  return result;
+}
+
+}  // namespace welkin::image
