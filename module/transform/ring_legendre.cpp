@@ -121,32 +121,32 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
 // gives g(0) times the sum over the equator's two rows, less (g(0) - g) times the steps at the other edges.
 // Int sin^n = (sin^(n - 1) cos + (n - 1) Int sin^(n - 2)) / n, taken from theta to pi/2.
 void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
-  const int last_lane = pairs_of(key.rings, key.places) - 1;
+  const auto last_lane = static_cast<std::size_t>(pairs_of(key.rings, key.places) - 1);
   row_weights_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(key.bands) * lanes());
-  std::fill_n(row_weights_.data(), row_weights_.size(), 0.0);
-  for (int q = 0; q <= last_lane; ++q) {
-    const auto lane = static_cast<std::size_t>(q);
-    const double sine = sines_[lane];
-    const double cosine = x_.data()[q];
-    double before = kPi * (0.5 - (q + 1.0) / key.rings);  // Int sin^0; in the last lane not used
-    double before_whole = 0.5 * kPi;                      // the same from theta = 0
-    double here = cosine;                                 // Int sin^1
-    double here_whole = 1.0;
-    double power = 1.0;  // sin^m
-    double norm = std::sqrt(0.25 / kPi);
-    for (int m = 0; m < key.bands; ++m) {
-      double* const weight = row_weights_.data() + static_cast<std::size_t>(m) * lanes() + lane;
-      *weight = norm * (q == last_lane ? here_whole : here - here_whole);
-      const double n = m + 2.0;
-      power *= sine;
-      const double next = (power * cosine + (n - 1.0) * before) / n;
-      const double next_whole = (n - 1.0) * before_whole / n;
-      before = here;
-      before_whole = here_whole;
-      here = next;
-      here_whole = next_whole;
-      norm *= std::sqrt((2.0 * m + 3.0) / (2.0 * m + 2.0));
+  std::vector<double> before(last_lane);  // Int sin^m
+  std::vector<double> here(x_.data(), x_.data() + last_lane);
+  std::vector<double> power(last_lane, 1.0);  // sin^m
+  for (std::size_t q = 0; q < last_lane; ++q) before[q] = kPi * (0.5 - (static_cast<double>(q) + 1.0) / key.rings);
+  double before_whole = 0.5 * kPi;  // the same from theta = 0
+  double here_whole = 1.0;
+  double norm = std::sqrt(0.25 / kPi);
+  double* weights = row_weights_.data();
+  for (int m = 0; m < key.bands; ++m, weights += lanes()) {
+    const double n = m + 2.0;
+    // Lane by lane, so that compilers make registers of them.
+    for (std::size_t q = 0; q < last_lane; ++q) {
+      weights[q] = norm * (here[q] - here_whole);
+      power[q] *= sines_[q];
+      const double next = (power[q] * x_.data()[q] + (n - 1.0) * before[q]) / n;
+      before[q] = here[q];
+      here[q] = next;
     }
+    weights[last_lane] = norm * here_whole;
+    std::fill(weights + last_lane + 1, weights + lanes(), 0.0);
+    const double next_whole = (n - 1.0) * before_whole / n;
+    before_whole = here_whole;
+    here_whole = next_whole;
+    norm *= std::sqrt((2.0 * m + 3.0) / (2.0 * m + 2.0));
   }
 }
 
