@@ -132,12 +132,12 @@ TEST_CASE("Lights through a kernel give what their texels give", "[kernels][brig
   const reflections::PictureShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
   for (const ZonalKernel& kernel : {ZonalKernel::lambert(), ZonalKernel::charlie(0.3), ZonalKernel::phong(0.5)}) {
-    const double scale = kernel.shape().scale();
+    const double scale = kernel.lobe()->scale();
     const reflections::BrightLights lights(texels, shape, std::min(1.0, 4.0 / 3.0 * scale), kReach,
                                            reflections::LightsOf::any);
     const auto lobe = [&kernel](double cosine) { return kernel.value(cosine); };
     for (const int size : {16, 64}) {
-      const Off off = off_of(texels, shape, lights, {kernel.shape()}, lobe, size, size < 64 ? 3 : 29, 1e-2);
+      const Off off = off_of(texels, shape, lights, {*kernel.lobe()}, lobe, size, size < 64 ? 3 : 29, 1e-2);
       CAPTURE(scale, size);
       CHECK(off.rms < 5e-4);
       CHECK(off.relative < 1e-2);
