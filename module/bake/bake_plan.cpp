@@ -177,7 +177,8 @@ std::uint64_t summed_bytes(const SourceShape& source, const reflections::Prefilt
 }
 
 /// What the prefilter holds when all of its mips are being made.
-std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
+  const reflections::PrefilterPlan plan = first_choice.tightened(reflections::kMostTightenings);
   const bool sampled = plan.uses(MipMethod::sampled);
   std::uint64_t bytes = 0;
   const int face_size = source.cubemap ? source.columns : 0;
@@ -188,7 +189,9 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0 || plan.is_summed(face_size, mip)) continue;
-    bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
+    // wide lobes may take more
+    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::fewest_bands(plan.tight())));
+    bytes += grid_bytes(bands, transforms::grid_for_bands(bands));
   }
   // The chain that is sampled, with a border, from level 0 down.
   if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);

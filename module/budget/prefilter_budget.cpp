@@ -94,9 +94,19 @@ struct Sums {
   }
 };
 
+double spectral_error(const PrefilterPlan& plan, const MipPlan& mip, const SanitizedSource& source,
+                      const budget::EnvironmentEnergies& energies, const reflections::BrightLights& lights) {
+  const double own = kSafety * budget::spectral_mip_error(mip, energies, lights);
+  if (!source.cubemap()) return own;
+  // the energies are those of finer rings than the plan's
+  const reflections::SpectralSource on_rings{energies.rest, source.columns(), plan.rows_for_cubemap(source.columns())};
+  const double rms = budget::blurred_rms(mip.alpha, energies.whole);
+  return std::max(own, reflections::spectral_rms_error(mip, on_rings, lights.error(mip.alpha, rms), rms));
+}
+
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
-Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies,
-                 const Sums& sums, const Control& control) {
+Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const SanitizedSource& source,
+                 const budget::EnvironmentEnergies& energies, const Sums& sums, const Control& control) {
   Errors errors;
   const reflections::BrightLights lights(energies.bright, energies.shape, plan.least_alpha, plan.reach);
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
@@ -109,10 +119,10 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
         continue;
       }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
-      error = known ? kSafety * budget::spectral_mip_error(mip, energies, lights) + kRounding : kUnknown;
+      error = known ? spectral_error(plan, mip, source, energies, lights) + kRounding : kUnknown;
       if (known && plan.is_summed(sums.face_size, mip)) {
         const double rms = budget::blurred_rms(mip.alpha, energies.whole);
-        error = sums.error(plan, mip, lights.error(mip.alpha), rms, control) + kRounding;
+        error = sums.error(plan, mip, lights.error(mip.alpha, rms), rms, control) + kRounding;
       }
     }
     errors.mips.push_back(error);
@@ -179,7 +189,7 @@ PrefilterChoice choose_for(const View& view, const SanitizedSource& source, cons
   for (const double bound : kBounds) {
     const PrefilterOptions setting = with_bounds(options, bound);
     const PrefilterPlan plan = reflections::plan_prefilter(setting);
-    errors.push_back(errors_of(plan, finest, energies, sums, control));
+    errors.push_back(errors_of(plan, finest, source, energies, sums, control));
     choice.tried.push_back({setting, errors.back().worst, predicted(plan, source)});
   }
   budget::settle(choice, budget);
@@ -342,7 +352,8 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) + lights.error(mip.alpha)) /
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
+          lights.error(mip.alpha, whole)) /
          whole;
 }
 

@@ -58,10 +58,11 @@ class BrightLights {
   /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
   void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
-  /// Root mean square over the sphere of what they err, all channels together: at the horizon, and where merged.
-  [[nodiscard]] double error(double alpha) const;
-  /// The same through a kernel.
-  [[nodiscard]] double error(const ZonalShape& kernel) const;
+  /// Returns the root mean square over the sphere of what they err, all channels together: at the horizon, and where
+  /// merged. `rms`: that of a mip that they are part of, which their own does not exceed.
+  [[nodiscard]] double error(double alpha, double rms) const;
+  /// Returns the same through a kernel.
+  [[nodiscard]] double error(const ZonalShape& kernel, double rms) const;
 
  private:
   friend class LightTree;

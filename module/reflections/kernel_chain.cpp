@@ -19,6 +19,7 @@
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
+#include "reflections/band_choice.h"
 #include "reflections/bright_lights.h"
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
@@ -36,14 +37,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kLargestSize = 8192;
-constexpr int kLeastBands = 96;
+constexpr int kLeastBands = 64;
+constexpr int kFirstLook = 256;
+constexpr int kMostBands = transforms::kMaximumSpectrumBands;
 constexpr int kBandStep = 8;
+constexpr double kOfBound = 0.8;       ///< what bands may lose of `rms_error`: lights err beside them
 constexpr double kOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
 constexpr double kReferenceError = 1e-5;
-
-/// What a light alone in the dark may err by, over `rms_error`. Bright lights do not go through the harmonics, and what
-/// is left of a picture has most of its light in the lowest degrees.
-constexpr double kOfLoneLight = 3.5;
 
 /// At most: from there on every texel above 25 times the mean is a light, however wide the kernel.
 constexpr double kLightAlpha = 0.1;
@@ -52,55 +52,51 @@ struct KernelMip {
   int size = 0;
   double roughness = 0.0;
   const ZonalShape* kernel = nullptr;
-  std::vector<double> spectrum;  ///< of half as many bands again as `zonal`
-  std::vector<double> zonal;     ///< tapered
+  std::vector<double> spectrum;  ///< of half as many bands again as the transform
+  std::vector<double> zonal;     ///< what the synthesis multiplies bands by
 };
 
 struct KernelPlan {
   std::vector<KernelMip> mips;
   bool reference = false;
-  int bands = 0;
+  double rms_error = 0.0;
+  int bands = 0;              ///< of the first transform
   double light_alpha = 1.0;   ///< of the GGX lobe that a light of the sharpest kernel is as bright through
   double narrow_alpha = 1.0;  ///< of the one that is as narrow as the finest detail of a kernel
   double least_scale = kPi;   ///< radians
 };
 
-/// Of a light alone, when the kernel ends with a taper at so many bands: root mean square over that of the whole.
-double lost_by_taper(const ZonalShape& kernel, const std::vector<double>& spectrum, int bands) {
-  double kept = 0.0;
-  double whole = 0.0;
-  for (int l = 0; l < bands; ++l) {
-    const double own = (2.0 * l + 1.0) * spectrum[static_cast<std::size_t>(l)] * spectrum[static_cast<std::size_t>(l)];
-    const double left = 1.0 - taper(l, bands);
-    whole += own;
-    kept += own * (1.0 - left * left);
-  }
-  const double all = std::max(whole, 4.0 * kPi * kernel.square());
-  return std::sqrt(std::max(0.0, all - kept) / all);
+/// Returns the kernel's spectrum over `bands` bands, tapered unless it ends by itself.
+std::vector<double> zonal_of(const KernelMip& mip, int bands) {
+  std::vector<double> zonal(mip.spectrum.begin(), mip.spectrum.begin() + bands);
+  if (mip.kernel->last_band() > 0) return zonal;
+  for (int l = 0; l < bands; ++l) zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
+  return zonal;
 }
 
-void choose_bands(KernelMip& mip, std::size_t level, double rms_error) {
-  const ZonalShape& kernel = *mip.kernel;
-  constexpr int most = transforms::kMaximumSpectrumBands;
-  if (kernel.last_band() > 0) {  // nothing is left out
-    mip.spectrum = mip.zonal = kernel.spectrum(kernel.last_band());
-    return;
+int next_step(int bands) { return bands + std::max(kBandStep, bands / 16 / kBandStep * kBandStep); }
+
+/// Returns the bands of the first transform: as many as a kernel takes for a picture with many edges, whose energy of
+/// degree l is kEdges / l^2 of the whole.
+int first_bands(const ZonalShape& kernel, double rms_error) {
+  constexpr double kEdges = 6.0;
+  constexpr double kShare = 0.4;
+  if (kernel.last_band() > 0) return kernel.last_band();
+  int looked_at = kFirstLook;
+  for (;; looked_at = std::min(kMostBands, 2 * looked_at)) {
+    const std::vector<double> spectrum = kernel.spectrum(looked_at);
+    double lost = 0.0;
+    int bands = looked_at;
+    while (bands > kLeastBands) {
+      const double ratio = spectrum[static_cast<std::size_t>(bands - 1)] / bands;
+      lost += kEdges * ratio * ratio;
+      if (lost > kShare * kOfBound * rms_error * rms_error) break;
+      --bands;
+    }
+    // what lies beyond is as much as what lies in the last third
+    if (bands < looked_at * 2 / 3 || looked_at == kMostBands)
+      return std::min(kMostBands, (bands + kBandStep - 1) / kBandStep * kBandStep);
   }
-  mip.spectrum = kernel.spectrum(most);
-  int bands = kLeastBands;
-  const double bound = kOfLoneLight * rms_error;
-  while (bands < most && lost_by_taper(kernel, mip.spectrum, bands) > bound)
-    bands += std::max(kBandStep, bands / 16 / kBandStep * kBandStep);
-  bands = std::min(bands, most);
-  if (const double lost = lost_by_taper(kernel, mip.spectrum, bands); lost > bound) {
-    throw Error(ErrorCode::limit_exceeded,
-                "the kernel of mip " + std::to_string(level) +
-                    " is too narrow or has too sharp an edge: " + std::to_string(most) + " harmonic bands lose " +
-                    platform::number_text(lost) + " of a light alone, and " + platform::number_text(bound) +
-                    " is the bound; widen it, raise rms_error, or take the reference method");
-  }
-  for (int l = 0; l < bands; ++l) mip.zonal.push_back(taper(l, bands) * mip.spectrum[static_cast<std::size_t>(l)]);
-  mip.spectrum.resize(static_cast<std::size_t>(std::min(most, bands + bands / 2)));
 }
 
 KernelPlan plan_kernels(const KernelChainOptions& options) {
@@ -119,11 +115,11 @@ KernelPlan plan_kernels(const KernelChainOptions& options) {
   projection::check_policy(options.pixels);
   KernelPlan plan;
   plan.reference = options.method == PrefilterMethod::reference;
+  plan.rms_error = options.rms_error;
   for (std::size_t level = 0; level < options.kernels.size(); ++level) {
     const ZonalKernel& kernel = options.kernels[level];
     KernelMip mip{std::max(1, options.size >> level), kernel.roughness(), &kernel.shape(), {}, {}};
-    if (!plan.reference) choose_bands(mip, level, options.rms_error);
-    plan.bands = std::max(plan.bands, static_cast<int>(mip.zonal.size()));
+    if (!plan.reference) plan.bands = std::max(plan.bands, first_bands(kernel.shape(), options.rms_error));
     // GGX's peak is 4 / alpha^2 times the mean; two points along an edge do for 0.6 alpha
     const double peak = 4.0 * kPi * kernel.shape().peak();
     plan.light_alpha = std::min(plan.light_alpha, std::min(kLightAlpha, std::sqrt(4.0 / std::max(4.0, peak))));
@@ -135,9 +131,9 @@ KernelPlan plan_kernels(const KernelChainOptions& options) {
 }
 
 /// Rows of a lat-long that a cubemap goes through: as for a GGX lobe that needs as many bands.
-int rows_for(const KernelPlan& plan, int face_size) {
+int rows_for(int bands, int face_size) {
   PrefilterPlan of_lobe;
-  of_lobe.least_alpha = std::clamp(reach_for(1e-3, 1e-2) / (2.0 * plan.bands), 1e-6, 1.0);
+  of_lobe.least_alpha = std::clamp(reach_within({}) / (2.0 * bands), 1e-6, 1.0);
   return of_lobe.rows_for_cubemap(face_size);
 }
 
@@ -145,7 +141,7 @@ int rows_for(const KernelPlan& plan, int face_size) {
 class KernelChain {
  public:
   KernelChain(const projection::SanitizedSource& source, const KernelPlan& plan, memory_resource* memory)
-      : source_(source), plan_(plan) {
+      : source_(source), plan_(plan), mips_(plan.mips) {
     result_.cubemap = image::shaped({}, plan.mips.front().size, static_cast<int>(plan.mips.size()), memory);
     result_.mips.resize(plan.mips.size());
     result_.peak_bytes = source.bytes();
@@ -170,18 +166,25 @@ class KernelChain {
     const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, kMostBrightFar, quiet);
     const BrightLights lights(texels, PictureShape::of(source_), plan_.narrow_alpha, reach_for(1e-3, 1e-2),
                               LightsOf::kernels);
-    const int rows = source_.cubemap() ? rows_for(plan_, source_.columns()) : 0;
-    Rings rings = rings_of(source_, texels, rows, quiet);
-    const SpectralSource read{{}, source_.cubemap() ? source_.columns() : 0, rings.view.height};
-    const transforms::Spectrum spectrum =
-        transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
-    result_.peak_bytes += lights.bytes() + rings.bytes() + spectrum.bytes() +
-                          (source_.cubemap() ? cube_rings_bytes(source_.columns(), rows) : 0);
-    rings = {};
-    const std::vector<double> energies = energies_of(spectrum);
+    transforms::Spectrum spectrum;
+    std::vector<double> energies;
+    SpectralSource read;
+    std::size_t working = 0;
+    for (int bands = plan_.bands;; bands = std::min(kMostBands, bands + bands / 2)) {
+      const int rows = source_.cubemap() ? rows_for(bands, source_.columns()) : 0;
+      const Rings rings = rings_of(source_, texels, rows, quiet);
+      spectrum =
+          transforms::analyse(rings.view, bands, bands == plan_.bands ? jobs::part_of(control, 0.0, 0.4) : quiet);
+      energies = energies_of(spectrum);
+      read = {energies, source_.cubemap() ? source_.columns() : 0, rings.view.height};
+      working = lights.bytes() + rings.bytes() + spectrum.bytes() +
+                (source_.cubemap() ? cube_rings_bytes(source_.columns(), rows) : 0);
+      if (choose_bands(bands, read)) break;
+    }
+    result_.peak_bytes += working;
     jobs::TaskGraph graph;
     for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-      const KernelMip& mip = plan_.mips[level];
+      const KernelMip& mip = mips_[level];
       const auto bands = static_cast<int>(mip.zonal.size());
       const transforms::GridSize size = transforms::grid_for_bands(bands, kOversampling);
       result_.peak_bytes +=
@@ -190,18 +193,59 @@ class KernelChain {
                 [&, level, size](const Control& part) {
                   const auto start = std::chrono::steady_clock::now();
                   const std::array<float*, 6> faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-                  blur(plan_.mips[level], spectrum, size, faces, part);
-                  lights.add({1.0, 0.0, plan_.mips[level].kernel}, plan_.mips[level].size, faces,
-                             jobs::part_of(part, 0.6, 1.0));
+                  const KernelMip& own = mips_[level];
+                  blur(own, spectrum, size, faces, part);
+                  lights.add({1.0, 0.0, own.kernel}, own.size, faces, jobs::part_of(part, 0.6, 1.0));
                   note(level, static_cast<int>(texels.size()));
-                  const SpectralSource from{energies, read.face_size, read.rings};
+                  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
                   result_.mips[level].error_estimate = spectral_rms_error(
-                      KernelFactors{plan_.mips[level].spectrum, plan_.mips[level].zonal, size.rings}, from,
-                      lights.error(*plan_.mips[level].kernel), rms_of_level(result_.cubemap, static_cast<int>(level)));
+                      KernelFactors{own.spectrum, own.zonal, size.rings}, read, lights.error(*own.kernel, rms), rms);
+                  require_rms_error(*result_.mips[level].error_estimate, plan_.rms_error, own.roughness);
                   end_mip(level, start);
                 });
     }
     graph.run(jobs::part_of(control, 0.4, 1.0));
+  }
+
+  /// Returns what the kernel makes of light beyond its known spectrum, as dense by degrees as in the last quarter.
+  static double beyond(const KernelMip& mip, const SpectralSource& read) {
+    if (mip.kernel->last_band() > 0) return 0.0;
+    double left = 4.0 * kPi * mip.kernel->square();
+    for (std::size_t l = 0; l < mip.spectrum.size(); ++l)
+      left -= (2.0 * static_cast<double>(l) + 1.0) * mip.spectrum[l] * mip.spectrum[l];
+    const std::size_t quarter = std::max<std::size_t>(1, read.energies.size() / 4);
+    double tail = 0.0;
+    for (const double energy : read.energies.last(quarter)) tail += energy / static_cast<double>(quarter);
+    return std::sqrt(std::max(0.0, left) * tail / (2.0 * static_cast<double>(mip.spectrum.size()) + 1.0) / (4.0 * kPi));
+  }
+
+  /// Chooses each mip's bands, of at most `bands`, by the picture's energies. Returns false if more are needed. Throws
+  /// `Error` (limit_exceeded) if there are no more.
+  bool choose_bands(int bands, const SpectralSource& read) {
+    for (std::size_t level = 0; level < mips_.size(); ++level) {
+      KernelMip& mip = mips_[level];
+      const int last = mip.kernel->last_band();
+      mip.spectrum = mip.kernel->spectrum(last > 0 ? last : std::min(kMostBands, bands + bands / 2));
+      double error = 0.0;
+      int own = last > 0 ? last : std::min(kLeastBands, bands);
+      for (;; own = std::min(bands, next_step(own))) {
+        mip.zonal = zonal_of(mip, own);
+        // what is dark beside lights is to be right too
+        const double rest = blurred_rms(read.energies, mip.zonal);
+        const int rings = transforms::grid_for_bands(own, kOversampling).rings;
+        error = spectral_rms_error(KernelFactors{mip.spectrum, mip.zonal, rings}, read, beyond(mip, read), rest);
+        if (error <= kOfBound * plan_.rms_error || own >= bands) break;
+      }
+      if (last > 0 || error <= kOfBound * plan_.rms_error) continue;
+      if (bands < kMostBands) return false;
+      if (error <= plan_.rms_error) continue;
+      throw Error(ErrorCode::limit_exceeded,
+                  "the kernel of mip " + std::to_string(level) + " is too narrow or has too sharp an edge: with " +
+                      std::to_string(kMostBands) + " harmonic bands the mip errs by an estimated " +
+                      platform::number_text(error) + ", and rms_error is " + platform::number_text(plan_.rms_error) +
+                      "; widen the kernel, raise rms_error, or take the reference method");
+    }
+    return true;
   }
 
   void blur(const KernelMip& mip, const transforms::Spectrum& spectrum, const transforms::GridSize& size,
@@ -215,7 +259,7 @@ class KernelChain {
   void note(std::size_t level, int bright_texels) {
     MipRecord& record = result_.mips[level];
     record.method = MipMethod::spectral;
-    record.bands = static_cast<int>(plan_.mips[level].zonal.size());
+    record.bands = static_cast<int>(mips_[level].zonal.size());
     record.bright_texels = bright_texels;
   }
 
@@ -249,6 +293,7 @@ class KernelChain {
 
   const projection::SanitizedSource& source_;
   const KernelPlan& plan_;
+  std::vector<KernelMip> mips_;  ///< with the bands that this picture takes
   PrefilteredSpecular result_;
 };
 

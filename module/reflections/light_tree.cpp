@@ -146,9 +146,10 @@ void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, s
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
 /// 1e-3.
-int smooth_points(double radians, double alpha) {
+int smooth_points(double radians, double alpha, double reach) {
   const double edge = radians / (2.0 * alpha);
-  return edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5);
+  const int tighter = reach > kDefaultReach + 0.5 ? 1 : 0;
+  return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
 /// Parts along an edge: that small that the horizon meets a parallelogram.
@@ -197,11 +198,11 @@ class LightTree {
   }
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, bool exact,
-            BrightLights& lights)
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
+            bool exact, BrightLights& lights)
       : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha);
+    smooth_ = smooth_points(edge, least_alpha, reach);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size());
@@ -457,7 +458,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   const bool exact = is_coarse(shape, use);
   if (exact)
     texels_ = cut.cubemap ? lobe_texels_of_cubemap(cut.columns) : lobe_texels_of_lat_long(cut.columns, cut.rows);
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact, *this);
   make_rooms();
 }
 
@@ -476,7 +477,8 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha)) + cut * sizeof(CutLight) + cutting;
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +
+         cut * sizeof(CutLight) + cutting;
 }
 
 std::size_t BrightLights::bytes() const noexcept {

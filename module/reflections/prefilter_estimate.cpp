@@ -6,12 +6,15 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include "image/geometry.h"
+#include "platform/text.h"
 #include "reflections/lobe.h"
 #include "reflections/lobe_errors.h"
 #include "reflections/ring_table.h"
 #include "transform/transform_kernels.h"
+#include "welkin/core.h"
 
 namespace welkin::reflections {
 namespace {
@@ -36,7 +39,10 @@ constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatt
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
+constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kTableRounding = 5e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
+
+constexpr double kCoarse = 3.0;  ///< more of that where a lobe is narrower than three rings
 
 constexpr double kSummedSafety = 2.4;  ///< of sums over the texels of faces up to 24, each of which is looked at
 constexpr double kBlockSafety = 4.2;   ///< of larger ones, where an edge may lie between the places looked at
@@ -58,8 +64,9 @@ struct Rings {
   double crossed;
   /// Of even light by a lobe: a table's weights are floats, and few rings lie within a lobe.
   [[nodiscard]] double rounded(double alpha) const {
-    const double rings = std::max(1.0, alpha / (3.0 * height));
-    return rounding / (rings * rings);
+    const double rings = alpha / (3.0 * height);
+    if (rings >= 1.0) return rounding / (rings * rings);
+    return rounding * (1.0 + kCoarse / (rings * rings * rings * rings * rings));
   }
 
   double scattering;
@@ -135,7 +142,8 @@ double spectral_error(const KernelFactors& factors, const SpectralSource& source
   const std::optional<Rings> rings = rings_of(source);
   double square = spectral_square(factors, source.energies, rings) / (4.0 * kPi);
   square += of_lights * of_lights;
-  return (rings ? kRingSafety : kSafety) * (kRounding + rounding + std::sqrt(square) / rms);
+  const double least = kRounding + rounding + (source.finer ? kFiner : 0.0);
+  return (rings ? kRingSafety : kSafety) * (least + std::sqrt(square) / rms);
 }
 
 }  // namespace
@@ -147,6 +155,41 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   const std::optional<Rings> rings = rings_of(source);
   return spectral_error({lobe, mip.bands.zonal, transforms::grid_for_bands(bands).rings}, source,
                         rings ? rings->rounded(mip.alpha) : 0.0, of_lights, rms);
+}
+
+/// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
+constexpr double kOfBound = 0.8;
+
+bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light) {
+  const ErrorBounds bounds = plan.tight();
+  return std::all_of(plan.spectral_alphas.begin(), plan.spectral_alphas.end(), [&](double alpha) {
+    MipPlan mip;
+    mip.alpha = alpha;
+    mip.bands = choose_bands(alpha, bounds, transforms::kMaximumSpectrumBands);
+    const double rest = blurred_rms(source.energies, mip.bands.zonal);
+    const double error = spectral_rms_error(mip, source, 0.0, std::sqrt(rest * rest + light * light));
+    return error <= kOfBound * plan.bounds.rms;
+  });
+}
+
+double truncated_rms(const MipPlan& mip, std::span<const double> energies) {
+  const int bands = mip.bands.bands();
+  const std::vector<double> lobe = lobe_spectrum(mip.alpha, bands + bands / 2);
+  double sum = 0.0;
+  for (std::size_t l = 0; l < std::min(lobe.size(), energies.size()); ++l) {
+    const double lost = lobe[l] - (l < mip.bands.zonal.size() ? mip.bands.zonal[l] : 0.0);
+    sum += energies[l] * lost * lost;
+  }
+  return std::sqrt(sum / (4.0 * kPi));
+}
+
+void require_rms_error(double estimate, double rms_error, double roughness) {
+  if (estimate <= rms_error) return;
+  throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
+                                             " cannot be kept on this picture: the mip of roughness " +
+                                             platform::number_text(roughness) + " would err by an estimated " +
+                                             platform::number_text(estimate) +
+                                             "; raise rms_error to that, or take the reference method");
 }
 
 double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights, double rms) {

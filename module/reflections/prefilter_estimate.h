@@ -18,6 +18,7 @@ struct SpectralSource {
   std::span<const double> energies;  ///< of what was left in the picture
   int face_size = 0;                 ///< of a cubemap; 0: the picture is a lat-long
   int rings = 0;                     ///< that it was read on
+  bool finer = false;                ///< whether its texels are finer than the transform's bands
 };
 
 /// Root mean square error of `mip` over `rms`, its own, all three channels together:
@@ -28,6 +29,10 @@ struct SpectralSource {
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
+/// Returns whether bands and rings of `plan` keep `rms_error` in all spectral mips of its whole chain, whichever of
+/// them are made. `light`: mean over the sphere of the extracted light, which is part of each mip's root mean square.
+[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light);
+
 /// The same of a kernel: its spectrum, what degrees were multiplied by instead, and the rings of the synthesis.
 struct KernelFactors {
   std::span<const double> kernel;  ///< of more degrees than `zonal`
@@ -36,6 +41,12 @@ struct KernelFactors {
 };
 [[nodiscard]] double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights,
                                         double rms);
+
+/// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
+[[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);
+
+/// Throws `Error` (limit_exceeded) if a spectral mip's estimate is above the bound that was asked for.
+void require_rms_error(double estimate, double rms_error, double roughness);
 
 /// As `spectral_rms_error`, of a mip that is a sum of texels. `of_weights`: `LobeErrors::rms`.
 [[nodiscard]] double summed_rms_error(int face_size, double of_weights, double of_lights, double rms);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <string>
 
@@ -24,8 +25,6 @@ namespace {
 constexpr int kLargestSize = 8192;
 constexpr int kMostSamples = 1 << 20;
 constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
-constexpr double kLeastRings = 256.0;    ///< of a `RingTable`
-constexpr double kRingsOfAlpha = 9.5;    ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
 constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
 
@@ -69,12 +68,13 @@ MipMethod method_for(const PrefilterOptions& options, double reach, const MipPla
   if (mip.alpha < kLeastAlpha) return MipMethod::copy;
   if (options.method == PrefilterMethod::sampled) return MipMethod::sampled;
   if (options.method == PrefilterMethod::reference) return MipMethod::reference;
-  const int bands = bands_for(mip.alpha, reach);
+  const double bands = reach / (2.0 * mip.alpha);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
   if (options.method == PrefilterMethod::automatic) return MipMethod::narrow;
-  refuse(ErrorCode::limit_exceeded,
-         "roughness " + platform::number_text(mip.roughness) + " needs " + std::to_string(bands) + " harmonic bands, " +
-             std::to_string(transforms::kMaximumSpectrumBands) + " are possible; take another method, or automatic");
+  refuse(ErrorCode::limit_exceeded, "roughness " + platform::number_text(mip.roughness) + " needs " +
+                                        std::to_string(static_cast<std::int64_t>(std::ceil(bands))) +
+                                        " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
+                                        " are possible; take another method, or automatic");
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ bool PrefilterPlan::needs_rings(int face_size) const noexcept {
 }
 
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
-  const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
+  const double wanted = rings_within(least_alpha, tight());
   const int rows = 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
   if (RingTable::serves({face_size, rows})) return rows;
   const double fine = std::clamp(std::numbers::pi / (0.2 * least_alpha), 512.0, 2048.0);
@@ -124,10 +124,20 @@ int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
   return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
 }
 
-double PrefilterPlan::loss_at_peak() const noexcept {
-  double loss = 0.0;
-  for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
-  return loss;
+PrefilterPlan PrefilterPlan::tightened(int steps) const {
+  PrefilterPlan tighter = *this;
+  tighter.tightenings += steps;
+  const ErrorBounds tight = tighter.tight();
+  for (MipPlan& mip : tighter.mips) {
+    if (mip.method == MipMethod::spectral)
+      mip.bands = choose_bands(mip.alpha, tight, transforms::kMaximumSpectrumBands);
+  }
+  if (bands == 0) return tighter;
+  for (const double alpha : spectral_alphas) {
+    const int wanted = std::max(bands_within(alpha, tight), fewest_bands(tight));
+    tighter.bands = std::max(tighter.bands, std::min(transforms::kMaximumSpectrumBands, wanted));
+  }
+  return tighter;
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
@@ -160,7 +170,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.chain_mips = mips;
   plan.samples = options.samples;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
-  plan.maximum_error = options.maximum_error;
+  plan.bounds = {options.rms_error, options.maximum_error};
   // their weights are made for the default bounds
   const PrefilterOptions usual;
   plan.sums = options.method == PrefilterMethod::automatic &&
@@ -173,8 +183,9 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     mip.method = method_for(options, plan.reach, mip);
     if (mip.method == MipMethod::spectral) {
       plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
-      mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
-      plan.bands = std::max(plan.bands, mip.bands.bands());
+      plan.spectral_alphas.push_back(mip.alpha);
+      mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
+      plan.bands = std::max({plan.bands, mip.bands.bands(), fewest_bands(plan.bounds)});
     }
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));

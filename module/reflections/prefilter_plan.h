@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "reflections/band_choice.h"
 #include "reflections/lobe.h"
 #include "reflections/lobe_table.h"
 #include "welkin/reflections.h"
@@ -19,13 +20,14 @@ struct MipPlan {
 };
 
 struct PrefilterPlan {
-  int size = 0;                 ///< of the whole chain
-  int chain_mips = 0;           ///< of the whole chain
-  std::vector<MipPlan> mips;    ///< that are made
-  int first_mip = 0;            ///< the first of them, counted in the whole chain
-  int samples = 0;              ///< of the sampled method
-  double reach = 0.0;           ///< see `choose_bands`
-  double maximum_error = 1e-2;  ///< asked for
+  int size = 0;               ///< of the whole chain
+  int chain_mips = 0;         ///< of the whole chain
+  std::vector<MipPlan> mips;  ///< that are made
+  int first_mip = 0;          ///< the first of them, counted in the whole chain
+  int samples = 0;            ///< of the sampled method
+  double reach = 0.0;         ///< of lights, see `reach_for`
+  ErrorBounds bounds;         ///< asked for
+  int tightenings = 0;        ///< of the bounds that spectral mips are made for: see `tightened`
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
@@ -35,6 +37,9 @@ struct PrefilterPlan {
   /// Alpha of the spectral mip with the narrowest lobe, 1 if there is none; of the whole chain, as it decides which
   /// texels are taken out: a mip must not change where others are left out.
   double least_alpha = 1.0;
+
+  /// Of the whole chain's spectral mips, as all of them decide whether the bounds are tightened.
+  std::vector<double> spectral_alphas;
 
   /// Whether spectral mips of small cubemaps may be sums over texels instead: see `is_summed`.
   bool sums = false;
@@ -46,6 +51,11 @@ struct PrefilterPlan {
   /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
 
+  /// Returns the bounds that spectral mips are made for.
+  [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
+  /// Returns the plan with more bands and rings, for a picture with more energy in them than most have.
+  [[nodiscard]] PrefilterPlan tightened(int steps) const;
+
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
@@ -56,12 +66,10 @@ struct PrefilterPlan {
   /// Whether a spectral mip is left.
   [[nodiscard]] bool needs_rings(int face_size) const noexcept;
 
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics. By a `RingTable`: at
-  /// least 256, no higher than a third of the narrowest lobe's alpha. Where there is none: a multiple of 2 face_size
-  /// (of 4 face_size up to 512), at least 512, no higher than 0.2 of that alpha, if some 2048 rows do.
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` by a
+  /// `RingTable`. Where there is none: a multiple of 2 face_size (of 4 face_size up to 512), at least 512, no higher
+  /// than 0.2 of the narrowest lobe's alpha, if some 2048 rows do.
   [[nodiscard]] int rows_for_cubemap(int face_size) const noexcept;
-  /// The largest of the spectral mips' losses at a peak.
-  [[nodiscard]] double loss_at_peak() const noexcept;
 };
 
 /// The reach of narrow mips, which look at bounds that are tighter than the default's only.
