@@ -162,14 +162,17 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
 }
 
 /// What the prefilter holds when all of its mips are being made.
-std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
+  const reflections::PrefilterPlan plan = first_choice.tightened(reflections::kMostTightenings);
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
-    bytes += grid_bytes(mip.bands.bands(), mip.grid());
+    // wide lobes may take more
+    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::fewest_bands(plan.tight())));
+    bytes += grid_bytes(bands, transforms::grid_for_bands(bands));
   }
   return bytes;
 }

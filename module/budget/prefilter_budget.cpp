@@ -69,8 +69,19 @@ struct Errors {
   double worst = 0.0;
 };
 
+double spectral_error(const PrefilterPlan& plan, const MipPlan& mip, const SanitizedSource& source,
+                      const budget::EnvironmentEnergies& energies, const reflections::BrightLights& lights) {
+  const double own = kSafety * budget::spectral_mip_error(mip, energies, lights);
+  if (!source.cubemap()) return own;
+  // the energies are those of finer rings than the plan's
+  const reflections::SpectralSource on_rings{energies.rest, source.columns(), plan.rows_for_cubemap()};
+  const double rms = budget::blurred_rms(mip.alpha, energies.whole);
+  return std::max(own, reflections::spectral_rms_error(mip, on_rings, lights.error(*mip.lobe, rms), rms));
+}
+
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
-Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies) {
+Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const SanitizedSource& source,
+                 const budget::EnvironmentEnergies& energies) {
   Errors errors;
   const reflections::BrightLights lights(energies.bright, energies.shape, plan.least_alpha, plan.reach);
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
@@ -83,7 +94,7 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
         continue;
       }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
-      error = known ? kSafety * budget::spectral_mip_error(mip, energies, lights) + kRounding : kUnknown;
+      error = known ? spectral_error(plan, mip, source, energies, lights) + kRounding : kUnknown;
     }
     errors.mips.push_back(error);
     errors.worst = std::max(errors.worst, error);
@@ -139,7 +150,7 @@ PrefilterChoice choose_for(const SanitizedSource& source, const PrefilterOptions
   for (const double bound : kBounds) {
     const PrefilterOptions setting = with_bounds(options, bound);
     const PrefilterPlan plan = reflections::plan_prefilter(setting);
-    errors.push_back(errors_of(plan, finest, energies));
+    errors.push_back(errors_of(plan, finest, source, energies));
     choice.tried.push_back({setting, errors.back().worst, predicted(plan, source)});
   }
   budget::settle(choice, budget);
@@ -291,7 +302,8 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) + lights.error(*mip.lobe)) /
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
+          lights.error(*mip.lobe, whole)) /
          whole;
 }
 

@@ -35,12 +35,14 @@ double norm(const std::array<double, 3>& colour) {
 double smooth_error(double radians, double alpha, int points) {
   const double edge = radians / (2.0 * alpha);
   const double square = edge * edge;
-  return points == 2 ? square * square / 40.0 : (points == 3 ? square * square * square / 200.0 : 1e-5);
+  if (points == 2) return square * square / 40.0;
+  if (points == 3) return square * square * square / 200.0;
+  return points == 4 ? square * square * square * square / 1000.0 : 1e-5;
 }
 
 }  // namespace
 
-double BrightLights::ggx_error(double alpha) const {
+double BrightLights::ggx_error(double alpha, double rms) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
@@ -51,15 +53,12 @@ double BrightLights::ggx_error(double alpha) const {
   const double share = kMerged * of_width * of_width * of_width * of_width;
   const double smooth = smooth_error(edge_, alpha, smooth_points_);
   const double lost = kLost + std::sqrt(share * share + smooth * smooth);
-  const double merged = lost * norm(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;
+  const double field = norm(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;  // of one light with all of it
+  const double merged = lost * std::min(field, rms);
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
-double BrightLights::error(const Lobe& lobe) const {
-  if (nodes_.empty()) return 0.0;
-  if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha());
-  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * norm(cut_);
-  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
+double BrightLights::ggx_error(double alpha, double rms) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 

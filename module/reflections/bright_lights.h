@@ -58,8 +58,9 @@ class BrightLights {
   /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
   void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
-  /// Root mean square over the sphere of what they err, all channels together: at the horizon, and where merged.
-  [[nodiscard]] double error(const Lobe& lobe) const;
+  /// Returns the root mean square over the sphere of what they err, all channels together: at the horizon, and where
+  /// merged. `rms`: that of a mip that they are part of, which their own does not exceed.
+  [[nodiscard]] double error(const Lobe& lobe, double rms) const;
 
  private:
   friend class LightTree;
@@ -105,7 +106,7 @@ class BrightLights {
                    Room& room) const;
   void add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first, float* rgb,
                    Room& room) const;
-  [[nodiscard]] double ggx_error(double alpha) const;
+  [[nodiscard]] double ggx_error(double alpha, double rms) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
   /// at the default bounds. The error falls with its fourth power.

@@ -283,6 +283,14 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
   return found;
 }
 
+double mean_excess(const std::vector<BrightTexel>& texels) noexcept {
+  std::array<double, 3> sum{};
+  for (const BrightTexel& texel : texels) {
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += texel.steradians * static_cast<double>(texel.excess[c]);
+  }
+  return std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (4.0 * kPi);
+}
+
 platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
                                               const projection::SanitizedSource& source) {
   const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());

@@ -37,6 +37,9 @@ struct BrightSearch {
 [[nodiscard]] BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, double alpha,
                                                     std::size_t most) noexcept;
 
+/// Returns the mean over the sphere of what is extracted, root of the squares of the channels.
+[[nodiscard]] double mean_excess(const std::vector<BrightTexel>& texels) noexcept;
+
 /// Returns the source's pixels, packed, with what is left of the bright ones.
 [[nodiscard]] platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
                                                             const projection::SanitizedSource& source);

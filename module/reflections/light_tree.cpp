@@ -150,9 +150,10 @@ void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, s
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
 /// 1e-3.
-int smooth_points(double radians, double alpha) {
+int smooth_points(double radians, double alpha, double reach) {
   const double edge = radians / (2.0 * alpha);
-  return edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5);
+  const int tighter = reach > kDefaultReach + 0.5 ? 1 : 0;
+  return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
 /// Parts along an edge: that small that the horizon meets a parallelogram.
@@ -202,11 +203,11 @@ class LightTree {
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, bool exact,
-            double most_cut_radius, BrightLights& lights)
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
+            bool exact, double most_cut_radius, BrightLights& lights)
       : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)), most_cut_radius_(most_cut_radius) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha);
+    smooth_ = smooth_points(edge, least_alpha, reach);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size());
@@ -559,7 +560,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact,
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
                        use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
   make_rooms();
 }
@@ -579,7 +580,8 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4)) + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha)) + cut * sizeof(CutLight) + cutting;
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +
+         cut * sizeof(CutLight) + cutting;
 }
 
 std::size_t BrightLights::bytes() const noexcept {

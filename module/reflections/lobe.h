@@ -146,30 +146,8 @@ class Lobe {
   mutable std::vector<double> spectrum_;  ///< made when it is asked for
 };
 
-// How many harmonic bands a lobe needs, and how its spectrum ends.
-
-/// What one mip's synthesis multiplies bands by.
-struct BandChoice {
-  std::vector<double> zonal;  ///< a factor for each band: the lobe's spectrum, tapered to nothing at the end
-  /// What is lacking at the place of a light without extent, over the lobe's peak there.
-  double loss_at_peak = 0.0;
-
-  [[nodiscard]] int bands() const noexcept { return static_cast<int>(zonal.size()); }
-};
-
-/// The spectrum falls like exp(-2 alpha l); `reach` = 2 alpha bands is what decides the error, at any alpha: see
-/// docs/reflections.md. The last fifth of the bands is tapered: cut off sharply, every light would ring over the whole
-/// sphere, for ever longer than the lobe's own tail is dark.
-/// `most`: bands that may be used. alpha in (0, 1].
-[[nodiscard]] BandChoice choose_bands(double alpha, double reach, int most);
-
-/// 1 up to the last fifth of the bands, then half a cosine down to 0.
-[[nodiscard]] double taper(int l, int bands) noexcept;
-
-/// `reach` for error bounds; 9.25 for rms 1e-3 and maximum 1e-2, more for smaller ones.
+/// Returns what decides at such bounds how finely lights are merged, and which lobes are too narrow for harmonics: 9.25
+/// for rms 1e-3 and maximum 1e-2, more for smaller ones.
 [[nodiscard]] double reach_for(double rms_error, double maximum_error) noexcept;
-
-/// Bands that `choose_bands` would take, were there no most.
-[[nodiscard]] int bands_for(double alpha, double reach) noexcept;
 
 }  // namespace welkin::reflections

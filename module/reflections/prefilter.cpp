@@ -23,6 +23,7 @@
 #include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/band_choice.h"
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
@@ -104,12 +105,22 @@ void make_not_negative(int size, const Faces& faces) {
     std::transform(values, values + count, values, [](float value) { return std::max(value, 0.0F); });
 }
 
+/// Returns the smallest channel of a level's texels.
+double least_of(const CubemapChain& chain, int level) {
+  const int values = 3 * chain.level_size(level);
+  const float* row = chain.face(level, 0);
+  float least = std::numeric_limits<float>::max();
+  for (int k = 0; k < 2 * values; ++k, row += values)
+    least = std::min(least, projection::projection_kernels().measure_row(row, values).least);
+  return static_cast<double>(least);
+}
+
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
 class LobeChain {
  public:
   LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : source_(source), plan_(plan) {
+      : source_(source), plan_(plan), spectral_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     result_.mips.resize(plan_.mips.size());
@@ -134,13 +145,23 @@ class LobeChain {
  private:
   [[nodiscard]] MipRecord& record(std::size_t level) { return result_.mips[level]; }
 
+  [[nodiscard]] SpectralSource source_on(int rows) const {
+    const int texels = source_.cubemap() ? 2 * source_.columns() : rows;  // along a meridian
+    return {energies_, source_.cubemap() ? source_.columns() : 0, rows, texels > 2 * spectral_.bands};
+  }
+
   void note(const std::string& name, const std::string& reason, double milliseconds) {
     const std::scoped_lock lock(mutex_);
     passes_.push_back({name, PassAction::run, reason, milliseconds});
   }
 
   void run_spectral(const Control& control);
+  [[nodiscard]] int analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
+                                  const Control& control);
+  [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
+  void blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
+  [[nodiscard]] bool shows_dark(std::size_t level, const MipPlan& mip) const;
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
   void run_narrow(const Control& control);
   void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
@@ -151,6 +172,7 @@ class LobeChain {
 
   const projection::SanitizedSource& source_;
   const PrefilterPlan& plan_;
+  PrefilterPlan spectral_;  ///< by which spectral mips are made: `plan_`, or with more bands
   PrefilteredSpecular result_;
   BrightLights bright_;
   std::size_t extracted_ = 0;
@@ -163,16 +185,9 @@ class LobeChain {
 /// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
 /// floats, for the bound on its error.
 void LobeChain::note_darkness(std::size_t level, double field) {
-  constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times
-                                        // the rms of harmonics in floats
-  const CubemapChain& chain = result_.cubemap;
-  const int values = 3 * chain.level_size(static_cast<int>(level));
-  const float* row = chain.face(static_cast<int>(level), 0);
-  float least = std::numeric_limits<float>::max();
-  for (int k = 0; k < 2 * values; ++k, row += values)
-    least = std::min(least, projection::projection_kernels().measure_row(row, values).least);
-  const double share = kFloatNoise / plan_.maximum_error;
-  if (static_cast<double>(least) >= share * field) return;
+  constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
+  const double share = kFloatNoise / plan_.bounds.maximum;
+  if (least_of(result_.cubemap, static_cast<int>(level)) >= share * field) return;
   note("mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)) + ": dark channels",
        "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
 }
@@ -198,29 +213,53 @@ void LobeChain::run_spectral(const Control& control) {
   run_rings(texels, control);
 }
 
-void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
+/// Returns the number of rings.
+int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
+                             const Control& control) {
   const Stopwatch watch;
-  const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), rows_of(plan_, source_)) : 0;
+  const int wanted = rows_of(spectral_, source_);
+  const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), wanted) : 0;
   memory_.take(bringing);
-  Rings rings = rings_of(source_, texels, rows_of(plan_, source_), {control.stop, {}});
+  const Rings rings = rings_of(source_, texels, wanted, {control.stop, {}});
   memory_.give_back(bringing);
   memory_.take(rings.bytes());
   note("rings", std::to_string(rings.view.height) + " of them", watch.milliseconds());
-
   const Stopwatch analysis;
-  const transforms::Spectrum spectrum =
-      transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4), transforms::SourceRows::fewer);
+  spectrum = transforms::analyse(rings.view, spectral_.bands, control, transforms::SourceRows::fewer);
   memory_.take(spectrum.bytes());
-  note("analyse", std::to_string(plan_.bands) + " bands", analysis.milliseconds());
-  energies_ = energies_of(spectrum);
-  const int rows = rings.view.height;
+  note("analyse", std::to_string(spectral_.bands) + " bands", analysis.milliseconds());
   memory_.give_back(rings.bytes());
-  rings = {};
+  return rings.view.height;
+}
+
+/// Returns whether the bands do for this picture, which energies_ are of; if not, there are more of them in `spectral_`.
+bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
+  if (plan_.lights == LightsOf::any) {
+    if (choose_bands_by_energy(spectral_, source_on(rows))) return true;
+    spectral_.bands = std::min(transforms::kMaximumSpectrumBands, 2 * spectral_.bands);
+    return false;
+  }
+  if (spectral_.tightenings == kMostTightenings) return true;
+  if (keeps_rms_error(spectral_, source_on(rows), mean_excess(texels))) return true;
+  spectral_ = spectral_.tightened(1);
+  return false;
+}
+
+void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
+  transforms::Spectrum spectrum;
+  int rows = 0;
+  for (Control part = jobs::part_of(control, 0.0, 0.4);; part.progress = {}) {
+    rows = analyse_rings(texels, spectrum, part);
+    energies_ = energies_of(spectrum);
+    if (settle_bands(texels, rows)) break;
+    memory_.give_back(spectrum.bytes());
+    note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
+  }
 
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (mip.bands.bands() == 0) continue;
+    const MipPlan& mip = spectral_.mips[level];
+    if (mip.method != MipMethod::spectral) continue;
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
               [this, level, &spectrum, rows](const Control& part) { spectral_mip(level, spectrum, rows, part); });
   }
@@ -228,32 +267,53 @@ void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
   memory_.give_back(spectrum.bytes());
 }
 
-void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
-                             const Control& control) {
+/// Writes a mip's faces without the extracted light.
+void LobeChain::blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum,
+                     const Control& control) {
   const Stopwatch watch;
-  const MipPlan& mip = plan_.mips[level];
-  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
   const transforms::GridSize grid_size = mip.grid();
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
-  transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.5));
+  transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.6));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
+  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
   const bool not_negative = !source_.has_negatives() && !mip.lobe->negative();
-  image::sample_faces(grid, mip.size, faces, {.not_negative = not_negative}, jobs::part_of(control, 0.5, 0.8));
+  image::sample_faces(grid, mip.size, faces, {.not_negative = not_negative}, jobs::part_of(control, 0.6, 1.0));
   memory_.give_back(grid.bytes());
   note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
+}
+
+/// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
+bool LobeChain::shows_dark(std::size_t level, const MipPlan& mip) const {
+  constexpr double kOfTruncated = 6.0;  // over the root mean square: the largest error that wide lobes' bands leave
+  const double least = least_of(result_.cubemap, static_cast<int>(level));
+  return kOfTruncated * truncated_rms(mip, energies_) <= plan_.bounds.maximum * least;
+}
+
+void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
+                             const Control& control) {
+  const Stopwatch watch;
+  MipPlan mip = spectral_.mips[level];
+  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
+  blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
+  const int most = mip.alpha > 0.0 ? std::min(spectrum.bands(), fewest_bands(spectral_.tight())) : 0;
+  while (mip.bands.bands() < most && !shows_dark(level, mip)) {
+    mip.bands = tapered_lobe(mip.alpha, std::min(most, next_bands(mip.bands.bands())));
+    blur(level, mip, spectrum, {control.stop, {}});
+  }
+  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   const Stopwatch splatting;
   const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
-  bright_.add({*mip.lobe}, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
+  bright_.add({*mip.lobe}, mip.size, faces, jobs::part_of(control, 0.7, 1.0));
   note_darkness(level, field);
   note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(extracted_);
-  const SpectralSource source{energies_, source_.cubemap() ? source_.columns() : 0, rows};
-  record(level).error_estimate =
-      spectral_rms_error(mip, source, bright_.error(*mip.lobe), rms_of_level(result_.cubemap, static_cast<int>(level)));
+  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
+  record(level).error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
+  require_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
   end_mip(level, watch, control);
 }
 

@@ -6,10 +6,13 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include "image/geometry.h"
+#include "platform/text.h"
 #include "reflections/lobe.h"
 #include "transform/transform_kernels.h"
+#include "welkin/core.h"
 
 namespace welkin::reflections {
 namespace {
@@ -31,7 +34,9 @@ constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings,
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
+constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
+constexpr double kCoarse = 3.0;  ///< more of that where a lobe is narrower than three rings
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
@@ -44,8 +49,9 @@ struct Rings {
 
   /// Of even light by a lobe: a table's weights are floats, and few rings lie within a lobe.
   [[nodiscard]] double rounded(double alpha) const {
-    const double rings = std::max(1.0, alpha / (3.0 * height));
-    return kTableRounding / (rings * rings);
+    const double rings = alpha / (3.0 * height);
+    if (rings >= 1.0) return kTableRounding / (rings * rings);
+    return kTableRounding * (1.0 + kCoarse / (rings * rings * rings * rings * rings));
   }
 
   double height;
@@ -69,11 +75,18 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
 
 namespace {
 
+/// Returns how many degrees of a mip's lobe an estimate looks at. Other lobes than GGX fall so slowly that it must look
+/// beyond the transform's `bands`.
+int known_degrees(const MipPlan& mip, int bands) {
+  const int own = mip.lobe->alpha() > 0.0 ? mip.bands.bands() : bands;
+  return mip.lobe->last_band() > 0 ? mip.lobe->last_band() : own + own / 2;
+}
+
 /// Square of the error by what the spectrum knows, times 4 pi.
 double spectral_square(const MipPlan& mip, std::span<const double> energies, const std::optional<Rings>& source) {
   const int bands = mip.bands.bands();
-  const std::vector<double> lobe = mip.lobe->spectrum(bands + bands / 2);
   const auto known = static_cast<int>(energies.size());
+  const std::vector<double> lobe = mip.lobe->spectrum(known_degrees(mip, known));
   const int rings = mip.grid().rings;
   double tail = 0.0;
   for (int l = known - known / 4; l < known; ++l)
@@ -104,8 +117,98 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   if (!(rms > 0.0)) return kRounding;
   const std::optional<Rings> rings = source.face_size > 0 ? std::optional(Rings{kPi / source.rings}) : std::nullopt;
   const double square = spectral_square(mip, source.energies, rings) / (4.0 * kPi) + of_lights * of_lights;
-  const double rounding = kRounding + (rings ? rings->rounded(mip.lobe->width_alpha()) : 0.0);
+  double rounding = kRounding + (source.finer ? kFiner : 0.0);
+  if (rings) rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.lobe->alpha()) : kTableRounding;
   return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+}
+
+namespace {
+
+/// Returns what a lobe other than GGX makes of light beyond the degrees that `spectral_rms_error` looks at, as dense as
+/// in the last quarter of the energies: root mean square over the sphere.
+double error_beyond(const MipPlan& mip, std::span<const double> energies) {
+  if (mip.lobe->last_band() > 0) return 0.0;
+  const std::vector<double> known = mip.lobe->spectrum(known_degrees(mip, static_cast<int>(energies.size())));
+  double left = 4.0 * kPi * mip.lobe->square();
+  for (std::size_t l = 0; l < known.size(); ++l) left -= (2.0 * static_cast<double>(l) + 1.0) * known[l] * known[l];
+  const std::size_t quarter = std::max<std::size_t>(1, energies.size() / 4);
+  double tail = 0.0;
+  for (const double energy : energies.last(quarter)) tail += energy / static_cast<double>(quarter);
+  return std::sqrt(std::max(0.0, left) * tail / (2.0 * static_cast<double>(known.size()) + 1.0) / (4.0 * kPi));
+}
+
+/// Chooses the bands of one mip: as few as keep its share of the bound. Returns the error that is estimated for them.
+double choose_bands_of_lobe(const PrefilterPlan& plan, const SpectralSource& source, MipPlan& mip) {
+  const int last = mip.lobe->last_band();
+  const std::vector<double> spectrum = mip.lobe->spectrum(last > 0 ? last : plan.bands);
+  int bands = last > 0 ? last : std::min(kLeastLobeBands, plan.bands);
+  for (;; bands = std::min(plan.bands, bands + std::max(kBandStep, bands / 16 / kBandStep * kBandStep))) {
+    mip.bands.zonal.assign(spectrum.begin(), spectrum.begin() + bands);
+    for (int l = 0; l < bands && last == 0; ++l) mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
+    // what is dark beside lights is to be right too
+    const double rest = blurred_rms(source.energies, mip.bands.zonal);
+    const double error = spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
+    if (last > 0 || bands >= plan.bands || error <= kOfBound * plan.bounds.rms) return error;
+  }
+}
+
+}  // namespace
+
+bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+  for (std::size_t level = 0; level < plan.spectral_lobes.size(); ++level) {
+    MipPlan mip;
+    mip.lobe = plan.spectral_lobes[level];
+    mip.method = MipMethod::spectral;
+    const double error = choose_bands_of_lobe(plan, source, mip);
+    const bool ends = mip.lobe->last_band() > 0;
+    if (!ends && error > kOfBound * plan.bounds.rms) {
+      if (plan.bands < transforms::kMaximumSpectrumBands) return false;
+      if (error > plan.bounds.rms) {
+        throw Error(ErrorCode::limit_exceeded,
+                    "the kernel of mip " + std::to_string(level) + " is too narrow or has too sharp an edge: with " +
+                        std::to_string(plan.bands) + " harmonic bands the mip errs by an estimated " +
+                        platform::number_text(error) + ", and rms_error is " + platform::number_text(plan.bounds.rms) +
+                        "; widen the kernel, raise rms_error, or take the reference method");
+      }
+    }
+    for (MipPlan& made : plan.mips) {
+      if (made.lobe == mip.lobe) made.bands = mip.bands;
+    }
+  }
+  return true;
+}
+
+bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light) {
+  const ErrorBounds bounds = plan.tight();
+  return std::all_of(plan.spectral_lobes.begin(), plan.spectral_lobes.end(), [&](const auto& lobe) {
+    MipPlan mip;
+    mip.alpha = lobe->alpha();
+    mip.lobe = lobe;
+    mip.bands = choose_bands(mip.alpha, bounds, transforms::kMaximumSpectrumBands);
+    const double rest = blurred_rms(source.energies, mip.bands.zonal);
+    const double error = spectral_rms_error(mip, source, 0.0, std::sqrt(rest * rest + light * light));
+    return error <= kOfBound * plan.bounds.rms;
+  });
+}
+
+double truncated_rms(const MipPlan& mip, std::span<const double> energies) {
+  const int bands = mip.bands.bands();
+  const std::vector<double> lobe = mip.lobe->spectrum(bands + bands / 2);
+  double sum = 0.0;
+  for (std::size_t l = 0; l < std::min(lobe.size(), energies.size()); ++l) {
+    const double lost = lobe[l] - (l < mip.bands.zonal.size() ? mip.bands.zonal[l] : 0.0);
+    sum += energies[l] * lost * lost;
+  }
+  return std::sqrt(sum / (4.0 * kPi));
+}
+
+void require_rms_error(double estimate, double rms_error, double roughness) {
+  if (estimate <= rms_error) return;
+  throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
+                                             " cannot be kept on this picture: the mip of roughness " +
+                                             platform::number_text(roughness) + " would err by an estimated " +
+                                             platform::number_text(estimate) +
+                                             "; raise rms_error to that, or take the reference method");
 }
 
 double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {

@@ -18,6 +18,7 @@ struct SpectralSource {
   std::span<const double> energies;  ///< of what was left in the picture
   int face_size = 0;                 ///< of a cubemap; 0: the picture is a lat-long
   int rings = 0;                     ///< that it was read on
+  bool finer = false;                ///< whether its texels are finer than the transform's bands
 };
 
 /// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
@@ -27,6 +28,22 @@ struct SpectralSource {
 /// (`BrightLights::error`). docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
+
+/// Chooses the bands of each spectral mip of a plan of lobes other than GGX, of at most `plan.bands`, by the picture's
+/// energies. Returns false if some lobe of the whole chain needs more. Throws `Error` (limit_exceeded) if there are no
+/// more.
+[[nodiscard]] bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source);
+
+/// Returns whether bands and rings of a plan of GGX lobes keep `rms_error` in all spectral mips of its whole chain,
+/// whichever of them are made. `light`: mean over the sphere of the extracted light, which is part of each mip's root
+/// mean square.
+[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light);
+
+/// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
+[[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);
+
+/// Throws `Error` (limit_exceeded) if a spectral mip's estimate is above the bound that was asked for.
+void require_rms_error(double estimate, double rms_error, double roughness);
 
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);

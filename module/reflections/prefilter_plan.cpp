@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <string>
 
@@ -22,16 +23,9 @@ namespace {
 
 constexpr int kLargestSize = 8192;
 constexpr double kLeastAlpha = 1e-6;   ///< below, a lobe is narrower than any texel by far: a copy
-constexpr double kLeastRings = 256.0;  ///< of a `RingTable`
-constexpr double kRingsOfAlpha = 9.5;  ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
 constexpr double kKinkOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
-/// Error of a light alone in the dark over `rms_error`, at most. Bright lights do not go through the harmonics, and
-/// what is left of a picture has most of its light in the lowest degrees.
-constexpr double kOfLoneLight = 3.5;
 constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
-constexpr int kLeastLobeBands = 96;
-constexpr int kBandStep = 8;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
 
@@ -72,12 +66,13 @@ int mips_of(const PrefilterOptions& options) {
 MipMethod method_for(const PrefilterOptions& options, double reach, const MipPlan& mip) {
   if (mip.alpha < kLeastAlpha) return MipMethod::copy;
   if (options.method == PrefilterMethod::reference) return MipMethod::reference;
-  const int bands = bands_for(mip.alpha, reach);
+  const double bands = reach / (2.0 * mip.alpha);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
   if (options.method == PrefilterMethod::automatic) return MipMethod::narrow;
-  refuse(ErrorCode::limit_exceeded,
-         "roughness " + platform::number_text(mip.roughness) + " needs " + std::to_string(bands) + " harmonic bands, " +
-             std::to_string(transforms::kMaximumSpectrumBands) + " are possible; take another method, or automatic");
+  refuse(ErrorCode::limit_exceeded, "roughness " + platform::number_text(mip.roughness) + " needs " +
+                                        std::to_string(static_cast<std::int64_t>(std::ceil(bands))) +
+                                        " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
+                                        " are possible; take another method, or automatic");
 }
 
 }  // namespace
@@ -98,8 +93,26 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
-  const double wanted = std::max(kLeastRings, kRingsOfAlpha / ring_alpha);
+  const double alpha_of_bands = std::clamp(reach_within({}) / (2.0 * std::max(1, bands)), kLeastAlpha, 1.0);
+  const double wanted =
+      lights == LightsOf::ggx ? rings_within(least_alpha, tight()) : rings_within(alpha_of_bands, {});
   return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
+}
+
+PrefilterPlan PrefilterPlan::tightened(int steps) const {
+  PrefilterPlan tighter = *this;
+  tighter.tightenings += steps;
+  const ErrorBounds tight = tighter.tight();
+  for (MipPlan& mip : tighter.mips) {
+    if (mip.method == MipMethod::spectral)
+      mip.bands = choose_bands(mip.alpha, tight, transforms::kMaximumSpectrumBands);
+  }
+  if (bands == 0) return tighter;
+  for (const auto& lobe : spectral_lobes) {
+    const int wanted = std::max(bands_within(lobe->alpha(), tight), fewest_bands(tight));
+    tighter.bands = std::max(tighter.bands, std::min(transforms::kMaximumSpectrumBands, wanted));
+  }
+  return tighter;
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
@@ -123,11 +136,11 @@ transforms::GridSize MipPlan::grid() const noexcept {
 namespace {
 
 /// Adds a spectral mip to what all of them share.
-void take_in(const MipPlan& mip, double ring_alpha, PrefilterPlan& plan) {
+void take_in(const MipPlan& mip, int bands, PrefilterPlan& plan) {
   plan.light_alpha = std::min(plan.light_alpha, mip.lobe->light_alpha());
   plan.least_alpha = std::min(plan.least_alpha, mip.lobe->width_alpha());
-  plan.ring_alpha = std::min(plan.ring_alpha, ring_alpha);
-  plan.bands = std::max(plan.bands, mip.bands.bands());
+  plan.bands = std::max(plan.bands, bands);
+  plan.spectral_lobes.push_back(mip.lobe);
 }
 
 }  // namespace
@@ -147,7 +160,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.size = options.size;
   plan.chain_mips = mips;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
-  plan.maximum_error = options.maximum_error;
+  plan.bounds = {options.rms_error, options.maximum_error};
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);
@@ -156,8 +169,8 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     mip.method = method_for(options, plan.reach, mip);
     if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
     if (mip.method == MipMethod::spectral) {
-      mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
-      take_in(mip, mip.alpha, plan);
+      mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
+      take_in(mip, std::max(mip.bands.bands(), fewest_bands(plan.bounds)), plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));
@@ -167,41 +180,28 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
 
 namespace {
 
-/// Of a light alone, when the lobe ends with a taper at so many bands: root mean square over that of the whole.
-double lost_by_taper(const Lobe& lobe, const std::vector<double>& spectrum, int bands) {
-  double kept = 0.0;
-  double whole = 0.0;
-  for (int l = 0; l < bands; ++l) {
-    const double own = (2.0 * l + 1.0) * spectrum[static_cast<std::size_t>(l)] * spectrum[static_cast<std::size_t>(l)];
-    const double left = 1.0 - taper(l, bands);
-    whole += own;
-    kept += own * (1.0 - left * left);
-  }
-  const double all = std::max(whole, 4.0 * std::numbers::pi * lobe.square());
-  return std::sqrt(std::max(0.0, all - kept) / all);
-}
-
-/// Of a lobe other than GGX.
-BandChoice bands_of_lobe(const Lobe& lobe, std::size_t level, double rms_error) {
+/// Returns the bands of the first transform for a lobe other than GGX: as many as it takes for a picture with many
+/// edges, whose energy of degree l is kEdges / l^2 of the whole.
+int first_bands(const Lobe& lobe, double rms_error) {
+  constexpr double kEdges = 6.0;
+  constexpr double kShare = 0.4;
+  constexpr int kFirstLook = 256;
   constexpr int most = transforms::kMaximumSpectrumBands;
-  if (lobe.last_band() > 0) return {lobe.spectrum(lobe.last_band())};  // nothing is left out
-  const std::vector<double> spectrum = lobe.spectrum(most);
-  int bands = kLeastLobeBands;
-  const double bound = kOfLoneLight * rms_error;
-  while (bands < most && lost_by_taper(lobe, spectrum, bands) > bound)
-    bands += std::max(kBandStep, bands / 16 / kBandStep * kBandStep);
-  bands = std::min(bands, most);
-  if (const double lost = lost_by_taper(lobe, spectrum, bands); lost > bound) {
-    refuse(ErrorCode::limit_exceeded, "the kernel of mip " + std::to_string(level) +
-                                          " is too narrow or has too sharp an edge: " + std::to_string(most) +
-                                          " harmonic bands lose " + platform::number_text(lost) +
-                                          " of a light alone, and " + platform::number_text(bound) +
-                                          " is the bound; widen it, raise rms_error, or take the reference "
-                                          "method");
+  if (lobe.last_band() > 0) return lobe.last_band();
+  for (int looked_at = kFirstLook;; looked_at = std::min(most, 2 * looked_at)) {
+    const std::vector<double> spectrum = lobe.spectrum(looked_at);
+    double lost = 0.0;
+    int bands = looked_at;
+    while (bands > kLeastLobeBands) {
+      const double ratio = spectrum[static_cast<std::size_t>(bands - 1)] / bands;
+      lost += kEdges * ratio * ratio;
+      if (lost > kShare * kOfBound * rms_error * rms_error) break;
+      --bands;
+    }
+    // what lies beyond is as much as what lies in the last third
+    if (bands < looked_at * 2 / 3 || looked_at == most)
+      return std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
   }
-  BandChoice choice;
-  for (int l = 0; l < bands; ++l) choice.zonal.push_back(taper(l, bands) * spectrum[static_cast<std::size_t>(l)]);
-  return choice;
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   plan.chain_mips = static_cast<int>(options.kernels.size());
   const PrefilterOptions usual;
   plan.reach = reach_for(usual.rms_error, usual.maximum_error);
-  plan.maximum_error = std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error);
+  plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
   plan.lights = LightsOf::any;
   for (std::size_t level = 0; level < options.kernels.size(); ++level) {
     const ZonalKernel& kernel = options.kernels[level];
@@ -235,10 +235,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
     mip.roughness = kernel.roughness();
     mip.lobe = kernel.lobe();
     mip.method = reference ? MipMethod::reference : MipMethod::spectral;
-    if (!reference) {
-      mip.bands = bands_of_lobe(*mip.lobe, level, options.rms_error);
-      take_in(mip, std::clamp(plan.reach / (2.0 * mip.bands.bands()), kLeastAlpha, 1.0), plan);
-    }
+    if (!reference) take_in(mip, first_bands(*mip.lobe, options.rms_error), plan);
     plan.mips.push_back(std::move(mip));
   }
   return plan;

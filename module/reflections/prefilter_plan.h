@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "reflections/band_choice.h"
 #include "reflections/bright_lights.h"
 #include "reflections/lobe.h"
 #include "transform/spectrum.h"
@@ -30,8 +31,9 @@ struct PrefilterPlan {
   int chain_mips = 0;           ///< of the whole chain
   std::vector<MipPlan> mips;    ///< that are made
   int first_mip = 0;            ///< the first of them, counted in the whole chain
-  double reach = 0.0;           ///< see `choose_bands`
-  double maximum_error = 1e-2;  ///< asked for
+  double reach = 0.0;           ///< of lights, see `reach_for`
+  ErrorBounds bounds;           ///< asked for
+  int tightenings = 0;          ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
@@ -42,8 +44,10 @@ struct PrefilterPlan {
   // change where others are left out. All are the same for GGX.
   double light_alpha = 1.0;         ///< `Lobe::light_alpha`: decides which texels are taken out
   double least_alpha = 1.0;         ///< `Lobe::width_alpha`: decides how those are cut into lights
-  double ring_alpha = 1.0;          ///< of the GGX lobe that takes as many bands: decides a cubemap's rings
   LightsOf lights = LightsOf::ggx;  ///< the lobes of all mips
+
+  /// Of the whole chain's spectral mips, as all of them decide how many bands this picture takes.
+  std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
 
   /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
   std::vector<double> narrow_alphas;
@@ -52,11 +56,16 @@ struct PrefilterPlan {
   /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
 
+  /// Returns the bounds that spectral mips of GGX lobes are made for.
+  [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
+  /// Returns a plan of GGX lobes with more bands and rings, for a picture with more energy in them than most have.
+  [[nodiscard]] PrefilterPlan tightened(int steps) const;
+
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: at least 256, no higher
-  /// than a third of the narrowest lobe's alpha.
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the bounds,
+  /// or for lobes other than GGX the bands.
   [[nodiscard]] int rows_for_cubemap() const noexcept;
 };
 

@@ -164,14 +164,12 @@ TEST_CASE("Kernels have their closed forms", "[zonal]") {
 }
 
 TEST_CASE("Kernels that cannot be are refused, and those that are too sharp for the bands", "[zonal]") {
-  const TestLatLong source = make_lat_long(Content::smooth, 32, 16, 1);
+  const TestLatLong source = make_lat_long(Content::random, 32, 16, 1);
   const auto chain = [&](const ZonalKernel& kernel) {
     return thrown_by([&] { static_cast<void>(prefilter_by_kernels(source.view(), {.size = 8, .kernels = {kernel}})); })
         .code;
   };
   CHECK(chain(ZonalKernel::phong(1e6)) == ErrorCode::limit_exceeded);
-  CHECK(chain(ZonalKernel::charlie(0.05)) == ErrorCode::limit_exceeded);
-  CHECK(chain(ZonalKernel::from_function([](double c) { return c > 0.0 ? 1.0 : 0.0; })) == ErrorCode::limit_exceeded);
   CHECK_NOTHROW(
       prefilter_by_kernels(source.view(), {.size = 8, .kernels = {ZonalKernel::charlie(kLeastCharlieRoughness)}}));
   const auto refused = [](const auto& make) {

@@ -1,0 +1,95 @@
+#include "reflections/band_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "math/elementary.h"
+#include "reflections/lobe.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kStep = 1.0 / 3.0;  ///< of a bound, from one tightening to the next
+constexpr double kTaper = 0.2;
+
+// Envelopes of errors over the pictures in docs/reflections.md, by `reach`: the largest error at a texel is below
+// kOfMaximum e^-reach, most root mean square errors with their safety are below kOfRms e^-reach.
+constexpr double kOfMaximum = 17.3;
+constexpr double kOfRms = 0.88;
+constexpr double kLeastReach = 2.0;
+
+// The kink's error at the dark side of an edge falls like bands^-2.7.
+constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
+constexpr double kKinkPower = 1.0 / 2.7;
+constexpr double kLeastKinkBands = 16.0;
+constexpr double kMostKinkBands = 512.0;
+constexpr double kNextBands = 1.6;
+
+// What rings of height h lose falls like h^4.
+constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
+constexpr double kRingsOfRms = 5.3;      ///< the same at a root mean square error of 1e-3
+constexpr double kLeastRingsOfAlpha = 3.4;
+constexpr double kLeastRings = 128.0;
+
+double fourth_root(double x) noexcept { return std::sqrt(std::sqrt(x)); }
+
+}  // namespace
+
+ErrorBounds ErrorBounds::tightened(int steps) const noexcept {
+  ErrorBounds tighter = *this;
+  for (int k = 0; k < steps; ++k) tighter = {tighter.rms * kStep, tighter.maximum * kStep};
+  return tighter;
+}
+
+double reach_within(const ErrorBounds& bounds) noexcept {
+  const double ratio = std::max(kOfMaximum / bounds.maximum, kOfRms / bounds.rms);
+  return std::max(kLeastReach, math::logarithm(ratio));
+}
+
+namespace {
+
+int whole_bands(double bands) noexcept { return static_cast<int>(std::ceil(bands / kBandStep)) * kBandStep; }
+
+/// For the kink of wide lobes.
+double bands_of_kink(const ErrorBounds& bounds) noexcept {
+  const double tighter = math::exponential(kKinkPower * math::logarithm(1e-2 / bounds.maximum));
+  return std::clamp(kKinkBands * tighter, kLeastKinkBands, kMostKinkBands);
+}
+
+}  // namespace
+
+int bands_within(double alpha, const ErrorBounds& bounds) noexcept {
+  return whole_bands(std::max(std::min(1e6, reach_within(bounds) / (2.0 * alpha)), bands_of_kink(bounds)));
+}
+
+int next_bands(int bands) noexcept { return whole_bands(kNextBands * bands); }
+
+int fewest_bands(const ErrorBounds& bounds) noexcept {
+  return next_bands(next_bands(whole_bands(bands_of_kink(bounds))));
+}
+
+double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
+  const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),
+                                    kRingsOfRms * fourth_root(1e-3 / bounds.rms), kLeastRingsOfAlpha});
+  return std::max(kLeastRings, of_alpha / alpha);
+}
+
+double taper(int l, int bands) noexcept {
+  const double from = bands * (1.0 - kTaper);
+  if (l <= from) return 1.0;
+  const double share = (l - from) / (bands - from);
+  return 0.5 + 0.5 * math::sine_cosine_of_turns(0.5 * share).cosine;
+}
+
+BandChoice tapered_lobe(double alpha, int bands) {
+  BandChoice choice{lobe_spectrum(alpha, bands)};
+  for (int l = 0; l < bands; ++l) choice.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
+  return choice;
+}
+
+BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most) {
+  return tapered_lobe(alpha, std::min(most, bands_within(alpha, bounds)));
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,61 @@
+// How many harmonic bands a lobe takes, how its spectrum ends, and on how many rings a cubemap is read for it.
+#pragma once
+
+#include <vector>
+
+namespace welkin::reflections {
+
+/// Bounds on a mip's error.
+struct ErrorBounds {
+  double rms = 1e-3;      ///< root mean square error over the mip's root mean square
+  double maximum = 1e-2;  ///< error at any texel over the value there
+
+  /// Returns both bounds divided by 3^steps.
+  [[nodiscard]] ErrorBounds tightened(int steps) const noexcept;
+};
+
+/// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
+inline constexpr double kOfBound = 0.8;
+
+inline constexpr int kBandStep = 8;         ///< bands are a multiple of it
+inline constexpr int kLeastLobeBands = 64;  ///< of lobes other than GGX
+
+/// How often the bounds are tightened where a picture's own energies exceed what most pictures have.
+inline constexpr int kMostTightenings = 2;
+
+/// Returns 2 alpha bands, which decides the error of a lobe of any alpha, because its spectrum falls like exp(-2 alpha
+/// l). The bounds hold for photographs, edges of any contrast, noise and stripes (docs/reflections.md) whose bright
+/// texels are extracted.
+[[nodiscard]] double reach_within(const ErrorBounds& bounds) noexcept;
+
+/// Returns bands, a multiple of 8: by reach, or more where the lobe is so wide that its kink at the horizon decides.
+/// alpha in (0, 1].
+[[nodiscard]] int bands_within(double alpha, const ErrorBounds& bounds) noexcept;
+
+/// Returns the fewest rings of latitude that a cubemap is read on where `alpha` is that of the narrowest lobe.
+[[nodiscard]] double rings_within(double alpha, const ErrorBounds& bounds) noexcept;
+
+/// What one mip's synthesis multiplies bands by.
+struct BandChoice {
+  std::vector<double> zonal;  ///< one factor per band: the lobe's spectrum, tapered to nothing at the end
+
+  [[nodiscard]] int bands() const noexcept { return static_cast<int>(zonal.size()); }
+};
+
+/// Returns the factors of so many bands.
+[[nodiscard]] BandChoice tapered_lobe(double alpha, int bands);
+
+/// Returns the factors of at most `most` bands.
+[[nodiscard]] BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most);
+
+/// Returns the bands that a wide lobe takes next, above `bands`, where they do not do for what is dark in a picture.
+[[nodiscard]] int next_bands(int bands) noexcept;
+
+/// Returns the bands of a transform for wide lobes alone: as many as they take for a picture with dark parts.
+[[nodiscard]] int fewest_bands(const ErrorBounds& bounds) noexcept;
+
+/// Returns 1 up to the last fifth of the bands, then half a cosine down to 0. Without it every light would ring over
+/// the whole sphere.
+[[nodiscard]] double taper(int l, int bands) noexcept;
+
+}  // namespace welkin::reflections
