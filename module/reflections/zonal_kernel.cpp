@@ -11,7 +11,6 @@
 #include "platform/text.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/direct.h"
-#include "reflections/kernel_reference.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "transform/spectrum.h"
@@ -140,7 +139,7 @@ std::vector<dvec3> reference(const View& view, const ZonalKernel& kernel, const 
   const platform::FloatingPointScope floating_point;
   image::check_view(view);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
-  return reflections::integrate_kernel(source, *kernel.lobe(), reflections::unit_directions(directions), control);
+  return reflections::integrate_shape(source, *kernel.lobe(), reflections::unit_directions(directions), control);
 }
 
 }  // namespace
