@@ -50,7 +50,7 @@ TEST_CASE("Rings of latitude have a cubemap's harmonics", "[prefilter][rings]") 
       const LatLongImage rings = rings_of(cube.view(), rows);
       const auto harmonics = [](const auto& view) { return project(view, {.bands = 9}).radiance; };
       // degree 8: (l h)^4 is 0.024 on 64 rings, 4e-4 on 180
-      CHECK(largest_difference(harmonics(rings.view()), harmonics(cube.view())) < (rows == 64 ? 2e-4 : 1e-6));
+      CHECK(largest_difference(harmonics(rings.view()), harmonics(cube.view())) < (rows == 64 ? 2e-4 : 2e-6));
     }
   }
 }
@@ -99,16 +99,14 @@ TEST_CASE("Sums of a ring's taps are the same on all instruction sets", "[prefil
   }
 }
 
-TEST_CASE("Even light stays even on rings away from the poles", "[prefilter][rings]") {
+TEST_CASE("Even light stays even on rings", "[prefilter][rings]") {
   for (const int size : {1, 2, 7, 16, 40}) {
     for (const int rows : {64, 100}) {
       CAPTURE(size, rows);
       const CubemapImage cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
       const LatLongImage rings = rings_of(cube.view(), rows);
-      const std::size_t polar =
-          std::size_t{6} * static_cast<std::size_t>(rows) * 12;  // shares there are of other areas
       float worst = 0.0F;
-      for (std::size_t k = polar; k < rings.pixels.size() - polar; k += 3)
+      for (std::size_t k = 0; k < rings.pixels.size(); k += 3)
         worst = std::max(worst, std::abs(rings.pixels[k] - 1.0F));
       CHECK(worst < 4e-6F);
     }
