@@ -4,12 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <string>
 
 #include "image/pixels.h"
-#include "math/elementary.h"
-#include "platform/float_environment.h"
 #include "platform/standard_library.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
@@ -242,101 +239,3 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
 }
 
 }  // namespace welkin::reflections
-
-namespace welkin {
-namespace {
-
-constexpr int kMostMips = 16;
-
-/// 2^(mip / 0.8) = 2^(5 mip / 4), by square roots and an exact scaling.
-double babylon_alpha(int mip, int size) {
-  const int quarters = 5 * mip;
-  const double root = std::sqrt(std::numbers::sqrt2);
-  double power = 1.0;
-  for (int k = 0; k < quarters % 4; ++k) power *= root;
-  return std::min(1.0, std::ldexp(power, quarters / 4) / size);
-}
-
-/// The root of mip = 6 r (1.7 - 0.7 r) in [0, 1].
-double unity_roughness(int mip) {
-  constexpr double kSteps = 6.0;  // UNITY_SPECCUBE_LOD_STEPS
-  const double t = std::min(1.0, mip / kSteps);
-  return t < 1.0 ? (1.7 - std::sqrt(2.89 - 2.8 * t)) / 1.4 : 1.0;
-}
-
-/// REFLECTION_CAPTURE_ROUGHEST_MIP is 1, REFLECTION_CAPTURE_ROUGHNESS_MIP_SCALE 1.2.
-double unreal_roughness(int mip, int last_mip) {
-  return std::min(1.0, math::exponential(std::numbers::ln2 * (mip - last_mip + 2) / 1.2));
-}
-
-double roughness_of_mip(RoughnessSchedule schedule, int mip, int mips, int size) {
-  if (mip == 0) return 0.0;
-  const double t = static_cast<double>(mip) / (mips - 1);
-  switch (schedule) {
-    case RoughnessSchedule::filament: return 1.0 - std::sqrt(1.0 - t);
-    case RoughnessSchedule::babylon: return std::sqrt(babylon_alpha(mip, size));
-    case RoughnessSchedule::unity: return unity_roughness(mip);
-    case RoughnessSchedule::unreal: return unreal_roughness(mip, mips - 1);
-    case RoughnessSchedule::linear: break;
-  }
-  return t;
-}
-
-}  // namespace
-
-const char* name(RoughnessSchedule schedule) noexcept {
-  switch (schedule) {
-    case RoughnessSchedule::linear: return "linear";
-    case RoughnessSchedule::filament: return "filament";
-    case RoughnessSchedule::babylon: return "babylon";
-    case RoughnessSchedule::unity: return "unity";
-    case RoughnessSchedule::unreal: return "unreal";
-  }
-  return "linear";
-}
-
-std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size) {
-  const platform::FloatingPointScope floating_point;
-  image::require_range("mips", mips, 1, kMostMips);
-  image::require_range("size of mip 0", size, 1, image::kLargestFace);
-  std::vector<double> table;
-  table.reserve(static_cast<std::size_t>(mips));
-  for (int mip = 0; mip < mips; ++mip) table.push_back(roughness_of_mip(schedule, mip, mips, size));
-  return table;
-}
-
-int mips_of_chain(RoughnessSchedule schedule, int size) {
-  image::require_range("size of mip 0", size, 1, image::kLargestFace);
-  constexpr int kLeastTexels = 16;
-  constexpr int kLeastMips = 5;
-  constexpr int kUnityMips = 7;  // 0 to UNITY_SPECCUBE_LOD_STEPS
-  const int whole = full_chain_levels(size);
-  switch (schedule) {
-    case RoughnessSchedule::babylon:
-    case RoughnessSchedule::unreal: return whole;
-    case RoughnessSchedule::unity: return std::min(kUnityMips, whole);
-    case RoughnessSchedule::linear:
-    case RoughnessSchedule::filament: break;
-  }
-  const int to_least = size >= kLeastTexels ? full_chain_levels(size / kLeastTexels) : 1;
-  return std::min(whole, std::max(kLeastMips, to_least));
-}
-
-double mip_of_roughness(const std::vector<double>& table, double roughness) {
-  const platform::FloatingPointScope floating_point;
-  if (table.empty())
-    throw Error(ErrorCode::invalid_argument, "the table of roughness is empty; it needs one entry a mip");
-  for (std::size_t mip = 1; mip < table.size(); ++mip) {
-    if (table[mip] >= table[mip - 1]) continue;
-    throw Error(ErrorCode::invalid_argument, "the table of roughness falls at mip " + std::to_string(mip) + ", from " +
-                                                 platform::number_text(table[mip - 1]) + " to " +
-                                                 platform::number_text(table[mip]) + "; it must rise");
-  }
-  const auto above = std::lower_bound(table.begin(), table.end(), roughness);
-  if (above == table.begin()) return 0.0;
-  if (above == table.end()) return static_cast<double>(table.size() - 1);
-  const double below = *(above - 1);
-  return static_cast<double>(above - 1 - table.begin()) + (roughness - below) / (*above - below);
-}
-
-}  // namespace welkin
