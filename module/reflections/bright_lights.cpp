@@ -58,7 +58,12 @@ double BrightLights::ggx_error(double alpha, double rms) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
-double BrightLights::ggx_error(double alpha, double rms) const {
+double BrightLights::error(const Lobe& lobe, double rms) const {
+  if (nodes_.empty()) return 0.0;
+  if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha(), rms);
+  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * norm(cut_);
+  const double field = norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
+  const double merged = (kLost + kMerged) * std::min(field, rms);
   return std::sqrt(horizon * horizon + merged * merged);
 }
 

@@ -232,7 +232,8 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
   return rings.view.height;
 }
 
-/// Returns whether the bands do for this picture, which energies_ are of; if not, there are more of them in `spectral_`.
+/// Returns whether the bands do for this picture, which energies_ are of; if not, there are more of them in
+/// `spectral_`.
 bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
   if (plan_.lights == LightsOf::any) {
     if (choose_bands_by_energy(spectral_, source_on(rows))) return true;

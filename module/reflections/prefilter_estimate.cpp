@@ -36,7 +36,7 @@ constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatte
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
-constexpr double kCoarse = 3.0;  ///< more of that where a lobe is narrower than three rings
+constexpr double kCoarse = 3.0;             ///< more of that where a lobe is narrower than three rings
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {

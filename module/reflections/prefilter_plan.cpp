@@ -19,9 +19,9 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kLargestSize = 8192;
-constexpr double kLeastAlpha = 1e-6;   ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kLeastAlpha = 1e-6;       ///< below, a lobe is narrower than any texel by far: a copy
 constexpr double kKinkOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
-constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
+constexpr double kLeastRmsError = 1e-6;    ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
@@ -91,8 +91,7 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
   const double alpha_of_bands = std::clamp(reach_within({}) / (2.0 * std::max(1, bands)), kLeastAlpha, 1.0);
-  const double wanted =
-      lights == LightsOf::ggx ? rings_within(least_alpha, tight()) : rings_within(alpha_of_bands, {});
+  const double wanted = lights == LightsOf::ggx ? rings_within(least_alpha, tight()) : rings_within(alpha_of_bands, {});
   return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
 }
 

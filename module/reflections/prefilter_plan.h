@@ -27,13 +27,13 @@ struct MipPlan {
 };
 
 struct PrefilterPlan {
-  int size = 0;                 ///< of the whole chain
-  int chain_mips = 0;           ///< of the whole chain
-  std::vector<MipPlan> mips;    ///< that are made
-  int first_mip = 0;            ///< the first of them, counted in the whole chain
-  double reach = 0.0;           ///< of lights, see `reach_for`
-  ErrorBounds bounds;           ///< asked for
-  int tightenings = 0;          ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
+  int size = 0;               ///< of the whole chain
+  int chain_mips = 0;         ///< of the whole chain
+  std::vector<MipPlan> mips;  ///< that are made
+  int first_mip = 0;          ///< the first of them, counted in the whole chain
+  double reach = 0.0;         ///< of lights, see `reach_for`
+  ErrorBounds bounds;         ///< asked for
+  int tightenings = 0;        ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
@@ -64,8 +64,8 @@ struct PrefilterPlan {
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the bounds,
-  /// or for lobes other than GGX the bands.
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the
+  /// bounds, or for lobes other than GGX the bands.
   [[nodiscard]] int rows_for_cubemap() const noexcept;
 };
 
