@@ -38,8 +38,8 @@ const Transforms& transforms(int bands) {
 }  // namespace
 
 // T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, for which
-// bands Gauss points in z and 2 bands equidistant azimuths are exact. Harmonics of different degrees do not mix. Entries are
-// sums of products of a few square roots; what is not one is rounding and dropped.
+// bands Gauss points in z and 2 bands equidistant azimuths are exact. Harmonics of different degrees do not mix.
+// Entries are sums of products of a few square roots; what is not one is rounding and dropped.
 FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions_(bands * bands) {
   const auto count = static_cast<std::size_t>(functions_);
   std::vector<double> matrix(count * count);
