@@ -202,11 +202,17 @@ class RingSums final : public RunSink {
 }  // namespace
 
 void fill_lat_long_by_area(const CubemapView& source, int width, int height, float* rgb, const Control& control) {
-  const CubemapChain packed = build_mips(source, MipFilter::box, 1, jobs::part_of(control, 0.0, kShareOfCopy));
+  const std::ptrdiff_t row_bytes = std::ptrdiff_t{12} * source.size;
+  const bool is_packed =
+      source.format == PixelFormat::rgb32f && (source.row_stride_bytes == 0 || source.row_stride_bytes == row_bytes);
+  CubemapChain copy;
+  if (!is_packed) copy = build_mips(source, MipFilter::box, 1, jobs::part_of(control, 0.0, kShareOfCopy));
   std::array<const float*, 6> faces{};
-  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = packed.face(0, static_cast<int>(face));
+  for (std::size_t face = 0; face < faces.size(); ++face)
+    faces[face] = is_packed ? static_cast<const float*>(source.faces[face]) : copy.face(0, static_cast<int>(face));
   const std::size_t values = std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::vector<double> sums(values, 0.0);
+  platform::AlignedBuffer<double> sums(values);
+  std::fill_n(sums.data(), values, 0.0);
   // Tiles of the two hemispheres share no texel of the lat-long if the equator is an edge in both.
   const bool parted = source.size % 2 == 0 && height % 2 == 0;
   const std::vector<Part> parts = parted ? std::vector{Part::north, Part::south} : std::vector{Part::all};
@@ -231,7 +237,7 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
     const double area = lat_long_texel_solid_angle(width, height, row) * width / (2.0 * kPi);
     const std::size_t first = std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(row);
     for (std::size_t i = first; i < first + 3 * static_cast<std::size_t>(width); ++i) {
-      rgb[i] = static_cast<float>(sums[i] / area);
+      rgb[i] = static_cast<float>(sums.data()[i] / area);
     }
   }
 }

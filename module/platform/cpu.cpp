@@ -19,30 +19,33 @@ using platform::cpuid, platform::CpuidRegisters, platform::saved_register_state;
 
 constexpr bool bit(unsigned value, unsigned position) { return ((value >> position) & 1U) != 0; }
 
-bool ask_processor(InstructionSet set) {
-  if (set == InstructionSet::sse2) return true;  // part of x86-64
+struct WideSets {
+  bool avx2 = false;
+  bool avx512 = false;
+};
+
+WideSets ask_processor() {
   // Intel SDM volume 2, CPUID: leaf 1 ECX 27 OSXSAVE, 28 AVX, 29 F16C; leaf 7 EBX 5 AVX2, 16 AVX512F,
   // 17 AVX512DQ, 30 AVX512BW, 31 AVX512VL.
   const CpuidRegisters basic = cpuid(1, 0);
-  if (!bit(basic.ecx, 27) || !bit(basic.ecx, 28) || !bit(basic.ecx, 29)) return false;
+  if (!bit(basic.ecx, 27) || !bit(basic.ecx, 28) || !bit(basic.ecx, 29)) return {};
   const CpuidRegisters extended = cpuid(7, 0);
   const std::uint64_t state = saved_register_state();
   constexpr std::uint64_t avx_state = 0x6;      // XMM and YMM
   constexpr std::uint64_t avx512_state = 0xE6;  // and opmask, upper ZMM, ZMM16 to 31
-  if (!bit(extended.ebx, 5) || (state & avx_state) != avx_state) return false;
-  if (set == InstructionSet::avx2) return true;
-  return bit(extended.ebx, 16) && bit(extended.ebx, 17) && bit(extended.ebx, 30) && bit(extended.ebx, 31) &&
-         (state & avx512_state) == avx512_state;
+  if (!bit(extended.ebx, 5) || (state & avx_state) != avx_state) return {};
+  return {true, bit(extended.ebx, 16) && bit(extended.ebx, 17) && bit(extended.ebx, 30) && bit(extended.ebx, 31) &&
+                    (state & avx512_state) == avx512_state};
 }
 
-/// Asked once: on a virtual machine every CPUID leaves the guest, some 20 microseconds.
+/// SSE2 is part of x86-64. The processor is asked once for all the others: on a virtual machine every CPUID leaves the
+/// guest, 5 to 20 microseconds.
 bool runs(InstructionSet set) {
-  static const bool avx2 = ask_processor(InstructionSet::avx2);
-  static const bool avx512 = ask_processor(InstructionSet::avx512);
+  static const WideSets wide = ask_processor();
   switch (set) {
     case InstructionSet::sse2: return true;
-    case InstructionSet::avx2: return avx2;
-    case InstructionSet::avx512: return avx512;
+    case InstructionSet::avx2: return wide.avx2;
+    case InstructionSet::avx512: return wide.avx512;
     case InstructionSet::neon:
     case InstructionSet::simd128: return false;
   }

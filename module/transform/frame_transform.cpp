@@ -38,8 +38,8 @@ const Transforms& transforms(int bands) {
 }  // namespace
 
 // T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, for which
-// bands Gauss points in z and 2 bands equidistant azimuths are exact. Entries are sums of products of a few
-// square roots; what is not one is rounding and dropped.
+// bands Gauss points in z and 2 bands equidistant azimuths are exact. Harmonics of different degrees do not mix.
+// Entries are sums of products of a few square roots; what is not one is rounding and dropped.
 FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions_(bands * bands) {
   const auto count = static_cast<std::size_t>(functions_);
   std::vector<double> matrix(count * count);
@@ -58,9 +58,10 @@ FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions
       const glm::dvec3 world = x * frame.u + y * frame.v + z * frame.normal;
       math::evaluate_basis(x, y, z, bands, local.data());
       math::evaluate_basis(world.x, world.y, world.z, bands, canonical.data());
-      for (std::size_t row = 0; row < count; ++row) {
-        for (std::size_t column = 0; column < count; ++column) {
-          matrix[row * count + column] += weight * canonical[row] * local[column];
+      for (std::size_t first = 0, end = 1, width = 1; first < count; first = end, width += 2, end += width) {
+        for (std::size_t row = first; row < end; ++row) {
+          for (std::size_t column = first; column < end; ++column)
+            matrix[row * count + column] += weight * canonical[row] * local[column];
         }
       }
     }
