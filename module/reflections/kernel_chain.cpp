@@ -200,7 +200,6 @@ class KernelChain {
                   const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
                   result_.mips[level].error_estimate = spectral_rms_error(
                       KernelFactors{own.spectrum, own.zonal, size.rings}, read, lights.error(*own.kernel, rms), rms);
-                  require_rms_error(*result_.mips[level].error_estimate, plan_.rms_error, own.roughness);
                   end_mip(level, start);
                 });
     }
