@@ -294,7 +294,7 @@ void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Co
     rows = analyse_rings(texels, spectrum, part);
     energies_ = energies_of(spectrum);
     if (spectral_.tightenings == kMostTightenings) break;
-    if (keeps_rms_error(spectral_, source_on(rows), mean_excess(texels))) break;
+    if (keeps_rms_error(spectral_, source_on(rows), texels)) break;
     memory_.give_back(spectrum.bytes());
     spectral_ = spectral_.tightened(1);
     note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);

@@ -36,7 +36,7 @@ constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings,
 constexpr double kFourthOrder = 0.07;   ///< of (l h)^4, which sharpened rings of height h lose of degree l
 constexpr double kCrossed = 0.0125;     ///< of l (l + 1) h^2 at edges that rings cross at all places, by chance
 constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatter finer degrees' energy to degree l
-constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
+constexpr double kSpreadOrder = 0.012;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
@@ -160,14 +160,32 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
 /// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
 constexpr double kOfBound = 0.8;
 
-bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light) {
+/// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as what
+/// they share is not negative, or all evenly spread.
+double least_square(const std::vector<BrightTexel>& texels, std::span<const double> zonal) {
+  double inverse_area = 0.0;  // of the lobe: Int k^2
+  for (std::size_t l = 0; l < zonal.size(); ++l)
+    inverse_area += (2.0 * static_cast<double>(l) + 1.0) * zonal[l] * zonal[l] / (4.0 * kPi);
+  double sum = 0.0;
+  for (const BrightTexel& texel : texels) {
+    double light = 0.0;
+    for (const float excess : texel.excess) light += static_cast<double>(excess) * static_cast<double>(excess);
+    light *= texel.steradians * texel.steradians;
+    sum += light / (1.0 / inverse_area + texel.steradians) / (4.0 * kPi);
+  }
+  const double mean = mean_excess(texels);
+  return std::max(mean * mean, sum);
+}
+
+bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {
   const ErrorBounds bounds = plan.tight();
   return std::all_of(plan.spectral_alphas.begin(), plan.spectral_alphas.end(), [&](double alpha) {
     MipPlan mip;
     mip.alpha = alpha;
     mip.bands = choose_bands(alpha, bounds, transforms::kMaximumSpectrumBands);
     const double rest = blurred_rms(source.energies, mip.bands.zonal);
-    const double error = spectral_rms_error(mip, source, 0.0, std::sqrt(rest * rest + light * light));
+    const double rms = std::sqrt(rest * rest + least_square(lights, mip.bands.zonal));
+    const double error = spectral_rms_error(mip, source, 0.0, rms);
     return error <= kOfBound * plan.bounds.rms;
   });
 }

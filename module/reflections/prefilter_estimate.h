@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "reflections/bright_texels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
@@ -30,8 +31,9 @@ struct SpectralSource {
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
 /// Returns whether bands and rings of `plan` keep `rms_error` in all spectral mips of its whole chain, whichever of
-/// them are made. `light`: mean over the sphere of the extracted light, which is part of each mip's root mean square.
-[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light);
+/// them are made. `lights` were extracted: they are part of each mip's root mean square.
+[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source,
+                                   const std::vector<BrightTexel>& lights);
 
 /// The same of a kernel: its spectrum, what degrees were multiplied by instead, and the rings of the synthesis.
 struct KernelFactors {
