@@ -175,7 +175,7 @@ scene.environmentTexture.gammaSpace = false; // linear light, which loader 9.28 
 )",
          "js"}},
        "lambertian.ktx2 is irradiance over pi, ggx.ktx2 has roughness 0 to 1 in even steps, charlie.ktx2 the same from "
-       "0.11 on. environment.glb has roughness and axes as Babylon.js's loader takes them in its own, left-handed "
+       "0.05 on. environment.glb has roughness and axes as Babylon.js's loader takes them in its own, left-handed "
        "scenes "
        "beside models of glTF; in right-handed ones turn it by `scene.environmentTexture.rotationY = Math.PI`.",
        "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run. "

@@ -28,7 +28,7 @@ class ZonalKernel {
  public:
   /// Charlie sheen (Estevez and Kulla 2017) with N = V = R: c (1 - c)^p for c > 0, p = 1 / (2 alpha), alpha = roughness
   /// squared. It looks along the horizon, at c = 1 / (1 + p). Roughness in [0.01, 1]; below `kLeastCharlieRoughness`
-  /// a chain needs more harmonic bands than there are.
+  /// a picture may need more harmonic bands than there are.
   [[nodiscard]] static ZonalKernel charlie(double roughness);
   /// c for c > 0: irradiance over pi.
   [[nodiscard]] static ZonalKernel lambert();
@@ -67,8 +67,8 @@ class ZonalKernel {
   double roughness_;
 };
 
-/// The narrowest ring of Charlie's that 1536 bands hold at the default bounds.
-inline constexpr double kLeastCharlieRoughness = 0.11;
+/// The lowest roughness of `charlie_roughness_of_mips`.
+inline constexpr double kLeastCharlieRoughness = 0.05;
 
 /// Roughness of each mip of a sheen chain as the sample renderer of glTF looks it up: t = mip / (floor(log2 size) - 1),
 /// but no lower than `kLeastCharlieRoughness` (at 0 the lobe would be the horizon's circle) and no higher than 1.
@@ -94,7 +94,7 @@ struct KernelChainOptions {
 /// number of threads and instruction set, of the kernels with names and wherever a caller's function has the same bits.
 /// Cost: as `prefilter_specular`, and some 10 ns for each texel of the result and each bright one of the source.
 /// Throws `Error`: invalid_argument; limit_exceeded (a kernel so narrow, or with so sharp an edge, that 1536 bands miss
-/// the bound: the message says by how much); rejected_pixel; cancelled.
+/// the bound on this picture: the message says by how much); rejected_pixel; cancelled.
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const LatLongView& source, const KernelChainOptions& options,
                                                        const Control& control = {});
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,

@@ -28,7 +28,7 @@ constexpr double kNextBands = 1.6;
 
 // What rings of height h lose falls like h^4.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
-constexpr double kRingsOfRms = 5.3;      ///< the same at a root mean square error of 1e-3
+constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
 constexpr double kLeastRingsOfAlpha = 3.4;
 constexpr double kLeastRings = 128.0;
 

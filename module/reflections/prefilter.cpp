@@ -241,7 +241,7 @@ bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
     return false;
   }
   if (spectral_.tightenings == kMostTightenings) return true;
-  if (keeps_rms_error(spectral_, source_on(rows), mean_excess(texels))) return true;
+  if (keeps_rms_error(spectral_, source_on(rows), texels)) return true;
   spectral_ = spectral_.tightened(1);
   return false;
 }
@@ -314,7 +314,7 @@ void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spec
   record(level).bright_texels = static_cast<int>(extracted_);
   const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
   record(level).error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
-  require_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
+  if (mip.alpha > 0.0) require_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
   end_mip(level, watch, control);
 }
 

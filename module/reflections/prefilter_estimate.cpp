@@ -31,7 +31,7 @@ double spline_loss(int l, int rings) {
 constexpr double kSafety = 1.8;
 constexpr double kRingSafety = 2.5;     ///< the same of cubemaps, whose edges rings meet by chance
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
-constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
+constexpr double kSpreadOrder = 0.012;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
@@ -178,7 +178,24 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
   return true;
 }
 
-bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light) {
+/// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as
+/// what they share is not negative, or all evenly spread.
+double least_square(const std::vector<BrightTexel>& texels, std::span<const double> zonal) {
+  double inverse_area = 0.0;  // of the lobe: Int k^2
+  for (std::size_t l = 0; l < zonal.size(); ++l)
+    inverse_area += (2.0 * static_cast<double>(l) + 1.0) * zonal[l] * zonal[l] / (4.0 * kPi);
+  double sum = 0.0;
+  for (const BrightTexel& texel : texels) {
+    double light = 0.0;
+    for (const float excess : texel.excess) light += static_cast<double>(excess) * static_cast<double>(excess);
+    light *= texel.steradians * texel.steradians;
+    sum += light / (1.0 / inverse_area + texel.steradians) / (4.0 * kPi);
+  }
+  const double mean = mean_excess(texels);
+  return std::max(mean * mean, sum);
+}
+
+bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {
   const ErrorBounds bounds = plan.tight();
   return std::all_of(plan.spectral_lobes.begin(), plan.spectral_lobes.end(), [&](const auto& lobe) {
     MipPlan mip;
@@ -186,7 +203,8 @@ bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, do
     mip.lobe = lobe;
     mip.bands = choose_bands(mip.alpha, bounds, transforms::kMaximumSpectrumBands);
     const double rest = blurred_rms(source.energies, mip.bands.zonal);
-    const double error = spectral_rms_error(mip, source, 0.0, std::sqrt(rest * rest + light * light));
+    const double rms = std::sqrt(rest * rest + least_square(lights, mip.bands.zonal));
+    const double error = spectral_rms_error(mip, source, 0.0, rms);
     return error <= kOfBound * plan.bounds.rms;
   });
 }

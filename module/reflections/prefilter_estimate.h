@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "reflections/bright_texels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
@@ -35,9 +36,9 @@ struct SpectralSource {
 [[nodiscard]] bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source);
 
 /// Returns whether bands and rings of a plan of GGX lobes keep `rms_error` in all spectral mips of its whole chain,
-/// whichever of them are made. `light`: mean over the sphere of the extracted light, which is part of each mip's root
-/// mean square.
-[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, double light);
+/// whichever of them are made. `lights` were extracted: they are part of each mip's root mean square.
+[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source,
+                                   const std::vector<BrightTexel>& lights);
 
 /// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
 [[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);

@@ -195,6 +195,23 @@ TEST_CASE("Kernels that cannot be are refused, and those that are too sharp for 
   }));
 }
 
+TEST_CASE("Kernels take bands by the energy of the picture", "[zonal]") {
+  const auto bands = [](Content content, double roughness) {
+    const TestLatLong source = make_lat_long(content, 64, 32, 5);
+    const PrefilteredSpecular result =
+        prefilter_by_kernels(source.view(), {.size = 8, .kernels = {ZonalKernel::charlie(roughness)}});
+    CHECK(*result.mips[0].error_estimate < 1e-3);
+    return result.mips[0].bands;
+  };
+  CHECK(bands(Content::smooth, 0.11) < bands(Content::blocks, 0.11));
+  CHECK(bands(Content::blocks, 0.11) < 400);
+  CHECK(bands(Content::blocks, 0.11) < bands(Content::blocks, 0.05));
+}
+
+TEST_CASE("Sheen of roughness 0.05 is within the bounds", "[zonal][truth]") {
+  check_kernels(make_lat_long(Content::blocks, 64, 32, 17).view(), {ZonalKernel::charlie(0.05)}, 16, 4);
+}
+
 TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
   const TestCubemap source = make_cubemap(Content::high_range, 7, 3, 2);
   const ZonalKernel kernel = ZonalKernel::charlie(0.6);
