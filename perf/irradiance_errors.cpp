@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "perf/report/error_norms.h"
+#include "welkin/bake.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"
@@ -21,6 +22,7 @@ constexpr Window kWindows[] = {Window::none, Window::hanning, Window::lanczos, W
 constexpr int kWindowedBands = 3;
 constexpr int kSunBands[] = {2, 3, 5};
 constexpr int kNormals = 500;
+constexpr int kCubemap = 9;  ///< texels along an edge: 486 normals
 
 std::string number(const char* format, double value) {
   char text[32];
@@ -80,6 +82,7 @@ struct Rows {
   std::string errors;
   std::string windows;
   std::string suns;  ///< empty without a sun
+  std::string cubemaps;
 };
 
 std::string sun_row(const Environment& environment, const ProjectionOptions& options, const std::string& name,
@@ -95,6 +98,34 @@ std::string sun_row(const Environment& environment, const ProjectionOptions& opt
            percent(after.rms * rest->share_of_rms) + " / " + percent(after.maximum * rest->share_of_rms);
   }
   return row + " |\n";
+}
+
+/// Rms over the rms of the truth, and the largest error of a texel's channel over its own value.
+std::string error_text(const CubemapImage& found, const CubemapImage& truth) {
+  double squares = 0.0;
+  double whole = 0.0;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < truth.pixels.size(); ++k) {
+    const auto wanted = static_cast<double>(truth.pixels[k]);
+    const double difference = static_cast<double>(found.pixels[k]) - wanted;
+    squares += difference * difference;
+    whole += wanted * wanted;
+    if (difference != 0.0) largest = std::max(largest, std::abs(difference / wanted));
+  }
+  return percent(std::sqrt(squares / whole)) + " / " + percent(largest);
+}
+
+/// The irradiance cubemap of a bake, from bands and by default.
+template <class View>
+std::string cubemap_row(const View& view, const std::string& name) {
+  const CubemapImage truth = direct_irradiance_cubemap(view, kCubemap);
+  std::string row = "| " + name + " |";
+  for (const IrradianceMethod method : {IrradianceMethod::harmonics, IrradianceMethod::automatic}) {
+    BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
+    options.irradiance = IrradianceOptions{.size = kCubemap, .method = method};
+    row += " " + error_text(*bake(view, options).irradiance, truth) + " |";
+  }
+  return row;
 }
 
 Rows rows_of(const std::filesystem::path& file) {
@@ -117,6 +148,10 @@ Rows rows_of(const std::filesystem::path& file) {
   }
 
   rows.suns = sun_row(environment, options, file.stem().string(), radiance, errors);
+
+  rows.cubemaps = environment.info.layout != Layout::lat_long
+                      ? cubemap_row(environment.cubemap(), file.stem().string())
+                      : cubemap_row(environment.lat_long(), file.stem().string());
 
   SphericalHarmonics few(kWindowedBands);
   std::copy_n(radiance.coefficients().begin(), few.coefficients().size(), few.coefficients().begin());
@@ -157,14 +192,18 @@ std::string irradiance_error_tables(const std::vector<std::filesystem::path>& fi
     rule += "---|---|";
   }
   suns += "\n" + rule + "\n";
+  std::string cubemaps =
+      "Error of the irradiance cubemap of a bake, rms / largest relative, percent\n\n"
+      "| environment | harmonics, 3 bands | default |\n|---|---|---|\n";
   for (const std::filesystem::path& file : files) {
     std::fprintf(stderr, "%s\n", file.filename().string().c_str());
     const Rows rows = rows_of(file);
     errors += rows.errors + "\n";
     windows += rows.windows + "\n";
     suns += rows.suns;
+    cubemaps += rows.cubemaps + "\n";
   }
-  return errors + "\n" + windows + "\n" + suns;
+  return cubemaps + "\n" + errors + "\n" + windows + "\n" + suns;
 }
 
 }  // namespace welkin::perf

@@ -29,6 +29,7 @@ KernelChainOptions kernels_of(Lobe lobe, const BakeCommandOptions& options, cons
   KernelChainOptions chain;
   chain.size = specular.size;
   chain.pixels = specular.pixels;
+  chain.rms_error = specular.rms_error;
   if (lobe == Lobe::lambert) {
     chain.size = options.irradiance_size > 0 ? options.irradiance_size : IrradianceOptions().size;
     chain.kernels.push_back(ZonalKernel::lambert());

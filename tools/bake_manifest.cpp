@@ -61,6 +61,15 @@ Json axes_json(const BakeCommandOptions& options) {
           {"faces", "+X -X +Y -Y +Z -Z, row 0 on top, frames as OpenGL, Vulkan and Direct3D have them"}};
 }
 
+const char* name_of(IrradianceMethod method) {
+  switch (method) {
+    case IrradianceMethod::direct: return "direct";
+    case IrradianceMethod::harmonics: return "harmonics";
+    case IrradianceMethod::automatic: break;
+  }
+  return "automatic";
+}
+
 Json options_json(const Baked& baked, const BakeCommandOptions& options) {
   const PrefilterOptions& specular = *baked.whole.specular;
   const PixelPolicy& pixels = baked.whole.pixels;
@@ -72,7 +81,7 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
                {"maximum_error", specular.maximum_error},
                {"background_size", options.background_size},
                {"irradiance_size", options.irradiance_size},
-               {"irradiance_method", options.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
+               {"irradiance_method", name_of(options.irradiance_method)},
                {"bands", options.bake.bands},
                {"from", convention(options.turn.from).name},
                {"yaw_degrees", options.turn.yaw_degrees},

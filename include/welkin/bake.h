@@ -20,8 +20,11 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class IrradianceMethod {
-  harmonics,  ///< from the coefficients
-  direct,     ///< by direct convolution: the reference, slow
+  /// Within `rms_error` of the integral over the source's texels; of a source that brings its harmonics along (an .env)
+  /// from these, as its pixels hold less.
+  automatic,
+  direct,     ///< the integral itself: the reference, slow
+  harmonics,  ///< from the coefficients: what shaders show that read so many bands
 };
 
 /// A sharp cubemap, for what is seen behind a scene.
@@ -38,7 +41,12 @@ struct BackgroundOptions {
 /// A cubemap of the light that falls on a matte surface.
 struct IrradianceOptions {
   int size = 64;                                          ///< texels along an edge, 1 to 4096
-  IrradianceMethod method = IrradianceMethod::harmonics;  ///< how it is computed; `harmonics` needs bands of them
+  IrradianceMethod method = IrradianceMethod::automatic;  ///< how it is computed; `harmonics` needs bands of them
+
+  /// Of `automatic`: bound on the root mean square error over the root mean square of the irradiance, 1e-6 to 1. No
+  /// channel of a texel errs by more than ten times that, relative to its own value, unless it is darker than
+  /// 1e-7 / rms_error of that root mean square.
+  double rms_error = 1e-3;
 
   friend bool operator==(const IrradianceOptions&, const IrradianceOptions&) = default;
 };
@@ -52,8 +60,8 @@ struct BakeOptions {
 
   std::optional<IrradianceOptions> irradiance = IrradianceOptions{};  ///< none: no irradiance cubemap
 
-  /// Harmonic bands that are returned, and that the irradiance cubemap is made from: 0 to kMaximumBands. With 0 bands
-  /// one is projected all the same, for the diagnostics' total radiance.
+  /// Harmonic bands that are returned, and that an irradiance cubemap from harmonics is made from: 0 to kMaximumBands.
+  /// With 0 bands one is projected all the same, for the diagnostics' total radiance.
   int bands = 3;
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table

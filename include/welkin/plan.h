@@ -221,7 +221,8 @@ struct Plan {
                         const CostModel& costs = {});
 /// With `needs.error_budget` the pixels are looked at, which `control` can follow and stop, and may take longer than
 /// what is saved (docs/plans.md): worth it for settings that serve many bakes. Bands of diffuse light are picked up to
-/// those that are needed, the prefilter's bounds if its method is automatic; the projection, the background and the
+/// those that are needed, the prefilter's bounds if its method is automatic, and an irradiance cubemap's bound is no
+/// wider than the budget; the projection, the background and the
 /// table stay exact. Reasons say what was picked, or that nothing met the budget. Throws as `choose_prefilter`,
 /// `choose_irradiance_bands` too.
 [[nodiscard]] Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole = {},
@@ -246,8 +247,8 @@ struct EnvironmentChange {
 [[nodiscard]] Plan plan_change(const BakeOptions& baked, const EnvironmentChange& change, const CostModel& costs = {});
 
 /// Does that to `result.radiance` and, if it was made from harmonics, `result.irradiance`; `result.background`,
-/// `result.specular` and an irradiance cubemap by direct convolution are left to the shader. Coefficients agree with
-/// those of the changed pixels to rounding. Throws `Error` (invalid_argument) for a turn off orthogonal or a negative
+/// `result.specular` and an irradiance cubemap that was made from pixels are left to the shader. Coefficients agree
+/// with those of the changed pixels to rounding. Throws `Error` (invalid_argument) for a turn off orthogonal or a negative
 /// factor, cancelled.
 void apply_change(BakeResult& result, const BakeOptions& baked, const EnvironmentChange& change,
                   const Control& control = {});

@@ -677,8 +677,9 @@ enum {
 /* How an irradiance cubemap is computed. */
 typedef int32_t welkin_irradiance_method;
 enum {
-  WELKIN_IRRADIANCE_HARMONICS = 0,
-  WELKIN_IRRADIANCE_DIRECT = 1 /* by direct convolution: the reference, slow */
+  WELKIN_IRRADIANCE_AUTOMATIC = 0, /* within `irradiance_rms_error` of the integral over the source's texels */
+  WELKIN_IRRADIANCE_DIRECT = 1,    /* the integral itself: the reference, slow */
+  WELKIN_IRRADIANCE_HARMONICS = 2  /* from `bands` of the harmonics, as shaders show that read so many */
 };
 
 /* bake.h says more of each. */
@@ -690,11 +691,12 @@ typedef struct welkin_bake_options {
   welkin_mip_filter mip_filter;               /* of the background */
   int32_t irradiance_size;                    /* 0: 64 */
   welkin_irradiance_method irradiance_method; /* of the irradiance cubemap */
-  int32_t bands;                              /* of the harmonics, and of the irradiance cubemap; 0: 3 */
+  int32_t bands;                              /* of the harmonics; 0: 3 */
   const welkin_prefilter_options* specular;   /* of the reflections; null: the defaults */
   const welkin_brdf_options* brdf;            /* of the table; null: the defaults */
   const welkin_pixel_policy* pixels;          /* for all parts; null: the defaults */
   uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
+  double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: 1e-3 */
 } welkin_bake_options;
 
 /* Bakes reflections and harmonics of `probe_count` cubemaps of any sizes and formats, all of one `struct_size`, into

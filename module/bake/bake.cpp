@@ -24,6 +24,7 @@
 #include "platform/standard_library.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/brdf_table.h"
+#include "reflections/irradiance.h"
 #include "reflections/prefilter.h"
 #include "reflections/radiance_scale.h"
 #include "welkin/core.h"
@@ -159,10 +160,9 @@ class Baking {
     if (find_ == kSkipped) return true;
     const bool specular = found_.missing_specular.has_value();
     const bool background = plan_.background_size > 0 && !found_.background;
-    const bool direct =
-        options_.irradiance && options_.irradiance->method == IrradianceMethod::direct && !found_.irradiance;
+    const bool irradiance = plan_.convolves() && !found_.irradiance;
     const bool described = plan_.runs(BakePass::project) || found_.sanitized;
-    return specular || background || direct || !described;
+    return specular || background || irradiance || !described;
   }
 
   Outcome sanitize(const Control& control) {
@@ -315,15 +315,17 @@ class Baking {
       return found(found_.irradiance->where, found_.irradiance->milliseconds);
     }
     const int size = options_.irradiance->size;
-    const bool direct = options_.irradiance->method == IrradianceMethod::direct;
-    if (direct) {
+    if (plan_.irradiance == IrradianceMethod::automatic) {
+      result_.irradiance = reflections::irradiance_cubemap(*sanitized_, size, options_.irradiance->rms_error, control);
+    } else if (plan_.irradiance == IrradianceMethod::direct) {
       result_.irradiance =
           of_sanitized([&](const auto& view) { return direct_irradiance_cubemap(view, size, control); });
     } else {
       result_.irradiance = irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
     }
     // Of light that the source brought along it is not what the pixels tell.
-    if (find_ != kSkipped && (direct || !plan_.stored_harmonics)) store_->keep_irradiance(*result_.irradiance);
+    if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics))
+      store_->keep_irradiance(*result_.irradiance);
     return done(BakePass::irradiance);
   }
 

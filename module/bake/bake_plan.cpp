@@ -18,6 +18,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/far_parts.h"
+#include "reflections/irradiance.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
@@ -161,6 +162,26 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
+/// Of an irradiance cubemap by harmonics: rings, their transform, a grid, and the lights beside it.
+std::uint64_t irradiance_bytes(const SourceShape& source, const reflections::IrradiancePlan& plan) {
+  const int rings = source.cubemap ? plan.rings : source.rows;
+  const reflections::BrightSearch search = reflections::search_for_bright_texels(
+      source.cubemap, source.columns, source.rows, reflections::kIrradianceLightAlpha, reflections::kMostBright);
+  std::uint64_t bytes = kTexelBytes * source.texels() + columns_bytes(plan.bands, rings) +
+                        squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float) +
+                        grid_bytes(plan.bands, transforms::grid_for_bands(plan.bands)) +
+                        transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings,
+                                                            plan.bands, jobs::worker_count(jobs::Placement::arena));
+  if (source.cubemap) {
+    bytes += kTexelBytes * (2 * squared(rings) + 6 * squared(plan.face_size)) +
+             reflections::cube_rings_bytes(plan.face_size, rings);
+  }
+  if (search.texels == 0) return bytes;
+  return std::max<std::uint64_t>(bytes, search.bytes) +
+         reflections::BrightLights::most_bytes(search.texels, picture_of(source), 1.0,
+                                               jobs::worker_count(jobs::Placement::arena));
+}
+
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
   const reflections::PrefilterPlan plan = first_choice.tightened(reflections::kMostTightenings);
@@ -247,6 +268,19 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
   return cost;
 }
 
+double irradiance_cost(const SourceShape& source, const reflections::IrradiancePlan& plan, int size,
+                       const CostModel& costs) {
+  const auto texels = static_cast<double>(source.texels());
+  if (plan.bands == 0) return cube_texels(size) * (costs.irradiance_pair * texels + costs.irradiance_direction);
+  const double rings = source.cubemap ? plan.rings : std::min(source.rows, 2 * plan.bands);
+  const double columns = source.cubemap ? 2.0 * rings : std::min(source.columns, 8 * plan.bands);
+  const transforms::GridSize grid = transforms::grid_for_bands(plan.bands);
+  double cost = costs.bright_texel * texels + transforming(rings, columns, plan.bands, costs) +
+                transforming(grid.rings, grid.columns, plan.bands, costs) + costs.face_texel * cube_texels(size);
+  if (source.cubemap) cost += costs.mip_texel * texels + costs.ring_texel * rings * columns;
+  return source.cubemap ? cost : cost + costs.clean_texel * texels;
+}
+
 /// What a pass takes.
 struct Work {
   double nanoseconds = 0.0;
@@ -281,13 +315,16 @@ std::string prefilter_words(const reflections::PrefilterPlan& plan) {
 void check(const BakeOptions& options, const PlanTrim& trim) {
   if (options.background && options.background->size)
     image::require_range("background.size", *options.background->size, 1, image::kLargestFace);
-  if (options.irradiance) image::require_range("irradiance.size", options.irradiance->size, 1, kLargestIrradiance);
+  if (options.irradiance) {
+    image::require_range("irradiance.size", options.irradiance->size, 1, kLargestIrradiance);
+    reflections::check_irradiance_error(options.irradiance->rms_error);
+  }
   image::require_range("bands", options.bands, 0, kMaximumBands);
   image::require_range("projected_bands", trim.projected_bands, 0, kMaximumBands);
   if (options.irradiance && options.bands == 0 && options.irradiance->method == IrradianceMethod::harmonics) {
     throw Error(ErrorCode::invalid_argument,
                 "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, leave irradiance out, or set "
-                "its method to direct");
+                "its method to automatic");
   }
   if (options.brdf) reflections::check_brdf(*options.brdf);
 }
@@ -322,6 +359,10 @@ class BakePlanner {
     plan_.projecting.pixels = options_.pixels;
     projection::check_options(plan_.projecting);
     plan_.stored_harmonics = options_.bands > 0 && options_.bands <= stored_.harmonics_bands;
+    if (!options_.irradiance) return;
+    plan_.irradiance = options_.irradiance->method;
+    if (plan_.irradiance == IrradianceMethod::automatic && plan_.stored_harmonics)
+      plan_.irradiance = IrradianceMethod::harmonics;
   }
 
   void settle_sizes(const PlanTrim& trim) {
@@ -350,12 +391,12 @@ class BakePlanner {
   void skip(BakePass pass, std::string reason = kNotAskedFor) { add(pass, PassAction::skip, std::move(reason), {}); }
 
   [[nodiscard]] double source_texels() const { return static_cast<double>(source_.texels()); }
-  [[nodiscard]] bool convolves_directly() const {
-    return options_.irradiance && options_.irradiance->method == IrradianceMethod::direct;
+  [[nodiscard]] bool convolves() const {
+    return options_.irradiance && plan_.irradiance != IrradianceMethod::harmonics;
   }
 
   void sanitize() {
-    if (!plan_.prefilter && plan_.background_size == 0 && !convolves_directly())
+    if (!plan_.prefilter && plan_.background_size == 0 && !convolves())
       return skip(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
     // The memory is for a copy either way: the source's own pixels may turn out not to be clean.
     const Work work{costs_.clean_texel * source_texels(), 0, kTexelBytes * source_.texels()};
@@ -430,7 +471,9 @@ class BakePlanner {
     const int size = options_.irradiance->size;
     const double texels = cube_texels(size);
     const std::uint64_t bytes = kTexelBytes * chain_texels(size, 1);
-    if (convolves_directly()) {
+    if (plan_.irradiance == IrradianceMethod::automatic) {
+      convolve(reflections::plan_irradiance(picture_of(source_), options_.irradiance->rms_error));
+    } else if (plan_.irradiance == IrradianceMethod::direct) {
       add(BakePass::irradiance, PassAction::run, edge(size) + " by direct convolution in double",
           {texels * (costs_.irradiance_pair * source_texels() + costs_.irradiance_direction), bytes, 0},
           {BakePass::sanitize});
@@ -438,6 +481,17 @@ class BakePlanner {
       add(BakePass::irradiance, PassAction::run, edge(size) + " from " + std::to_string(options_.bands) + " bands",
           {costs_.irradiance_term * texels * options_.bands * options_.bands, bytes, 0}, {BakePass::project});
     }
+  }
+
+  void convolve(const reflections::IrradiancePlan& how) {
+    const int size = options_.irradiance->size;
+    const bool direct = how.bands == 0;
+    const Work work{irradiance_cost(source_, how, size, costs_), kTexelBytes * chain_texels(size, 1),
+                    direct ? 0 : irradiance_bytes(source_, how)};
+    add(BakePass::irradiance, PassAction::run,
+        edge(size) + (direct ? " by direct convolution in double: no other method meets the bound"
+                             : " by " + std::to_string(how.bands) + " bands, bright texels each by the cosine"),
+        work, {BakePass::sanitize});
   }
 
   void brdf() {

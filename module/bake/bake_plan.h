@@ -38,6 +38,8 @@ struct BakePlan {
   std::optional<reflections::PrefilterPlan> prefilter;
   bool same_level = false;  ///< specular mip 0 is the background's level 0
   bool stored_harmonics = false;
+  IrradianceMethod irradiance =
+      IrradianceMethod::automatic;  ///< `harmonics` also where those that are stored are taken
   bool stored_specular = false;
   bool stored_background = false;
   ProjectionOptions projecting{};
@@ -48,6 +50,10 @@ struct BakePlan {
 
   [[nodiscard]] const BakeStep& step(BakePass pass) const { return steps[static_cast<std::size_t>(pass)]; }
   [[nodiscard]] bool runs(BakePass pass) const { return step(pass).planned.action != PassAction::skip; }
+  /// Whether an irradiance cubemap is made of the pixels themselves.
+  [[nodiscard]] bool convolves() const {
+    return runs(BakePass::irradiance) && irradiance != IrradianceMethod::harmonics;
+  }
 };
 
 /// Throws `Error` (invalid_argument) for options that are out of range or do not go together.

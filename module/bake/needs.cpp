@@ -192,6 +192,8 @@ void spend(const View& view, double relative, NeededOptions& needed, const Contr
     const Control part = jobs::part_of(control, 0.0, kBandsShare);
     pick_bands(choose_irradiance_bands(view, budget, options.pixels, part), relative, needed);
   }
+  if (needed.options.irradiance)
+    needed.options.irradiance->rms_error = std::min(needed.options.irradiance->rms_error, relative);
   if (options.specular && options.specular->method == PrefilterMethod::automatic) {
     PrefilterOptions asked = *options.specular;
     asked.pixels = options.pixels;

@@ -334,6 +334,7 @@ constexpr welkin_parts kAllParts =
     WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
 
 static_assert(WELKIN_IRRADIANCE_DIRECT == static_cast<int>(IrradianceMethod::direct));
+static_assert(WELKIN_IRRADIANCE_HARMONICS == static_cast<int>(IrradianceMethod::harmonics));
 
 welkin_bake_result* handle_of(BakePointer result) { return new welkin_bake_result(std::move(result)); }
 
@@ -362,7 +363,8 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   wanted.background->mip_filter = given.mip_filter == WELKIN_MIP_FILTER_BOX ? MipFilter::box : MipFilter::solid_angle;
   if (!wants(WELKIN_PART_BACKGROUND)) wanted.background.reset();
   set_unless_zero(wanted.irradiance->size, given.irradiance_size);
-  wanted.irradiance->method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::direct);
+  wanted.irradiance->method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::harmonics);
+  set_unless_zero(wanted.irradiance->rms_error, given.irradiance_rms_error);
   if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance.reset();
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;

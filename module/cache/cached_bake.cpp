@@ -144,7 +144,7 @@ class BakeEntries final : public baking::ArtefactStore {
       found.background =
           found_as(find_cubemap(background_, plan.background_size, plan.background_levels, control.memory));
     }
-    if (options.irradiance && !(plan.stored_harmonics && !is_direct(options))) {
+    if (options.irradiance && (plan.convolves() || !plan.stored_harmonics)) {
       if (auto image = find_cubemap(irradiance_, options.irradiance->size, 1, nullptr)) {
         found.irradiance = {image_of(image->value), words(image->where), image->milliseconds};
       }
@@ -177,9 +177,6 @@ class BakeEntries final : public baking::ArtefactStore {
 
  private:
   static std::string words(const char* where) { return std::string("found ") + where; }
-  static bool is_direct(const BakeOptions& options) {
-    return options.irradiance && options.irradiance->method == IrradianceMethod::direct;
-  }
 
   template <class Value>
   static std::optional<baking::Found<Value>> found_as(std::optional<cache::FoundResult<Value>> result) {
@@ -201,9 +198,11 @@ class BakeEntries final : public baking::ArtefactStore {
     }
     if (options.irradiance) {
       // From harmonics its bits are those of the first of all bands that are projected.
-      const bool direct = is_direct(options);
+      const bool pixels_alone = plan.convolves();
+      const double error = plan.irradiance == IrradianceMethod::automatic ? options.irradiance->rms_error : 0.0;
       const ContentHash irradiance =
-          hash_of(options.irradiance->size, direct, direct ? 0 : options.bands, direct ? 0 : plan.projecting.bands);
+          hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands,
+                  pixels_alone ? 0 : plan.projecting.bands, error);
       irradiance_ = {EntryKind::cubemap, cache::result_key("bake irradiance", {source_, pixels, irradiance})};
     }
   }

@@ -338,7 +338,7 @@ ContentHash hash_options(const BakeOptions& options) {
   const auto& [background, specular, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   const auto& [background_size, background_mips, mip_filter] = background.value_or(BackgroundOptions{});
-  const auto& [irradiance_size, irradiance_method] = irradiance.value_or(IrradianceOptions{});
+  const auto& [irradiance_size, irradiance_method, irradiance_error] = irradiance.value_or(IrradianceOptions{});
   std::optional<ContentHash> prefilter;
   if (specular) {
     PrefilterOptions used = *specular;
@@ -351,7 +351,7 @@ ContentHash hash_options(const BakeOptions& options) {
   constexpr bool removed_flag = true;
   OptionWriter writer("bake");
   writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
-             irradiance ? irradiance_size : 0, irradiance_method, bands, removed, removed_flag, table,
+             irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, removed, removed_flag, table,
              cache::pixel_key(pixels));
   return writer.hash();
 }

@@ -261,11 +261,15 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(4, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  std::vector<WantedBake> all(5, {{.specular = specular}, c_struct<welkin_bake_options>()});
   for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
+  all[4].options.irradiance->rms_error = 1e-6;
+  all[4].options.irradiance->size = 4;
+  all[4].c_options.irradiance_rms_error = 1e-6;
+  all[4].c_options.irradiance_size = 4;
   all[1].options = {.background = BackgroundOptions{.size = 8, .mips = false, .mip_filter = MipFilter::box},
                     .specular = specular,
-                    .irradiance = IrradianceOptions{.size = 8},
+                    .irradiance = IrradianceOptions{.size = 8, .method = IrradianceMethod::harmonics},
                     .bands = 5,
                     .brdf = brdf,
                     .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
@@ -273,6 +277,7 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   all[1].c_options.background_without_mips = 1;
   all[1].c_options.mip_filter = WELKIN_MIP_FILTER_BOX;
   all[1].c_options.irradiance_size = 8;
+  all[1].c_options.irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
   all[1].c_options.bands = 5;
   all[1].c_options.brdf = &parts.brdf;
   all[1].c_options.pixels = &parts.pixels;

@@ -200,7 +200,9 @@ TEST_CASE("options: every field of a bake counts, but its limit and what is not 
        [](Options& o) { o.background->mips = false; }, [](Options& o) { o.background->mip_filter = MipFilter::box; },
        [](Options& o) { o.specular.reset(); }, [](Options& o) { o.specular->size = 4; },
        [](Options& o) { o.irradiance->size = 4; }, [](Options& o) { o.irradiance.reset(); },
-       [](Options& o) { o.irradiance->method = IrradianceMethod::direct; }, [](Options& o) { o.bands = 4; },
+       [](Options& o) { o.irradiance->method = IrradianceMethod::direct; },
+       [](Options& o) { o.irradiance->method = IrradianceMethod::harmonics; },
+       [](Options& o) { o.irradiance->rms_error = 1e-4; }, [](Options& o) { o.bands = 4; },
        [](Options& o) { o.brdf.reset(); }, [](Options& o) { o.brdf->width = 4; },
        [](Options& o) { o.brdf->height = 4; }, [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; },
        [](Options& o) { o.brdf->sheen = false; }, [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});

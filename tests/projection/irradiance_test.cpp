@@ -23,6 +23,7 @@
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
@@ -418,6 +419,27 @@ TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "
 // Promise: on the real environments of ../shared the bands' errors stay within what docs/irradiance.md says.
 
 namespace fs = std::filesystem;
+
+TEST_CASE("The irradiance cubemap of a bake of a real environment is within its bound", "[irradiance][shared]") {
+  const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
+  for (const char* const name : {"blender_sunrise.exr", "blender_studio.exr", "openexr_KernerEnvCube.exr"}) {
+    CAPTURE(name);
+    if (!fs::exists(folder / name)) continue;
+    const Environment environment = read_environment(folder / name);
+    const auto check = [](const auto& view) {
+      BakeOptions options{.background = {}, .specular = {}, .irradiance = IrradianceOptions{.size = 3}, .brdf = {}};
+      const CubemapImage found = *bake(view, options).irradiance;
+      const CubemapImage truth = direct_irradiance_cubemap(view, 3);
+      for (std::size_t k = 0; k < truth.pixels.size(); ++k)
+        CHECK(found.pixels[k] == Approx(truth.pixels[k]).epsilon(5e-3).margin(1e-4));
+    };
+    if (environment.info.layout == Layout::lat_long) {
+      check(environment.lat_long());
+    } else {
+      check(environment.cubemap());
+    }
+  }
+}
 
 TEST_CASE("Bands of real environments are off by no more than the docs say", "[sh][irradiance][shared]") {
   const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";

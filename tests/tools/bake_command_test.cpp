@@ -130,13 +130,36 @@ TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular 
   const std::vector<float> over_pi = texels(lambert.cubemap, 0);
   const std::vector<float> whole = texels(irradiance.cubemap, 0);
   const auto sum = [](const std::vector<float>& values) { return std::accumulate(values.begin(), values.end(), 0.0); };
-  CHECK(std::abs(3.14159265 * sum(over_pi) - sum(whole)) < 0.03 * sum(whole));  // irradiance is of three bands
+  CHECK(std::abs(3.14159265 * sum(over_pi) - sum(whole)) < 1e-3 * sum(whole));
   const auto said = file_of(manifest_of(folder), "specular_octahedral.ktx2");
   CHECK(said.at("size") == 32);
   CHECK(said.at("border") == 8);
   CHECK(said.at("mips") == 4);
   CHECK(std::filesystem::exists(folder / "specular_octahedral_m3.exr"));
   CHECK(run_welkin("bake --sky -o " + quoted(folder) + " --lobe velvet").exit_code == 2);
+}
+
+TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const std::string options =
+      "--sky --size 32 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
+  const auto said = [&](const std::string& more) {
+    return bake_into(scratch.path() / "out", options + more).at("options");
+  };
+  const auto irradiance = [&] { return texels(read_texture(scratch.path() / "out" / "irradiance.ktx2").cubemap, 0); };
+  const nlohmann::json usual = said("");
+  CHECK(usual.at("rms_error") == 1e-3);
+  CHECK(usual.at("maximum_error") == 1e-2);
+  CHECK(usual.at("irradiance_method") == "automatic");
+  const nlohmann::json loose = said("--rms-error 1e-2");
+  CHECK(loose.at("rms_error") == 1e-2);
+  CHECK(loose.at("maximum_error") == 0.1);
+  static_cast<void>(said("--irradiance-method direct"));
+  const std::vector<float> truth = irradiance();
+  CHECK(said("--irradiance-method harmonics").at("irradiance_method") == "harmonics");
+  CHECK(irradiance() != truth);
+  static_cast<void>(said("--rms-error 1e-6 --method reference --roughness 0,1"));
+  CHECK(irradiance() == truth);  // no harmonics are that exact
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
@@ -380,7 +403,8 @@ TEST_CASE("bake: diffuse light of an .env is the polynomial that it stores", "[t
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
   const std::string options = " --no-previews --formats ktx2,env --ktx2-format rgba32f" + std::string(kSmall);
-  bake_into(first, quoted(in) + options);
+  const std::string by_bands = " --irradiance-method harmonics" + options;  // as of an .env
+  bake_into(first, quoted(in) + by_bands);
   const auto radiance = [](const std::filesystem::path& folder) {
     return nlohmann::json::parse(file_text(folder / "sh.json")).at("radiance");
   };
@@ -412,7 +436,7 @@ TEST_CASE("bake: diffuse light of an .env is the polynomial that it stores", "[t
   check_kept();
 
   // What is turned is turned alike, as the photograph is; faces move as they are by a quarter.
-  bake_into(first, quoted(in) + " --yaw 90" + options);
+  bake_into(first, quoted(in) + " --yaw 90" + by_bands);
   const auto straight = scratch.path() / "straight";
   bake_into(straight, quoted(in) + options);
   bake_into(second, quoted(straight / "environment.env") + " --yaw 90" + options);

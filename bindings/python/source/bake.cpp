@@ -16,8 +16,9 @@
 namespace welkin::python {
 namespace {
 
-constexpr Named<IrradianceMethod> kIrradiance[] = {{"harmonics", IrradianceMethod::harmonics},
-                                                   {"direct", IrradianceMethod::direct}};
+constexpr Named<IrradianceMethod> kIrradiance[] = {{"automatic", IrradianceMethod::automatic},
+                                                   {"direct", IrradianceMethod::direct},
+                                                   {"harmonics", IrradianceMethod::harmonics}};
 constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
 
 BackgroundOptions background_options(const py::dict& given) {
@@ -35,6 +36,7 @@ IrradianceOptions irradiance_options(const py::dict& given) {
   IrradianceOptions how;
   options.read("size", how.size);
   options.read("method", how.method, kIrradiance);
+  options.read("rms_error", how.rms_error);
   options.finish();
   return how;
 }
@@ -176,7 +178,7 @@ void bind_bake(py::module_& module) {
       "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
       "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
       "specular    as `prefilter`: size=256, mips, roughness, method, rms_error, maximum_error\n"
-      "irradiance  size=64, method=\"harmonics\" or \"direct\"\n"
+      "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
       "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
       "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `memory_limit`: bytes. `plan`: what\n"
       "`plan` made of the same pixels, in place of these.");

@@ -46,7 +46,14 @@ def test_a_bake_is_its_parts(picture):
     assert (light.radiance.coefficients == welkin.project(picture).radiance.coefficients).all()
     chain = welkin.prefilter(picture, size=32, mips=3)
     assert all((a == b).all() for a, b in zip(light.specular.levels, chain.levels))
-    assert (light.irradiance == welkin.irradiance(picture, size=8).cubemap).all()
+    direct = welkin.irradiance(picture, size=8, method="direct").cubemap
+    np.testing.assert_allclose(light.irradiance, direct, rtol=2e-3)
+    bands = welkin.bake(picture, specular=False, brdf=False, irradiance={"size": 8, "method": "harmonics"}).irradiance
+    assert (bands == welkin.irradiance(picture, size=8).cubemap).all() and not np.allclose(bands, direct, rtol=2e-3)
+    exact = welkin.bake(picture, specular=False, brdf=False, irradiance={"size": 8, "rms_error": 1e-6}).irradiance
+    assert (exact == direct).all()
+    with pytest.raises(welkin.InvalidArgument, match="irradiance.rms_error"):
+        welkin.bake(picture, irradiance={"rms_error": 0.0})
     assert len(light.background) == 5 and light.brdf.values.shape == (64, 64, 3)
     less = welkin.bake(picture, specular=False, background=False, irradiance=False, brdf=False)
     assert less.specular is less.background is less.irradiance is less.brdf is None and less.radiance.bands == 3

@@ -40,6 +40,7 @@ _Resampling: TypeAlias = Literal["area", "bilinear"]
 _MipFilter: TypeAlias = Literal["solid-angle", "box"]
 _BrdfModel: TypeAlias = Literal["split-sum", "multiple-scattering"]
 _IrradianceMethod: TypeAlias = Literal["harmonics", "direct"]
+_BakedIrradianceMethod: TypeAlias = Literal["automatic", "direct", "harmonics"]
 _Action: TypeAlias = Literal["run", "reuse", "skip"]
 
 class _Read(TypedDict, total=False):
@@ -67,7 +68,8 @@ class _Specular(TypedDict, total=False):
 
 class _IrradianceCubemap(TypedDict, total=False):
     size: int
-    method: _IrradianceMethod
+    method: _BakedIrradianceMethod
+    rms_error: float
 
 class _Brdf(TypedDict, total=False):
     width: int

@@ -91,6 +91,9 @@ static void bakes_that_are_refused(void) {
   WELKIN_INIT(options);
   options.bands = 17;
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_bake_cubemap(&cubemap, &options, NULL, &bake));
+  WELKIN_INIT(options);
+  options.irradiance_rms_error = -1;
+  CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_bake_cubemap(&cubemap, &options, NULL, &bake));
   const welkin_pixel_policy policy = {.struct_size = sizeof policy};
   const welkin_prefilter_options specular = {.struct_size = sizeof specular, .pixels = &policy};
   WELKIN_INIT(options);

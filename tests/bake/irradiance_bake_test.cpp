@@ -1,0 +1,229 @@
+// Irradiance cubemaps of bakes: within their bound of the integral.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "bake/baked.h"
+#include "image/geometry.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/bake.h"
+#include "welkin/irradiance.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+
+// Promise: by default the irradiance cubemap of a bake is within 1e-3 rms of the integral, and within 1 % at any texel.
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+BakeOptions irradiance_alone(int size, double rms_error = 1e-3) {
+  BakeOptions options;
+  options.background.reset();
+  options.specular.reset();
+  options.brdf.reset();
+  options.bands = 0;
+  options.irradiance = IrradianceOptions{.size = size, .rms_error = rms_error};
+  return options;
+}
+
+template <class View>
+CubemapImage irradiance_of(const View& view, int size, double rms_error = 1e-3) {
+  return *bake(view, irradiance_alone(size, rms_error)).irradiance;
+}
+
+struct Off {
+  double rms = 0.0;      ///< over the root mean square of the truth
+  double largest = 0.0;  ///< over the truth at the same texel and channel
+};
+
+Off off(const CubemapImage& found, const CubemapImage& truth) {
+  REQUIRE(found.pixels.size() == truth.pixels.size());
+  double squares = 0.0;
+  double whole = 0.0;
+  Off result;
+  for (std::size_t k = 0; k < truth.pixels.size(); ++k) {
+    const auto wanted = static_cast<double>(truth.pixels[k]);
+    const double difference = static_cast<double>(found.pixels[k]) - wanted;
+    squares += difference * difference;
+    whole += wanted * wanted;
+    if (difference != 0.0) result.largest = std::max(result.largest, std::abs(difference) / std::abs(wanted));
+  }
+  result.rms = whole > 0.0 ? std::sqrt(squares / whole) : squares;
+  return result;
+}
+
+template <class View>
+Off error_of(const View& view, int size, double rms_error = 1e-3) {
+  return off(irradiance_of(view, size, rms_error), direct_irradiance_cubemap(view, size));
+}
+
+Off error_of_bands(const LatLongView& view, int size, int bands) {
+  BakeOptions options = irradiance_alone(size);
+  options.bands = bands;
+  options.irradiance->method = IrradianceMethod::harmonics;
+  return off(*bake(view, options).irradiance, direct_irradiance_cubemap(view, size));
+}
+
+/// Calls `check` with the irradiance at each texel's centre and the centre's direction.
+template <class Check>
+void at_texels(const CubemapImage& irradiance, const Check& check) {
+  const int size = irradiance.size;
+  for (int row = 0; row < 6 * size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const glm::dvec3 normal = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
+      const float* const rgb = irradiance.pixels.data() + 3 * (row * size + column);
+      check(glm::dvec3(rgb[0], rgb[1], rgb[2]), normal);
+    }
+  }
+}
+
+LatLongImage grey(int width, float value) {
+  return {width, width / 2, std::vector<float>(static_cast<std::size_t>(3 * width * width / 2), value)};
+}
+
+void set(LatLongImage& picture, int column, int row, float value) {
+  for (std::size_t c = 0; c < 3; ++c)
+    picture.pixels[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
+                        static_cast<std::size_t>(column)) +
+                   c] = value;
+}
+
+}  // namespace
+
+TEST_CASE("Irradiance of even light is pi times it, at any size and of any source", "[irradiance_bake]") {
+  for (const int size : {1, 2, 3, 7, 64}) {
+    for (const int edge : {1, 2, 3, 7, 64}) {
+      INFO("size " << size << ", source " << edge);
+      const TestCubemap cube = make_cubemap(Content::uniform, edge, 3, 1);
+      const TestLatLong lat_long = make_lat_long(Content::uniform, edge, (edge + 1) / 2, 1);
+      for (const CubemapImage& found : {irradiance_of(cube.view(), size), irradiance_of(lat_long.view(), size)}) {
+        REQUIRE(found.size == size);
+        at_texels(found, [](const glm::dvec3& rgb, const glm::dvec3&) {
+          REQUIRE(glm::length(rgb / glm::dvec3(0.5, 1.0, 2.0) - kPi) < 3e-5);
+        });
+      }
+    }
+  }
+}
+
+TEST_CASE("Irradiance of a hemisphere, of a cosine and of a lamp is what the closed forms say", "[irradiance_bake]") {
+  LatLongImage above = grey(128, 0.0F);
+  for (int row = 0; row < 32; ++row) {
+    for (int column = 0; column < 128; ++column) set(above, column, row, 1.0F);
+  }
+  at_texels(irradiance_of(above.view(), 16), [](const glm::dvec3& rgb, const glm::dvec3& normal) {
+    REQUIRE(std::abs(rgb.g - 0.5 * kPi * (1.0 + normal.y)) < 2e-5);
+  });
+  LatLongImage cosine = grey(512, 0.0F);
+  for (int row = 0; row < 256; ++row) {
+    for (int column = 0; column < 512; ++column)
+      set(cosine, column, row,
+          static_cast<float>(2.0 + image::lat_long_direction(512, 256, column + 0.5, row + 0.5).z));
+  }
+  at_texels(irradiance_of(cosine.view(), 16), [](const glm::dvec3& rgb, const glm::dvec3& normal) {
+    REQUIRE(rgb.g == Approx(2.0 * kPi + 2.0 / 3.0 * kPi * normal.z).epsilon(5e-5));
+  });
+  LatLongImage lamp = grey(256, 0.0F);
+  set(lamp, 70, 40, 1e5F);
+  const glm::dvec3 towards = image::lat_long_direction(256, 128, 70.5, 40.5);
+  const double power = 1e5 * image::lat_long_texel_solid_angle(256, 128, 40);
+  at_texels(irradiance_of(lamp.view(), 16), [&](const glm::dvec3& rgb, const glm::dvec3& normal) {
+    const double cosine_of_lamp = glm::dot(normal, towards);
+    if (std::abs(cosine_of_lamp) < 0.02) return;  // the horizon may cut it
+    REQUIRE(std::abs(rgb.g - power * std::max(0.0, cosine_of_lamp)) <= 1e-3 * power * std::max(0.0, cosine_of_lamp));
+  });
+}
+
+TEST_CASE("Irradiance under a sun is within its bound, which three bands miss by far", "[irradiance_bake]") {
+  for (const Content content : {Content::sun_disc, Content::high_range, Content::clamped, Content::blocks}) {
+    INFO(name(content));
+    const TestLatLong picture = make_lat_long(content, 128, 64, 5);
+    const Off found = error_of(picture.view(), 12);
+    CHECK(found.rms < 1e-4);
+    CHECK(found.largest < 5e-3);
+    for (const int edge : {32, 97, 256}) {
+      INFO("cubemap of " << edge);
+      const Off of_cube = error_of(make_cubemap(content, edge, 3, 6).view(), 12);
+      CHECK(of_cube.rms < 2e-4);
+      CHECK(of_cube.largest < 5e-3);
+    }
+  }
+  const TestLatLong sunny = make_lat_long(Content::sun_disc, 128, 64, 5);
+  CHECK(error_of_bands(sunny.view(), 12, 3).rms > 0.05);
+  CHECK(error_of_bands(sunny.view(), 12, 3).largest > 0.2);
+}
+
+TEST_CASE("Irradiance of sources of one and two texels is within its bound", "[irradiance_bake]") {
+  for (const int seed : {1, 2, 3}) {
+    for (const int edge : {1, 2, 3}) {
+      const Off of_cube = error_of(make_cubemap(Content::random, edge, 3, static_cast<std::uint32_t>(seed)).view(), 7);
+      CHECK(of_cube.rms < 1e-4);
+      CHECK(of_cube.largest < 1e-2);
+    }
+    for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 1), std::pair(1, 2), std::pair(2, 2)}) {
+      const Off found =
+          error_of(make_lat_long(Content::random, width, height, static_cast<std::uint32_t>(seed)).view(), 7);
+      CHECK(found.rms < 1e-4);
+      CHECK(found.largest < 1e-2);
+    }
+  }
+}
+
+TEST_CASE("Irradiance keeps negative light, and huge and tiny radiance", "[irradiance_bake]") {
+  TestLatLong signs = make_lat_long(Content::random, 96, 48, 4);
+  for (float& value : signs.pixels) value -= 0.52F;
+  const CubemapImage truth = direct_irradiance_cubemap(signs.view(), 9);
+  const CubemapImage found = irradiance_of(signs.view(), 9);
+  CHECK(*std::min_element(truth.pixels.begin(), truth.pixels.end()) < 0.0F);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < truth.pixels.size(); ++k)
+    largest = std::max(largest, static_cast<double>(std::abs(found.pixels[k] - truth.pixels[k])));
+  CHECK(largest < 1e-3);
+
+  const TestCubemap bright = make_cubemap(Content::sun_disc, 64, 3, 5);
+  const CubemapImage usual = irradiance_of(bright.view(), 9);
+  for (const float scale : {0x1p100F, 0x1p-120F}) {
+    TestCubemap scaled = bright;
+    for (float& value : scaled.pixels) value *= scale;
+    const CubemapImage huge = irradiance_of(scaled.view(), 9);
+    for (std::size_t k = 0; k < usual.pixels.size(); ++k)
+      REQUIRE(huge.pixels[k] == Approx(usual.pixels[k] * scale).epsilon(1e-5));
+  }
+  const LatLongImage most = grey(16, std::numeric_limits<float>::max());
+  for (const float value : irradiance_of(most.view(), 3).pixels)
+    REQUIRE(value == std::numeric_limits<float>::max());  // pi times that is no float
+}
+
+TEST_CASE("A narrower bound of irradiance is met, at last by the integral itself", "[irradiance_bake]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 5);
+  CHECK(error_of(picture.view(), 8, 1e-4).rms < 1e-5);
+  CHECK(irradiance_of(picture.view(), 8, 1e-6).pixels == direct_irradiance_cubemap(picture.view(), 8).pixels);
+  for (const double wrong : {0.0, -1.0, 1e-7, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+    const ThrownError error = thrown_by([&] { static_cast<void>(irradiance_of(picture.view(), 8, wrong)); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("irradiance.rms_error"));
+  }
+}
+
+TEST_CASE("Irradiance does not depend on bands, unless it is asked for from them", "[irradiance_bake]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 5);
+  BakeOptions options = irradiance_alone(5);
+  const BakeResult none = bake(picture.view(), options);
+  options.bands = 4;
+  const BakeResult four = bake(picture.view(), options);
+  CHECK(same_bits(*none.irradiance, *four.irradiance));
+  options.irradiance->method = IrradianceMethod::harmonics;
+  CHECK(same_bits(*bake(picture.view(), options).irradiance,
+                  irradiance_cubemap(irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance), 5)));
+}
+
+}  // namespace welkin::test
