@@ -89,17 +89,13 @@ double GgxFunction::far(double radius) const noexcept {
   return std::max(0.0, 0.5 * (reach * reach - 4.0 * square_));
 }
 
-std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& source, double alpha,
-                                        std::span<const glm::dvec3> directions, const Control& control) {
-  std::vector<glm::dvec3> result = projection::integrate_kernel(source, GgxFunction(alpha), directions, control);
-  const double whole = lobe_integral(alpha);
+std::vector<glm::dvec3> integrate_lobe(const projection::SanitizedSource& source, const Lobe& lobe,
+                                       std::span<const glm::dvec3> directions, const Control& control) {
+  if (lobe.alpha() == 0.0) return projection::integrate_kernel(source, ShapeFunction(lobe), directions, control);
+  std::vector<glm::dvec3> result = projection::integrate_kernel(source, GgxFunction(lobe.alpha()), directions, control);
+  const double whole = lobe_integral(lobe.alpha());
   for (glm::dvec3& value : result) value /= whole;
   return result;
-}
-
-std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const Lobe& kernel,
-                                        std::span<const glm::dvec3> directions, const Control& control) {
-  return projection::integrate_kernel(source, ShapeFunction(kernel), directions, control);
 }
 
 glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm::dvec3& d) noexcept {
@@ -145,7 +141,7 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
   const std::vector<glm::dvec3> units = reflections::unit_directions(directions);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
   const double alpha = roughness * roughness;
-  if (alpha >= kLeastAlpha) return reflections::integrate_lobes(source, alpha, units, control);
+  if (alpha >= kLeastAlpha) return reflections::integrate_lobe(source, reflections::Lobe(alpha), units, control);
   std::vector<glm::dvec3> values;
   values.reserve(units.size());
   for (const glm::dvec3& unit : units) values.push_back(reflections::radiance_towards(source, unit));

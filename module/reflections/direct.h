@@ -32,13 +32,9 @@ class GgxFunction final : public projection::KernelFunction {
   double scale_;
 };
 
-/// Int L k / Int k at unit directions, over all texels as areas. `alpha` above 0.
-[[nodiscard]] std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& source, double alpha,
-                                                      std::span<const glm::dvec3> directions, const Control& control);
-
-/// The same of a zonal kernel. Relative error below 1e-5 for continuous kernels.
-[[nodiscard]] std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const Lobe& kernel,
-                                                      std::span<const glm::dvec3> directions, const Control& control);
+/// Int L k / Int k at unit directions, over all texels as areas. Relative error below 1e-5 for continuous lobes.
+[[nodiscard]] std::vector<glm::dvec3> integrate_lobe(const projection::SanitizedSource& source, const Lobe& lobe,
+                                                     std::span<const glm::dvec3> directions, const Control& control);
 
 /// The radiance of the texel that a unit direction lies in: the limit for roughness 0.
 [[nodiscard]] glm::dvec3 radiance_towards(const projection::SanitizedSource& source,

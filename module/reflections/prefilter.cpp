@@ -412,10 +412,7 @@ void LobeChain::integrate_mip(std::size_t level, const Control& control) {
         directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
     }
   }
-  const Lobe& lobe = *plan_.mips[level].lobe;
-  const std::vector<glm::dvec3> values = lobe.alpha() > 0.0
-                                             ? integrate_lobes(source_, lobe.alpha(), directions, control)
-                                             : integrate_shape(source_, lobe, directions, control);
+  const std::vector<glm::dvec3> values = integrate_lobe(source_, *plan_.mips[level].lobe, directions, control);
   float* const rgb = result_.cubemap.face(static_cast<int>(level), 0);
   for (std::size_t k = 0; k < values.size(); ++k) {
     for (int c = 0; c < 3; ++c) rgb[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(values[k][c]);

@@ -139,7 +139,7 @@ std::vector<dvec3> reference(const View& view, const ZonalKernel& kernel, const 
   const platform::FloatingPointScope floating_point;
   image::check_view(view);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
-  return reflections::integrate_shape(source, *kernel.lobe(), reflections::unit_directions(directions), control);
+  return reflections::integrate_lobe(source, *kernel.lobe(), reflections::unit_directions(directions), control);
 }
 
 }  // namespace
