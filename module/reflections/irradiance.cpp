@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-constexpr int kLeastBands = 64;
+constexpr int kLeastBands = 96;
 constexpr int kMostBands = 384;
 constexpr int kIrradianceStep = 16;
 
