@@ -344,10 +344,10 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   const Stopwatch watch;
   MipPlan mip = spectral_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  const int most = std::min(spectrum.bands(), fewest_bands(spectral_.tight()));
+  const int of_dark = std::min(spectrum.bands(), bands_for_dark(spectral_.tight()));
   blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
-  while (mip.bands.bands() < most && !shows_dark(level, mip)) {
-    mip.bands = tapered_lobe(mip.alpha, std::min(most, next_bands(mip.bands.bands())));
+  if (mip.bands.bands() < of_dark && !shows_dark(level, mip)) {
+    mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(level, mip, spectrum, {control.stop, {}});
   }
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));

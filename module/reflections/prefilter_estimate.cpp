@@ -160,8 +160,8 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
 /// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
 constexpr double kOfBound = 0.8;
 
-/// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as what
-/// they share is not negative, or all evenly spread.
+/// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as
+/// what they share is not negative, or all evenly spread.
 double least_square(const std::vector<BrightTexel>& texels, std::span<const double> zonal) {
   double inverse_area = 0.0;  // of the lobe: Int k^2
   for (std::size_t l = 0; l < zonal.size(); ++l)

@@ -134,7 +134,7 @@ PrefilterPlan PrefilterPlan::tightened(int steps) const {
   }
   if (bands == 0) return tighter;
   for (const double alpha : spectral_alphas) {
-    const int wanted = std::max(bands_within(alpha, tight), fewest_bands(tight));
+    const int wanted = std::max(bands_within(alpha, tight), bands_for_dark(tight));
     tighter.bands = std::max(tighter.bands, std::min(transforms::kMaximumSpectrumBands, wanted));
   }
   return tighter;
@@ -185,7 +185,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
       plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
       plan.spectral_alphas.push_back(mip.alpha);
       mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
-      plan.bands = std::max({plan.bands, mip.bands.bands(), fewest_bands(plan.bounds)});
+      plan.bands = std::max({plan.bands, mip.bands.bands(), bands_for_dark(plan.bounds)});
     }
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));
