@@ -192,7 +192,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     // wide lobes may take more
-    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::fewest_bands(plan.tight())));
+    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::bands_for_dark(plan.tight())));
     bytes += grid_bytes(bands, transforms::grid_for_bands(bands));
   }
   return bytes;

@@ -24,7 +24,7 @@ constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
 constexpr double kKinkPower = 1.0 / 2.7;
 constexpr double kLeastKinkBands = 16.0;
 constexpr double kMostKinkBands = 512.0;
-constexpr double kNextBands = 1.6;
+constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
 // What rings of height h lose falls like h^4.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
@@ -63,11 +63,7 @@ int bands_within(double alpha, const ErrorBounds& bounds) noexcept {
   return whole_bands(std::max(std::min(1e6, reach_within(bounds) / (2.0 * alpha)), bands_of_kink(bounds)));
 }
 
-int next_bands(int bands) noexcept { return whole_bands(kNextBands * bands); }
-
-int fewest_bands(const ErrorBounds& bounds) noexcept {
-  return next_bands(next_bands(whole_bands(bands_of_kink(bounds))));
-}
+int bands_for_dark(const ErrorBounds& bounds) noexcept { return whole_bands(kOfDark * bands_of_kink(bounds)); }
 
 double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
   const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),

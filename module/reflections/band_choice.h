@@ -48,11 +48,8 @@ struct BandChoice {
 /// Returns the factors of at most `most` bands.
 [[nodiscard]] BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most);
 
-/// Returns the bands that a wide lobe takes next, above `bands`, where they do not do for what is dark in a picture.
-[[nodiscard]] int next_bands(int bands) noexcept;
-
-/// Returns the bands of a transform for wide lobes alone: as many as they take for a picture with dark parts.
-[[nodiscard]] int fewest_bands(const ErrorBounds& bounds) noexcept;
+/// Returns the bands that wide lobes take for a picture with dark parts. A transform has as many at least.
+[[nodiscard]] int bands_for_dark(const ErrorBounds& bounds) noexcept;
 
 /// Returns 1 up to the last fifth of the bands, then half a cosine down to 0. Without it every light would ring over
 /// the whole sphere.

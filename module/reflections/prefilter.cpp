@@ -237,7 +237,7 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
 bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
   if (plan_.lights == LightsOf::any) {
     if (choose_bands_by_energy(spectral_, source_on(rows))) return true;
-    spectral_.bands = std::min(transforms::kMaximumSpectrumBands, 2 * spectral_.bands);
+    spectral_.bands = std::min(transforms::kMaximumSpectrumBands, spectral_.bands + spectral_.bands / 2);
     return false;
   }
   if (spectral_.tightenings == kMostTightenings) return true;
@@ -299,9 +299,9 @@ void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spec
   MipPlan mip = spectral_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
   blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
-  const int most = mip.alpha > 0.0 ? std::min(spectrum.bands(), fewest_bands(spectral_.tight())) : 0;
-  while (mip.bands.bands() < most && !shows_dark(level, mip)) {
-    mip.bands = tapered_lobe(mip.alpha, std::min(most, next_bands(mip.bands.bands())));
+  const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(spectral_.tight())) : 0;
+  if (mip.bands.bands() < of_dark && !shows_dark(level, mip)) {
+    mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(level, mip, spectrum, {control.stop, {}});
   }
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));

@@ -105,7 +105,7 @@ PrefilterPlan PrefilterPlan::tightened(int steps) const {
   }
   if (bands == 0) return tighter;
   for (const auto& lobe : spectral_lobes) {
-    const int wanted = std::max(bands_within(lobe->alpha(), tight), fewest_bands(tight));
+    const int wanted = std::max(bands_within(lobe->alpha(), tight), bands_for_dark(tight));
     tighter.bands = std::max(tighter.bands, std::min(transforms::kMaximumSpectrumBands, wanted));
   }
   return tighter;
@@ -166,7 +166,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
     if (mip.method == MipMethod::spectral) {
       mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
-      take_in(mip, std::max(mip.bands.bands(), fewest_bands(plan.bounds)), plan);
+      take_in(mip, std::max(mip.bands.bands(), bands_for_dark(plan.bounds)), plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));
