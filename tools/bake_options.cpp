@@ -204,7 +204,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
        {"spectral", PrefilterMethod::spectral},
        {"reference", PrefilterMethod::reference}},
       "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
-      "sampled (as most tools do), reference (the integral itself; slow)"));
+      "reference (the integral itself; slow)"));
   table.push_back(
       {.names = "--rms-error",
        .target = &options.rms_error,
@@ -213,8 +213,6 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
                "Unlike --error-budget it is the same bound on every input and chooses nothing but how mips are made",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0)});
-  table.push_back(size_option("--samples", options.specular.samples, 1, kMostSamples,
-                              "Directions for each texel of the sampled method; default 1024"));
 }
 
 /// What is made beside the specular cubemap.
