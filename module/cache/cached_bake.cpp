@@ -24,12 +24,12 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   writer.put(mip.roughness);
   writer.put(name(mip.method));
   if (mip.method == MipMethod::spectral) {
-    // The narrowest lobe of the whole chain decides which texels are taken out, and a cubemap's rings; all of its
-    // lobes decide whether the bounds are tightened.
+    // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
+    // cubemap's rings.
     writer.put(3);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
-    for (const auto& lobe : plan.spectral_lobes) writer.put(lobe->alpha());
+    writer.put(plan.least_alpha);
   }
   if (mip.method == MipMethod::narrow) {
     writer.put(2);  // the version of its bits

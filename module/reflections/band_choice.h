@@ -17,6 +17,9 @@ struct ErrorBounds {
 /// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
 inline constexpr double kOfBound = 0.8;
 
+/// The same of lobes other than GGX, whose kinks leave more than ten times the root mean square at single texels.
+inline constexpr double kOfLobeBound = 0.3;
+
 inline constexpr int kBandStep = 8;         ///< bands are a multiple of it
 inline constexpr int kLeastLobeBands = 64;  ///< of lobes other than GGX
 

@@ -51,7 +51,9 @@ double KernelSums::towards(double x, double y, double z) const noexcept {
   x -= direction_.x;
   y -= direction_.y;
   z -= direction_.z;
-  return kernel_.table().at(0.5 * std::sqrt(x * x + y * y + z * z));
+  const double square = 0.25 * (x * x + y * y + z * z);
+  if (square < nearest_ || square > farthest_) return 0.0;
+  return kernel_.table().at(std::sqrt(square));
 }
 
 /// Of the kernel over a light that the horizon may cut. Where the kernel is the cosine times a steady function, that is

@@ -13,7 +13,11 @@ namespace welkin::reflections {
 /// What lights give in a direction, red, green and blue.
 class KernelSums {
  public:
-  KernelSums(const Lobe& kernel, const glm::dvec3& direction) : kernel_(kernel), direction_(direction) {}
+  KernelSums(const Lobe& kernel, const glm::dvec3& direction)
+      : kernel_(kernel),
+        direction_(direction),
+        nearest_(kernel.nearest() * kernel.nearest()),
+        farthest_(kernel.farthest() * kernel.farthest()) {}
 
   void add(const LobeLight* lights, const std::vector<LobeRun>& runs);
   void add(const CutLight* lights, const std::vector<LobeRun>& runs);
@@ -28,6 +32,8 @@ class KernelSums {
 
   const Lobe& kernel_;
   glm::dvec3 direction_;
+  double nearest_;  ///< where the kernel is seen at all, squares of s
+  double farthest_;
   std::array<double, 3> sums_{};
 };
 

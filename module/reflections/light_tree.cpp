@@ -577,7 +577,8 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
                                      double least_alpha) noexcept {
   if (texels == 0) return 0;
   const double edge = edge_of(shape) / cuts_of(shape, least_alpha, LightsOf::ggx, texels);
-  const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4)) + leaves;
+  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
+  const std::size_t cut = is_coarse(shape, LightsOf::ggx) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +

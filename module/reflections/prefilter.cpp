@@ -162,7 +162,8 @@ class LobeChain {
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
   void blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
   [[nodiscard]] bool shows_dark(std::size_t level, const MipPlan& mip) const;
-  void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
+  void spectral_mip(std::size_t level, const std::vector<BrightTexel>& texels, const transforms::Spectrum& spectrum,
+                    int rows, const Control& control);
   void run_narrow(const Control& control);
   void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
   void copy_mip(std::size_t level, const Control& control);
@@ -262,7 +263,9 @@ void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
     const MipPlan& mip = spectral_.mips[level];
     if (mip.method != MipMethod::spectral) continue;
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
-              [this, level, &spectrum, rows](const Control& part) { spectral_mip(level, spectrum, rows, part); });
+              [this, level, &texels, &spectrum, rows](const Control& part) {
+                spectral_mip(level, texels, spectrum, rows, part);
+              });
   }
   graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
@@ -293,11 +296,15 @@ bool LobeChain::shows_dark(std::size_t level, const MipPlan& mip) const {
   return kOfTruncated * truncated_rms(mip, energies_) <= plan_.bounds.maximum * least;
 }
 
-void LobeChain::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
-                             const Control& control) {
+void LobeChain::spectral_mip(std::size_t level, const std::vector<BrightTexel>& texels,
+                             const transforms::Spectrum& spectrum, int rows, const Control& control) {
   const Stopwatch watch;
   MipPlan mip = spectral_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
+  for (int k = spectral_.tightenings + 1; mip.alpha > 0.0 && k <= kMostTightenings; ++k) {
+    if (keeps_rms_error(mip, plan_.bounds.rms, source_on(rows), texels)) break;
+    mip.bands = choose_bands(mip.alpha, plan_.bounds.tightened(k), spectrum.bands());
+  }
   blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(spectral_.tight())) : 0;
   if (mip.bands.bands() < of_dark && !shows_dark(level, mip)) {

@@ -29,7 +29,7 @@ double spline_loss(int l, int rings) {
 /// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
 /// This and the shares are fits to `welkin_perf --estimates`, docs/reflections.md.
 constexpr double kSafety = 1.8;
-constexpr double kRingSafety = 2.5;     ///< the same of cubemaps, whose edges rings meet by chance
+constexpr double kRingSafety = 2.8;     ///< the same of cubemaps, whose edges rings meet by chance
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
 constexpr double kSpreadOrder = 0.012;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
@@ -148,7 +148,7 @@ double choose_bands_of_lobe(const PrefilterPlan& plan, const SpectralSource& sou
     // what is dark beside lights is to be right too
     const double rest = blurred_rms(source.energies, mip.bands.zonal);
     const double error = spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
-    if (last > 0 || bands >= plan.bands || error <= kOfBound * plan.bounds.rms) return error;
+    if (last > 0 || bands >= plan.bands || error <= kOfLobeBound * plan.bounds.rms) return error;
   }
 }
 
@@ -161,7 +161,7 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
     mip.method = MipMethod::spectral;
     const double error = choose_bands_of_lobe(plan, source, mip);
     const bool ends = mip.lobe->last_band() > 0;
-    if (!ends && error > kOfBound * plan.bounds.rms) {
+    if (!ends && error > kOfLobeBound * plan.bounds.rms) {
       if (plan.bands < transforms::kMaximumSpectrumBands) return false;
       if (error > plan.bounds.rms) {
         throw Error(ErrorCode::limit_exceeded,
@@ -195,18 +195,19 @@ double least_square(const std::vector<BrightTexel>& texels, std::span<const doub
   return std::max(mean * mean, sum);
 }
 
+bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
+                     const std::vector<BrightTexel>& lights) {
+  const double rest = blurred_rms(source.energies, mip.bands.zonal);
+  const double rms = std::sqrt(rest * rest + least_square(lights, mip.bands.zonal));
+  return spectral_rms_error(mip, source, 0.0, rms) <= kOfBound * rms_error;
+}
+
 bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {
-  const ErrorBounds bounds = plan.tight();
-  return std::all_of(plan.spectral_lobes.begin(), plan.spectral_lobes.end(), [&](const auto& lobe) {
-    MipPlan mip;
-    mip.alpha = lobe->alpha();
-    mip.lobe = lobe;
-    mip.bands = choose_bands(mip.alpha, bounds, transforms::kMaximumSpectrumBands);
-    const double rest = blurred_rms(source.energies, mip.bands.zonal);
-    const double rms = std::sqrt(rest * rest + least_square(lights, mip.bands.zonal));
-    const double error = spectral_rms_error(mip, source, 0.0, rms);
-    return error <= kOfBound * plan.bounds.rms;
-  });
+  MipPlan narrowest;
+  narrowest.alpha = plan.least_alpha;
+  narrowest.lobe = std::make_shared<const Lobe>(plan.least_alpha);
+  narrowest.bands = choose_bands(plan.least_alpha, plan.tight(), transforms::kMaximumSpectrumBands);
+  return keeps_rms_error(narrowest, plan.bounds.rms, source, lights);
 }
 
 double truncated_rms(const MipPlan& mip, std::span<const double> energies) {

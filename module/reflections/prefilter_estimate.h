@@ -35,8 +35,13 @@ struct SpectralSource {
 /// more.
 [[nodiscard]] bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source);
 
-/// Returns whether bands and rings of a plan of GGX lobes keep `rms_error` in all spectral mips of its whole chain,
-/// whichever of them are made. `lights` were extracted: they are part of each mip's root mean square.
+/// Returns whether the bands of a spectral mip keep `rms_error`. `lights` were extracted: they are part of its root
+/// mean square.
+[[nodiscard]] bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
+                                   const std::vector<BrightTexel>& lights);
+
+/// Returns whether bands and rings of a plan of GGX lobes keep `rms_error` for the narrowest lobe of its whole chain:
+/// by that alone a mip has the same bits whatever other mips there are.
 [[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source,
                                    const std::vector<BrightTexel>& lights);
 

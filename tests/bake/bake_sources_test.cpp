@@ -314,6 +314,7 @@ TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec
   const SceneNeeds needs{.glossy = std::nullopt, .background = false};
   BakeOptions options;
   options.irradiance->size = 512;
+  options.irradiance->method = IrradianceMethod::harmonics;
   options.memory_limit_bytes = 1'000'000;
   const StoredEnvironment stored = probe_environment(file);
   const Plan planned = plan(stored, needs, options);

@@ -397,7 +397,7 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
   // The remedy, on a picture that does not take minutes.
   const std::filesystem::path input = folder.path() / "in.pfm";
   write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
-  const std::string bake = " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --memory-limit 20MiB -o " +
+  const std::string bake = " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --memory-limit 40MiB -o " +
                            quoted(folder.path() / "out");
   const CommandResult too_much = run_welkin("bake " + quoted(input) + bake);
   INFO(too_much.errors);
@@ -405,7 +405,7 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
   REQUIRE(contains(too_much.errors, "'welkin convert' with --size"));
   const std::filesystem::path smaller = folder.path() / "smaller.exr";
   REQUIRE(
-      run_welkin("convert " + quoted(input) + ' ' + quoted(smaller) + " --size 32 --memory-limit 20MiB").exit_code ==
+      run_welkin("convert " + quoted(input) + ' ' + quoted(smaller) + " --size 32 --memory-limit 40MiB").exit_code ==
       0);
   CHECK(run_welkin("bake " + quoted(smaller) + bake).exit_code == 0);
 }
