@@ -248,8 +248,8 @@ struct EnvironmentChange {
 
 /// Does that to `result.radiance` and, if it was made from harmonics, `result.irradiance`; `result.background`,
 /// `result.specular` and an irradiance cubemap that was made from pixels are left to the shader. Coefficients agree
-/// with those of the changed pixels to rounding. Throws `Error` (invalid_argument) for a turn off orthogonal or a negative
-/// factor, cancelled.
+/// with those of the changed pixels to rounding. Throws `Error` (invalid_argument) for a turn off orthogonal or a
+/// negative factor, cancelled.
 void apply_change(BakeResult& result, const BakeOptions& baked, const EnvironmentChange& change,
                   const Control& control = {});
 
