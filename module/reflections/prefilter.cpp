@@ -166,6 +166,7 @@ class LobeChain {
                     int rows, const Control& control);
   void run_narrow(const Control& control);
   void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
+  [[nodiscard]] bool may_integrate(const MipPlan& mip) const;
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
   void note_darkness(std::size_t level, double field);
@@ -321,8 +322,22 @@ void LobeChain::spectral_mip(std::size_t level, const std::vector<BrightTexel>& 
   record(level).bright_texels = static_cast<int>(extracted_);
   const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
   record(level).error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
-  if (mip.alpha > 0.0) require_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
-  end_mip(level, watch, control);
+  if (mip.alpha == 0.0 || *record(level).error_estimate <= plan_.bounds.rms) {
+    end_mip(level, watch, control);
+  } else if (may_integrate(mip)) {
+    integrate_mip(level, {control.stop, {}});
+    record(level).bands = 0;
+    record(level).bright_texels = 0;
+  } else {
+    refuse_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
+  }
+}
+
+/// Returns whether the integral itself, texel by texel, keeps the bound within about a second.
+bool LobeChain::may_integrate(const MipPlan& mip) const {
+  constexpr double kMostPairs = 1e8;  // of texels, 10 ns each
+  const double pairs = 6.0 * mip.size * mip.size * source_.columns() * source_.rows();
+  return plan_.may_integrate && kReferenceError <= plan_.bounds.rms && pairs <= kMostPairs;
 }
 
 void LobeChain::run_narrow(const Control& control) {
@@ -426,6 +441,7 @@ void LobeChain::integrate_mip(std::size_t level, const Control& control) {
   }
   record(level).error_estimate = kReferenceError;
   end_mip(level, watch, control);
+  record(level).method = MipMethod::reference;
 }
 
 }  // namespace

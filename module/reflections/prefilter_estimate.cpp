@@ -221,8 +221,7 @@ double truncated_rms(const MipPlan& mip, std::span<const double> energies) {
   return std::sqrt(sum / (4.0 * kPi));
 }
 
-void require_rms_error(double estimate, double rms_error, double roughness) {
-  if (estimate <= rms_error) return;
+void refuse_rms_error(double estimate, double rms_error, double roughness) {
   throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
                                              " cannot be kept on this picture: the mip of roughness " +
                                              platform::number_text(roughness) + " would err by an estimated " +

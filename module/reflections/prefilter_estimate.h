@@ -48,8 +48,8 @@ struct SpectralSource {
 /// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
 [[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);
 
-/// Throws `Error` (limit_exceeded) if a spectral mip's estimate is above the bound that was asked for.
-void require_rms_error(double estimate, double rms_error, double roughness);
+/// Throws `Error` (limit_exceeded): a spectral mip's estimate is above the bound that was asked for.
+[[noreturn]] void refuse_rms_error(double estimate, double rms_error, double roughness);
 
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);

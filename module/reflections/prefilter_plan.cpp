@@ -157,6 +157,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.chain_mips = mips;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
   plan.bounds = {options.rms_error, options.maximum_error};
+  plan.may_integrate = options.method == PrefilterMethod::automatic;
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);

@@ -27,13 +27,14 @@ struct MipPlan {
 };
 
 struct PrefilterPlan {
-  int size = 0;               ///< of the whole chain
-  int chain_mips = 0;         ///< of the whole chain
-  std::vector<MipPlan> mips;  ///< that are made
-  int first_mip = 0;          ///< the first of them, counted in the whole chain
-  double reach = 0.0;         ///< of lights, see `reach_for`
-  ErrorBounds bounds;         ///< asked for
-  int tightenings = 0;        ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
+  int size = 0;                ///< of the whole chain
+  int chain_mips = 0;          ///< of the whole chain
+  std::vector<MipPlan> mips;   ///< that are made
+  int first_mip = 0;           ///< the first of them, counted in the whole chain
+  double reach = 0.0;          ///< of lights, see `reach_for`
+  ErrorBounds bounds;          ///< asked for
+  bool may_integrate = false;  ///< whether mips that harmonics do not bring within the bounds may be integrated
+  int tightenings = 0;         ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
