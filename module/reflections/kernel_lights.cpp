@@ -16,7 +16,7 @@ double mean_above(const glm::dvec3& normal, const CutLight& cut) {
   const std::array<float, 3> middle{cut.light.x, cut.light.y, cut.light.z};
   const double c = normal.x * static_cast<double>(middle[0]) + normal.y * static_cast<double>(middle[1]) +
                    normal.z * static_cast<double>(middle[2]);
-  const double least = static_cast<double>(cut.least);
+  const auto least = static_cast<double>(cut.least);
   const double high = std::max(along(cut.along), least);
   const double wide = std::max(along(cut.down), least);
   if (c > high + wide) return c;
@@ -74,7 +74,8 @@ double KernelSums::mean(const CutLight& cut) const {
   double sum = 0.0;
   for (int look = 0; look < kPlaces * kPlaces; ++look) {
     const double s = (2.0 * (look % kPlaces) + 1.0) / kPlaces - 1.0;
-    const double t = (2.0 * (look / kPlaces) + 1.0) / kPlaces - 1.0;
+    const int down = look / kPlaces;
+    const double t = (2.0 * down + 1.0) / kPlaces - 1.0;
     const auto at = [&](float middle, int axis) {
       return static_cast<double>(middle) + s * static_cast<double>(cut.along[axis]) +
              t * static_cast<double>(cut.down[axis]);
