@@ -147,6 +147,7 @@ CubemapChain importance_sampled(const LatLongView& source, int size, const std::
                                 int samples) {
   const CubemapChain plain = build_mips(to_cubemap(source, size, glm::dmat3(1.0), ResampleFilter::area).view());
   std::vector<PaddedLevel> levels;
+  levels.reserve(static_cast<std::size_t>(plain.levels()));
   for (int level = 0; level < plain.levels(); ++level) levels.emplace_back(plain, level);
   CubemapChain result(size, static_cast<int>(roughness.size()));
   for (int level = 0; level < result.levels(); ++level) {

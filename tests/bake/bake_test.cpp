@@ -349,6 +349,7 @@ void check_memory(const View& view, const BakeOptions& options) {
   if (kSanitized) return;
   std::uint64_t peak = 0;
   std::uint64_t reported = 0;
+  release_working_memory();  // what an earlier bake left would not be allocated
   {
     const HeapWatch heap;
     const BakeResult result = bake(view, options);
