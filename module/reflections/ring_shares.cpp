@@ -163,7 +163,7 @@ void write(const std::array<Polynomial, kSpread>& shares, float* to) {
   }
 }
 
-/// What the rings about a cell get of even light on it, from the cell's upper edge to a place.
+/// What the rings about a cell get of uniform light on it, from the cell's upper edge to a place.
 using CellLight = std::array<Polynomial, kSpread>;
 
 /// Of a column's width; rings go on beyond the pole and the equator.
@@ -192,7 +192,7 @@ std::vector<CellLight> light_of_rings(int rows) {
   return light;
 }
 
-/// By the shares alone, even light would be off by up to 0.9 % on the first rings about a pole. What a ring has too
+/// By the shares alone, uniform light would be off by up to 0.9 % on the first rings about a pole. What a ring has too
 /// much or too little flows to or from the next one, no more than 1 % of its light.
 void even_out(std::vector<CellLight>& light, int rows) {
   constexpr int kPolarRings = 32;

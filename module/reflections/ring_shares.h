@@ -6,10 +6,10 @@
 namespace welkin::reflections {
 
 /// Polynomials of the shares that the `kSpread` cells about a point have of its light: along both axes in such shares
-/// that the moments below `kSpread` - 1 are the point's own (about the poles nearly so: even light is even there). They
-/// pass smoothly from one `kSpread` - 1 neighbours to the next ones. All are [cell][power][lane], `kSharePowers` and
-/// `kShareLanes`, the highest power first, of the place from the cell's middle; lane k stands for the cell k -
-/// `kSpread` / 2 further on.
+/// that the moments below `kSpread` - 1 are the point's own (about the poles nearly so: uniform light is uniform
+/// there). They pass smoothly from one `kSpread` - 1 neighbours to the next ones. All are [cell][power][lane],
+/// `kSharePowers` and `kShareLanes`, the highest power first, of the place from the cell's middle; lane k stands for
+/// the cell k - `kSpread` / 2 further on.
 struct RingShares {
   /// `rows`: rings from pole to pole; twice as many columns.
   explicit RingShares(int rows);

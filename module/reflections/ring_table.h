@@ -28,7 +28,7 @@ struct RingTableKey {
 /// nothing; they may be below 0.
 ///
 /// Sixteen mirror images and quarter turns have the same weights, so a sixteenth's are kept. Weights of faces so large
-/// that their table would take more than `kLargestTable` bytes are made anew by each `fill`.
+/// that their table would take more than `kLargestTable` bytes are made again by each `fill`.
 class RingTable {
  public:
   static constexpr std::size_t kLargestTable = std::size_t{112} << 20U;

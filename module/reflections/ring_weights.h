@@ -17,8 +17,8 @@ namespace welkin::reflections {
 ///
 /// The integral of a ring's and a column's share over a texel is one along its edges: of the column's share times the
 /// ring's integral from the pole to the edge, by longitude. Edges along meridians give nothing, and what an edge gives
-/// one texel it takes from the other, so that even light stays even. Gauss points stand for an edge's parts; they are
-/// made to add up to the columns' exact integrals over the part.
+/// one texel it takes from the other, so that uniform light stays uniform. Gauss points stand for an edge's parts; they
+/// are made to add up to the columns' exact integrals over the part.
 class RingWeights {
  public:
   RingWeights(int face_size, int rows, const RingWeightKernels& kernels = ring_weight_kernels());
