@@ -84,6 +84,10 @@ int main(int argc, char** argv) {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
   if (first == "--block-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::block_error_table);
+  if (first == "--schedule-first") {
+    std::cout << perf::first_schedule(argv[2]);
+    return 0;
+  }
   if (first == "--cold-calls") {
     std::cout << perf::cold_calls({argv + 2, argv + argc});
     return 0;
@@ -102,7 +106,7 @@ int main(int argc, char** argv) {
     return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);
   }
   if (argc > 1 && std::string(argv[1]) == "--schedule") {
-    return perf::print_tables(1, {argv + 2, argv + argc}, perf::schedule_tables);
+    return perf::print_tables(1, {}, [&](const auto&) { return perf::schedule_tables(argv[0]); });
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));

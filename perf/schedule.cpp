@@ -5,15 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
 #include <utility>
 
 #include "bake.h"
+#include "image/geometry.h"
+#include "perf/report/process.h"
 #include "perf/report/schedule.h"
 #include "platform/text.h"
+#include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/bake.h"
 #include "welkin/projection.h"
@@ -105,6 +110,17 @@ TracedWork least_trace(const Case& subject) {
   return least;
 }
 
+/// Of the first call of this process.
+TracedWork first_trace(const Case& subject) {
+  TracedWork trace;
+  run_with_threads(1, [&] {
+    jobs::TraceRecording recording;
+    subject.work();
+    trace = recording.finish();
+  });
+  return trace;
+}
+
 std::string milliseconds(double seconds) { return platform::number_text(1e3 * seconds, std::chars_format::general, 3); }
 
 std::string regions_table(const TracedWork& trace) {
@@ -153,32 +169,137 @@ std::string critical_path_table(const TracedWork& trace) {
   return text;
 }
 
+constexpr std::array<int, 7> kWorkers = {1, 2, 4, 8, 16, 32, 64};
+
+/// Seconds at each number of workers, then the critical path.
+using Times = std::array<double, kWorkers.size() + 1>;
+
+Times times_of(const TracedWork& trace) {
+  Times times{};
+  for (std::size_t k = 0; k < kWorkers.size(); ++k) times[k] = scheduled_seconds(trace, kWorkers[k]);
+  times.back() = critical_path_seconds(trace);
+  return times;
+}
+
+std::string row_of(const std::string& name, const Times& times) {
+  std::string text = "| " + name + " |";
+  for (const double seconds : times) text += " " + milliseconds(seconds) + " |";
+  return text + "\n";
+}
+
+/// A hundred lamps of a texel each, 300 times as bright as the sky, on the picture of `bake_picture`.
+std::shared_ptr<const LatLongImage> picture_with_lamps(int width) {
+  auto lit = std::make_shared<LatLongImage>(*bake_picture(width, false));
+  for (std::size_t lamp = 0; lamp < 100; ++lamp) {
+    const std::size_t row = static_cast<std::size_t>(lit->height) * (10 + lamp % 10 * 3) / 50;
+    const std::size_t column = static_cast<std::size_t>(width) * ((lamp * 37 + 11) % 100) / 100;
+    float* const texel = lit->pixels.data() + 3 * (row * static_cast<std::size_t>(width) + column);
+    for (int c = 0; c < 3; ++c) texel[c] = 300.0F;
+  }
+  return lit;
+}
+
+/// The picture of `bake_picture` at the texels' centres of a cubemap, without any of the library's tables.
+std::shared_ptr<const CubemapImage> cube_picture(int size) {
+  const auto source = bake_picture(1024, false);
+  auto cube = std::make_shared<CubemapImage>();
+  cube->size = size;
+  cube->pixels.reserve(std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
+        const double height = std::acos(std::clamp(to.y / glm::length(to), -1.0, 1.0)) / M_PI * source->height;
+        const double turn = (std::atan2(to.x, to.z) / (2.0 * M_PI) + 0.5) * source->width;
+        const int source_row = std::min(source->height - 1, static_cast<int>(height));
+        const int source_column = std::min(source->width - 1, static_cast<int>(turn));
+        const float* const texel =
+            source->pixels.data() + std::ptrdiff_t{3} * (std::ptrdiff_t{source_row} * source->width + source_column);
+        cube->pixels.insert(cube->pixels.end(), texel, texel + 3);
+      }
+    }
+  }
+  return cube;
+}
+
+template <class Image>
+Case bake_case(std::string name, int size, std::shared_ptr<const Image> source) {
+  const auto result = std::make_shared<BakeResult>();
+  return {std::move(name), [=] { bake_into(*result, source->view(), bake_options(size, false)); }};
+}
+
+/// Makes one case's picture when it is asked for.
+struct Subject {
+  std::string name;
+  std::function<Case(const std::string& name)> make;
+};
+
+std::vector<Subject> all_subjects() {
+  std::vector<Subject> subjects;
+  for (const auto& [size, width] : {std::pair{256, 1024}, {512, 1024}, {1024, 2048}}) {
+    subjects.push_back(
+        {"`Bake/" + std::to_string(size) + "/" + std::to_string(width) + "x" + std::to_string(width / 2) + "`",
+         [size = size, width = width](const auto& name) { return bake_case(name, size, bake_picture(width, false)); }});
+  }
+  subjects.push_back({"`Bake/512/1024x512` with a hundred lamps",
+                      [](const auto& name) { return bake_case(name, 512, picture_with_lamps(1024)); }});
+  for (const int size : {64, 256, 512}) {
+    subjects.push_back({"`Bake/cube-rgb32f/" + std::to_string(size) + "`",
+                        [=](const auto& name) { return bake_case(name, size, cube_picture(size)); }});
+  }
+  subjects.push_back({"`ProjectCubemap/rgb32f/1024`", [](const auto& name) {
+                        return Case{name, [view = noise_cubemap(PixelFormat::rgb32f, 1024)] { (void)project(view); }};
+                      }});
+  return subjects;
+}
+
+/// The least of several processes' first calls, each number by itself.
+Times first_times(const std::filesystem::path& program, const std::string& name) {
+  constexpr int kRuns = 5;
+  const std::filesystem::path output = scratch_file("first-call", [](const auto&) {}).parent_path() / "times";
+  Times least{};
+  for (int run = 0; run < kRuns; ++run) {
+    const report::ProcessResult result =
+        report::run_process({program.string(), "--schedule-first", name}, 0, report::Clock::wall, output);
+    std::ifstream stream(output);
+    for (double& value : least) {
+      double seconds = 0.0;
+      stream >> seconds;
+      value = run == 0 ? seconds : std::min(value, seconds);
+    }
+    if (result.exit_code != 0 || !stream) throw Error(ErrorCode::file_access, name + ": the process failed");
+  }
+  return least;
+}
+
 }  // namespace
 
-std::string schedule_tables(const std::vector<std::filesystem::path>& /*arguments*/) {
-  constexpr std::array<int, 7> kWorkers = {1, 2, 4, 8, 16, 32, 64};
-  std::vector<Case> cases;
-  for (const auto& [size, width] : {std::pair{256, 1024}, {512, 1024}, {1024, 2048}}) {
-    const auto result = std::make_shared<BakeResult>();
-    cases.push_back({"Bake/" + std::to_string(size) + "/" + std::to_string(width) + "x" + std::to_string(width / 2),
-                     [result, size = size, source = bake_picture(width, false)] {
-                       bake_into(*result, source->view(), bake_options(size, false));
-                     }});
-  }
-  cases.push_back(
-      {"ProjectCubemap/rgb32f/1024", [view = noise_cubemap(PixelFormat::rgb32f, 1024)] { (void)project(view); }});
+std::string schedule_tables(const std::filesystem::path& program) {
   std::string text = "| milliseconds on workers |";
   for (const int workers : kWorkers) text += " " + std::to_string(workers) + " |";
   text += " critical path |\n|---|---|---|---|---|---|---|---|---|\n";
   std::string regions;
-  for (const Case& subject : cases) {
-    const TracedWork trace = least_trace(subject);
-    text += "| `" + subject.name + "` |";
-    for (const int workers : kWorkers) text += " " + milliseconds(scheduled_seconds(trace, workers)) + " |";
-    text += " " + milliseconds(critical_path_seconds(trace)) + " |\n";
-    regions += "\n`" + subject.name + "`:\n\n" + regions_table(trace) + "\n" + critical_path_table(trace);
+  for (const Subject& subject : all_subjects()) {
+    const TracedWork trace = least_trace(subject.make(subject.name));
+    text += row_of(subject.name, times_of(trace));
+    text += row_of(subject.name + ", first call", first_times(program, subject.name));
+    regions += "\n" + subject.name + ":\n\n" + regions_table(trace) + "\n" + critical_path_table(trace);
   }
   return text + regions;
+}
+
+std::string first_schedule(const std::string& name) {
+  std::string text;
+  for (const Subject& subject : all_subjects()) {
+    if (subject.name != name) continue;
+    const Case one = subject.make(name);
+    const TracedWork trace = first_trace(one);
+    for (const double seconds : times_of(trace))
+      text += platform::number_text(seconds, std::chars_format::general, 9) + " ";
+    if (std::getenv("WELKIN_SCHEDULE_PATH") != nullptr)
+      text += "\n" + regions_table(trace) + critical_path_table(trace);
+  }
+  return text + "\n";
 }
 
 }  // namespace welkin::perf

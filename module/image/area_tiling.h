@@ -20,13 +20,6 @@
 
 namespace welkin::image {
 
-/// A piece of a tile's boundary, at one longitude from one height to another.
-struct TileSide {
-  double longitude;  ///< radians, from the middle of the face or from v's axis
-  double from;
-  double to;
-};
-
 class CubeTiling {
  public:
   explicit CubeTiling(int size);
@@ -66,11 +59,8 @@ class PolarRow {
   /// one on.
   void place(int row);
 
-  /// Most sides that a tile has.
-  static constexpr int kMostSides = 10;
-
-  /// The sides of a tile, whose sum of longitude (to - from) is its solid angle; how many there are. Not for the middle
-  /// texel of an odd number, which has no boundary in longitude.
+  /// The sides of a tile, at most `TileRun::kMostSides`, whose sum of longitude (to - from) is its solid angle; how
+  /// many there are. Not for the middle texel of an odd number, which has no boundary in longitude.
   int sides(int column, TileSide* sides) const noexcept;
 
   /// The height of the line beyond the row over a column: the middle texel's tile is what lies above that of column 0.

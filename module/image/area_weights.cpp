@@ -43,9 +43,7 @@ TileScratch::TileScratch(const TileWeights& weights)
   for (auto* indices : {&rows_, &columns_}) indices->resize(count);
   for (auto* counts : {&down_count_, &across_count_}) counts->resize(count, 1);
   for (auto* values : {&areas_, &upper_, &lower_}) values->resize(count);
-  dense_.resize(weights.largest_patch());
-  for (auto* values : {&across_, &along_}) values->resize(static_cast<std::size_t>(weights.width()) + 32);
-  for (auto* values : {&down_, &from_, &to_}) values->resize(static_cast<std::size_t>(weights.height()) + 2);
+  down_shares_.resize(static_cast<std::size_t>(TileRun::kMostSides) * static_cast<std::size_t>(weights.height() + 8));
 }
 
 TileWeights::TileWeights(int width, int height, int size, bool soft)
@@ -122,15 +120,11 @@ TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns)
   }
   result.groups = groups_for(most);
   const int across = kGroup * result.groups;
-  std::vector<double> left(static_cast<std::size_t>(across) + 1), right(left.size());
   for (int k = 0; k < tiling_.half(); ++k) {
     const int first = result.columns[static_cast<std::size_t>(k)] + reach_;
-    columns.integrals_from_edges(place(k), first, across + 1, left.data());
-    columns.integrals_from_edges(place(k + 1), first, across + 1, right.data());
-    for (std::size_t i = 0; i < static_cast<std::size_t>(across); ++i) {
-      const double share = (right[i] - left[i]) - (right[i + 1] - left[i + 1]);
+    columns.for_each_share(first, across, place(k), place(k + 1), [&](double share) {
       result.weights.push_back(static_cast<float>(std::max(0.0, share / (place(k + 1) - place(k)))));
-    }
+    });
   }
   return result;
 }
@@ -195,13 +189,9 @@ void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink)
       const double top = scratch.upper_[at];
       const double bottom = scratch.lower_[at];
       scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - size.rows);
-      rows_.integrals_from_edges(top, scratch.rows_[at], size.rows + 1, scratch.from_.data());
-      rows_.integrals_from_edges(bottom, scratch.rows_[at], size.rows + 1, scratch.to_.data());
       const double scale = 1.0 / (bottom - top);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(size.rows); ++i) {
-        const double share = (scratch.to_[i] - scratch.from_[i]) - (scratch.to_[i + 1] - scratch.from_[i + 1]);
-        *weights++ = static_cast<float>(std::max(0.0, share * scale));
-      }
+      rows_.for_each_share(scratch.rows_[at], size.rows, top, bottom,
+                           [&](double share) { *weights++ = static_cast<float>(std::max(0.0, share * scale)); });
       const double width = tiling_.longitude(first + k + 1) - tiling_.longitude(first + k);
       scratch.areas_[static_cast<std::size_t>(k)] = width * columns_per_radian_ * (bottom - top);
     }
@@ -248,15 +238,11 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
   WeighedRun run{TileKind::pole, 0, 0, 0, {}, &area};
   run.patches.patch_rows = rows_.last_before(height, 0) + 1;
   run.patches.patch_groups = groups_for(width_);
-  rows_.integrals_from_edges(-1.0, 0, run.patches.patch_rows + 1, scratch.from_.data());
-  rows_.integrals_from_edges(height, 0, run.patches.patch_rows + 1, scratch.to_.data());
   float* weight = scratch.weights_.data();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(run.patches.patch_rows); ++i) {
-    const double share = (scratch.to_[i] - scratch.from_[i]) - (scratch.to_[i + 1] - scratch.from_[i + 1]);
-    for (int column = 0; column < kGroup * run.patches.patch_groups; ++column) {
+  rows_.for_each_share(0, run.patches.patch_rows, -1.0, height, [&](double share) {
+    for (int column = 0; column < kGroup * run.patches.patch_groups; ++column)
       *weight++ = column < width_ ? static_cast<float>(std::max(0.0, share) / area) : 0.0F;
-    }
-  }
+  });
   constexpr std::int32_t zero = 0;
   run.patches.rows = run.patches.columns = &zero;
   run.patches.weights = scratch.weights_.data();
@@ -273,7 +259,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
     // First what each tile covers, then stretches of them with patches of one size.
     int row_guess = 0;
     for (int k = 0; k < count; ++k) {
-      TileSide side[PolarRow::kMostSides];
+      TileSide side[TileRun::kMostSides];
       const Extent extent = extent_of(side, sides(k, side));
       const auto at = static_cast<std::size_t>(k);
       const int guess = static_cast<int>(extent.left * columns_per_radian_) + reach_;
@@ -294,11 +280,17 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       for (int k = 0; k < patches.count; ++k) {
         const auto at = static_cast<std::size_t>(run.first + k);
         scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
-        TileSide side[PolarRow::kMostSides];
-        const int number = sides(run.first + k, side);
+        TileSide side[TileRun::kMostSides];
+        const TileRun tile{side,
+                           sides(run.first + k, side),
+                           columns_per_radian_,
+                           columns.from(scratch.columns_[at]),
+                           rows_.from(scratch.rows_[at]),
+                           patches.patch_rows,
+                           patches.patch_groups,
+                           scratch.down_shares_.data()};
         scratch.areas_[static_cast<std::size_t>(k)] =
-            weigh_tile(side, number, columns, scratch.rows_[at], scratch.columns_[at], patches, scratch,
-                       scratch.weights_.data() + static_cast<std::size_t>(k) * patch);
+            image_kernels().weigh_tile(tile, scratch.weights_.data() + static_cast<std::size_t>(k) * patch);
         scratch.columns_[at] -= reach_;  // from here on counted from the place of distance 0
       }
       patches.rows = scratch.rows_.data() + run.first;
@@ -310,47 +302,11 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
   }
 }
 
-/// The integral over the tile of each texel's share, over the tile's solid angle: by Green's theorem the sum over its
-/// sides of (share in longitude up to the side) x (share in height along the side). Each side begins at the height
-/// where the one before it ends.
-double TileWeights::weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row,
-                               int first_column, const PatchRun& run, TileScratch& scratch, float* weights) const {
-  const int across = run.patch_groups * kGroup;
-  const int down = run.patch_rows;
-  const auto total = static_cast<std::size_t>(down * across);
-  double* const dense = scratch.dense_.data();
-  double* const start_integrals = scratch.along_.data();
-  double* const share_across = scratch.across_.data();
-  double* from = scratch.from_.data();
-  double* to = scratch.to_.data();
-  std::fill_n(dense, total, 0.0);
-  const double start = sides[number - 1].longitude * columns_per_radian_;
-  columns.integrals_from_edges(start, first_column, across + 1, start_integrals);
-  rows_.integrals_from_edges(sides[0].from, first_row, down + 1, from);
-  double area = 0.0;
-  for (int s = 0; s < number; ++s, std::swap(from, to)) {
-    rows_.integrals_from_edges(sides[s].to, first_row, down + 1, to);
-    const double place = sides[s].longitude * columns_per_radian_;
-    if (place == start || sides[s].from == sides[s].to) continue;
-    area += (place - start) * (sides[s].to - sides[s].from);
-    columns.integrals_from_edges(place, first_column, across + 1, share_across);
-    for (int column = 0; column < across; ++column) {
-      share_across[column] =
-          (share_across[column] - start_integrals[column]) - (share_across[column + 1] - start_integrals[column + 1]);
-    }
-    for (int row = 0; row < down; ++row) {
-      const double share_down = (to[row] - from[row]) - (to[row + 1] - from[row + 1]);
-      double* const line = dense + row * across;
-      for (int column = 0; column < across; ++column) line[column] += share_down * share_across[column];
-    }
-  }
-  const double scale = 1.0 / area;
-  for (std::size_t i = 0; i < total; ++i) weights[i] = static_cast<float>(std::max(0.0, dense[i] * scale));
-  return area;
-}
-
 SoftCells::SoftCells(std::vector<double> edges, std::vector<double> half_ramps)
-    : edges_(std::move(edges)), half_ramps_(std::move(half_ramps)) {
+    : cells_(static_cast<int>(edges.size()) - 1), edges_(std::move(edges)), half_ramps_(std::move(half_ramps)) {
+  const std::size_t padded = 2 * edges_.size() + 16;
+  edges_.resize(padded, edges_.back());
+  half_ramps_.resize(padded, half_ramps_.back());
   for (const double half : half_ramps_) inverses_.push_back(half > 0.0 ? 1.0 / (4.0 * half) : 0.0);
 }
 

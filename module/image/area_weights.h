@@ -22,30 +22,44 @@ class SoftCells {
   /// `edges`: rising, one more than there are cells. `half_ramps`: for each edge, at most half a neighbouring cell.
   SoftCells(std::vector<double> edges, std::vector<double> half_ramps);
 
-  [[nodiscard]] int count() const noexcept { return static_cast<int>(edges_.size()) - 1; }
+  [[nodiscard]] int count() const noexcept { return cells_; }
 
   /// The first cell that has a share beyond `place`, from `guess` on or before.
   [[nodiscard]] int first_beyond(double place, int guess) const noexcept;
   /// The last cell that has a share before `place`.
   [[nodiscard]] int last_before(double place, int guess) const noexcept;
 
-  /// integrals[k] = the integral up to `place` of the shares of all cells from edge `first` + k on, k < number; so the
-  /// integral of one cell's share is the difference of two. Edges beyond the last count as the last.
-  void integrals_from_edges(double place, int first, int number, double* integrals) const noexcept {
-    const auto begin = static_cast<std::size_t>(first);
-    const int there = std::min(number, count() + 1 - first);
-    for (int k = 0; k < there; ++k) {
-      const std::size_t edge = begin + static_cast<std::size_t>(k);
-      const double beyond = place - edges_[edge];
-      const double half = half_ramps_[edge];
-      // On the ramp (beyond + half)^2 / (4 half), and from its end on as much as lies beyond.
+  /// Cells from `first` on, for as many as there are and 16 more beyond the last.
+  [[nodiscard]] CellRow from(int first) const noexcept {
+    return {edges_.data() + first, half_ramps_.data() + first, inverses_.data() + first};
+  }
+
+  /// The integral between two places of the shares of all cells from edge `edge` on; so that of one cell's share is the
+  /// difference of two.
+  [[nodiscard]] double integral_from_edge(int edge, double from, double to) const noexcept {
+    const auto at = static_cast<std::size_t>(std::min(edge, cells_));
+    const double half = half_ramps_[at];
+    const auto up_to = [&](double place) {  // as `weigh_tile` has it
+      const double beyond = place - edges_[at];
       const double on_ramp = std::min(std::max(beyond, -half), half) + half;
-      integrals[k] = on_ramp * on_ramp * inverses_[edge] + std::max(beyond - half, 0.0);
+      return on_ramp * on_ramp * inverses_[at] + std::max(beyond - half, 0.0);
+    };
+    return up_to(to) - up_to(from);
+  }
+
+  /// Calls `use(share)` with the integral between two places of each of `count` cells' shares.
+  template <class Use>
+  void for_each_share(int first, int count, double from, double to, const Use& use) const {
+    double here = integral_from_edge(first, from, to);
+    for (int k = 0; k < count; ++k) {
+      const double next = integral_from_edge(first + k + 1, from, to);
+      use(here - next);
+      here = next;
     }
-    for (int k = there; k < number; ++k) integrals[k] = integrals[k - 1];
   }
 
  private:
+  int cells_;
   std::vector<double> edges_;
   std::vector<double> half_ramps_;
   std::vector<double> inverses_;  ///< 1 / (4 half_ramps), or 0
@@ -85,7 +99,7 @@ class TileScratch {
   std::vector<std::int32_t> rows_, columns_;
   std::vector<int> down_count_, across_count_;  ///< what each tile touches
   std::vector<double> areas_, upper_, lower_;
-  std::vector<double> dense_, across_, along_, down_, from_, to_;
+  std::vector<double> down_shares_;
   int line_ = -1;  ///< whose heights `lower_` has
   PolarRow polar_;
 };
@@ -149,8 +163,6 @@ class TileWeights {
 
   template <class Sides>
   void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
-  double weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row, int first_column,
-                    const PatchRun& run, TileScratch& scratch, float* weights) const;
 
   CubeTiling tiling_;
   int width_;

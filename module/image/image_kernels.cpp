@@ -304,6 +304,68 @@ void reduce_pairs(const float* top, const float* bottom, const float* top_weight
 
 // The bandwidth yardstick.
 
+/// As much of a cell's share and those of all cells after it as lies before `place`, for the cells from `first` on.
+WELKIN_INLINE DoubleLanes integrals_up_to(DoubleLanes place, const CellRow& cells, std::ptrdiff_t first) {
+  const DoubleLanes beyond = place - DoubleLanes::load_unaligned(cells.edges + first);
+  const DoubleLanes half = DoubleLanes::load_unaligned(cells.half_ramps + first);
+  // On the ramp (beyond + half)^2 / (4 half), and from its end on as much as lies beyond.
+  const DoubleLanes on_ramp = xsimd::min(xsimd::max(beyond, DoubleLanes(0.0) - half), half) + half;
+  return on_ramp * on_ramp * DoubleLanes::load_unaligned(cells.inverses + first) +
+         xsimd::max(beyond - half, DoubleLanes(0.0));
+}
+
+/// Integrals of single cells' shares: of those of a cell and all after it, less those from the next one on.
+struct Shares {
+  DoubleLanes from_here, from_next;
+
+  WELKIN_INLINE Shares(double place, const CellRow& cells, std::ptrdiff_t first)
+      : from_here(integrals_up_to(DoubleLanes(place), cells, first)),
+        from_next(integrals_up_to(DoubleLanes(place), cells, first + 1)) {}
+
+  [[nodiscard]] WELKIN_INLINE DoubleLanes since(const Shares& start) const {
+    return (from_here - start.from_here) - (from_next - start.from_next);
+  }
+};
+
+double weigh_tile(const TileRun& run, float* weights) {
+  const double start = run.sides[run.number - 1].longitude * run.columns_per_radian;
+  double places[TileRun::kMostSides];
+  int kept[TileRun::kMostSides];
+  int number = 0;
+  double area = 0.0;
+  for (int s = 0; s < run.number; ++s) {
+    const double place = run.sides[s].longitude * run.columns_per_radian;
+    if (place == start || run.sides[s].from == run.sides[s].to) continue;
+    area += (place - start) * (run.sides[s].to - run.sides[s].from);
+    kept[number] = s;
+    places[number++] = place;
+  }
+  const std::ptrdiff_t stride = (run.down + 7) / 8 * 8;
+  for (int row = 0; row < run.down; row += kDoubleWidth) {
+    for (int k = 0; k < number; ++k) {
+      const Shares from(run.sides[kept[k]].from, run.rows, row);
+      Shares(run.sides[kept[k]].to, run.rows, row).since(from).store_unaligned(run.down_shares + k * stride + row);
+    }
+  }
+  const double scale = 1.0 / area;
+  const int across = 4 * run.groups;
+  for (int column = 0; column < across; column += kDoubleWidth) {
+    const Shares none(start, run.columns, column);
+    DoubleLanes shares[TileRun::kMostSides];
+    for (int k = 0; k < number; ++k) shares[k] = Shares(places[k], run.columns, column).since(none);
+    const int count = across - column < kDoubleWidth ? across - column : kDoubleWidth;
+    for (int row = 0; row < run.down; ++row) {
+      DoubleLanes sum(0.0);
+      for (int k = 0; k < number; ++k) sum = sum + DoubleLanes(run.down_shares[k * stride + row]) * shares[k];
+      alignas(64) double values[kDoubleWidth];
+      xsimd::max(sum * DoubleLanes(scale), DoubleLanes(0.0)).store_aligned(values);
+      float* const to = weights + std::ptrdiff_t{across} * row + column;
+      for (int lane = 0; lane < count; ++lane) to[lane] = static_cast<float>(values[lane]);
+    }
+  }
+  return area;
+}
+
 float read_all(const float* values, std::int64_t groups) {
   constexpr int parts = kLanes / kWidth;
   Lanes sum[4 * parts];
@@ -333,6 +395,7 @@ const ImageKernels image_kernels_table = {
     .sample_grid = sample_grid,
     .sample_patches = sample_patches,
     .reduce_pairs = reduce_pairs,
+    .weigh_tile = weigh_tile,
     .read_all = read_all,
 };
 

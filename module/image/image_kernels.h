@@ -67,6 +67,40 @@ using SamplePatches = void (*)(const PatchRun& run, float* rgb);
 using ReducePairs = void (*)(const float* top, const float* bottom, const float* top_weights,
                              const float* bottom_weights, int count, float* rgb);
 
+/// Cells along a line, with a ramp about each edge: see `SoftCells`. Beyond the last edge there are as many copies of
+/// it as a patch may reach, and a register.
+struct CellRow {
+  const double* edges;
+  const double* half_ramps;
+  const double* inverses;  ///< 1 / (4 half_ramps), or 0
+};
+
+/// A piece of a tile's boundary, at one place across from one height to another.
+struct TileSide {
+  double longitude;  ///< radians, from the middle of the face or from v's axis
+  double from;
+  double to;
+};
+
+/// A tile and the patch that it covers, from the first cell of either row on.
+struct TileRun {
+  static constexpr int kMostSides = 10;
+
+  const TileSide* sides;
+  int number;
+  double columns_per_radian;
+  CellRow columns;
+  CellRow rows;
+  int down;
+  int groups;           ///< of four columns
+  double* down_shares;  ///< room for [kMostSides][down, up to a multiple of eight]
+};
+
+/// weights[down][4 groups] = the integral over the tile of each cell's share, over the tile's area, which is returned.
+/// By Green's theorem the sum over its sides of (share across up to the side) x (share down along the side); each side
+/// begins at the height where the one before it ends.
+using WeighTile = double (*)(const TileRun& run, float* weights);
+
 /// Adds up 16 `groups` floats, as fast as memory gives them: the yardstick for bandwidth.
 using ReadAll = float (*)(const float* values, std::int64_t groups);
 
@@ -77,6 +111,7 @@ struct ImageKernels {
   SampleGrid sample_grid;
   SamplePatches sample_patches;
   ReducePairs reduce_pairs;
+  WeighTile weigh_tile;
   ReadAll read_all;
 };
 WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)

@@ -106,13 +106,23 @@ void make_not_negative(int size, const Faces& faces) {
 }
 
 /// Returns the smallest channel of a level's texels.
-double least_of(const CubemapChain& chain, int level) {
+double least_of(const CubemapChain& chain, int level, const Control& control) {
+  constexpr int kTileRows = 96;
   const int values = 3 * chain.level_size(level);
-  const float* row = chain.face(level, 0);
-  float least = std::numeric_limits<float>::max();
-  for (int k = 0; k < 2 * values; ++k, row += values)
-    least = std::min(least, projection::projection_kernels().measure_row(row, values).least);
-  return static_cast<double>(least);
+  const int rows = 2 * values;
+  const float* const first = chain.face(level, 0);
+  std::vector<float> least(static_cast<std::size_t>((rows + kTileRows - 1) / kTileRows),
+                           std::numeric_limits<float>::max());
+  const auto placement = least.size() < 4 ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  jobs::run_tiles(
+      least.size(), placement, jobs::worker_count(placement), {control.stop, {}}, [&](std::size_t tile, std::size_t) {
+        const int begin = static_cast<int>(tile) * kTileRows;
+        for (int row = begin; row < std::min(rows, begin + kTileRows); ++row) {
+          const float* const at = first + static_cast<std::ptrdiff_t>(row) * values;
+          least[tile] = std::min(least[tile], projection::projection_kernels().measure_row(at, values).least);
+        }
+      });
+  return static_cast<double>(*std::min_element(least.begin(), least.end()));
 }
 
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
@@ -161,7 +171,7 @@ class LobeChain {
   [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
   void blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
-  [[nodiscard]] bool shows_dark(std::size_t level, const MipPlan& mip) const;
+  [[nodiscard]] bool shows_dark(std::size_t level, const MipPlan& mip, const Control& control) const;
   void spectral_mip(std::size_t level, const std::vector<BrightTexel>& texels, const transforms::Spectrum& spectrum,
                     int rows, const Control& control);
   void run_narrow(const Control& control);
@@ -169,7 +179,7 @@ class LobeChain {
   [[nodiscard]] bool may_integrate(const MipPlan& mip) const;
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
-  void note_darkness(std::size_t level, double field);
+  void note_darkness(std::size_t level, double field, const Control& control);
   void end_mip(std::size_t level, const Stopwatch& watch, const Control& control);
 
   const projection::SanitizedSource& source_;
@@ -186,10 +196,10 @@ class LobeChain {
 
 /// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
 /// floats, for the bound on its error.
-void LobeChain::note_darkness(std::size_t level, double field) {
+void LobeChain::note_darkness(std::size_t level, double field, const Control& control) {
   constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
   const double share = kFloatNoise / plan_.bounds.maximum;
-  if (least_of(result_.cubemap, static_cast<int>(level)) >= share * field) return;
+  if (least_of(result_.cubemap, static_cast<int>(level), control) >= share * field) return;
   note("mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)) + ": dark channels",
        "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
 }
@@ -291,9 +301,9 @@ void LobeChain::blur(std::size_t level, const MipPlan& mip, const transforms::Sp
 }
 
 /// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
-bool LobeChain::shows_dark(std::size_t level, const MipPlan& mip) const {
+bool LobeChain::shows_dark(std::size_t level, const MipPlan& mip, const Control& control) const {
   constexpr double kOfTruncated = 6.0;  // over the root mean square: the largest error that wide lobes' bands leave
-  const double least = least_of(result_.cubemap, static_cast<int>(level));
+  const double least = least_of(result_.cubemap, static_cast<int>(level), control);
   return kOfTruncated * truncated_rms(mip, energies_) <= plan_.bounds.maximum * least;
 }
 
@@ -308,15 +318,14 @@ void LobeChain::spectral_mip(std::size_t level, const std::vector<BrightTexel>& 
   }
   blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(spectral_.tight())) : 0;
-  if (mip.bands.bands() < of_dark && !shows_dark(level, mip)) {
+  if (mip.bands.bands() < of_dark && !shows_dark(level, mip, control)) {
     mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(level, mip, spectrum, {control.stop, {}});
   }
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   const Stopwatch splatting;
-  const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
   bright_.add({*mip.lobe}, mip.size, faces, jobs::part_of(control, 0.7, 1.0));
-  note_darkness(level, field);
+  note_darkness(level, blurred_rms(energies_, mip.bands.zonal), control);
   note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(extracted_);
@@ -407,7 +416,7 @@ void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const Fa
   const Stopwatch near;
   add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
   if (source_.cubemap() && !source_.has_negatives()) make_not_negative(mip.size, faces);
-  note_darkness(level, field);
+  note_darkness(level, field, control);
   note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
   record(level).bright_texels = far.bright_texels;
