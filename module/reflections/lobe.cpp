@@ -1,7 +1,6 @@
 #include "reflections/lobe.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -11,13 +10,13 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
+#include "reflections/lobe_kernels.h"
 
 namespace welkin::reflections {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kOrder = 20;         ///< points a panel
-constexpr std::size_t kBlock = 8;  ///< nodes whose recurrences run side by side
+constexpr int kOrder = 20;  ///< points a panel
 constexpr std::size_t kCachedBytes = 4U << 20U;
 
 /// c D sin-free: with x = 1 - c, half vector squared is 1 - x / 2, so that D = alpha^2 / (pi (alpha^2 + x s)^2),
@@ -37,7 +36,7 @@ struct Rule {
 
 /// Nodes without weight, up to a whole block.
 void fill_block(Rule& rule) {
-  while (rule.distance.size() % kBlock != 0) {
+  while (rule.distance.size() % kMomentLanes != 0) {
     rule.distance.push_back(0.0);
     rule.weight.push_back(0.0);
   }
@@ -67,34 +66,18 @@ Rule make_rule(double alpha, int bands) {
   return rule;
 }
 
-/// Adds Sum_i weight_i P_l(1 - x_i) over one block of nodes to sums[l].
-///
-/// By differences, d_l = P_l - P_(l-1): (l + 1) d_(l+1) = l d_l - (2 l + 1) x P_l. Near x = 0 the usual recurrence
-/// subtracts numbers close to each other; this one keeps x's own digits.
-void add_block(const double* distance, const double* weight, std::vector<double>& sums) {
-  std::array<double, kBlock> value;
-  std::array<double, kBlock> step;
-  value.fill(1.0);
-  step.fill(0.0);
-  for (std::size_t l = 0; l < sums.size(); ++l) {
-    std::array<double, kBlock> part;
-    const auto band = static_cast<double>(l);
-    const double before = band / (band + 1.0);
-    const double here = (2.0 * band + 1.0) / (band + 1.0);
-    for (std::size_t i = 0; i < kBlock; ++i) {
-      part[i] = weight[i] * value[i];
-      step[i] = before * step[i] - here * distance[i] * value[i];
-      value[i] += step[i];
-    }
-    sums[l] += ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
-  }
-}
-
 /// Int k P_l over what the rule integrates, for l < bands.
 std::vector<double> moments(const Rule& rule, int bands) {
-  std::vector<double> sums(static_cast<std::size_t>(bands), 0.0);
-  for (std::size_t i = 0; i < rule.distance.size(); i += kBlock)
-    add_block(rule.distance.data() + i, rule.weight.data() + i, sums);
+  const auto count = static_cast<std::size_t>(bands);
+  std::vector<double> factors;
+  for (int l = 0; l < bands; ++l) factors.insert(factors.end(), {l / (l + 1.0), (2.0 * l + 1.0) / (l + 1.0)});
+  std::vector<double> lanes(kMomentLanes * count, 0.0);
+  lobe_kernels().sum_moments({rule.distance.data(), rule.weight.data(),
+                              static_cast<int>(rule.distance.size()) / kMomentLanes, factors.data(), bands},
+                             lanes.data());
+  std::vector<double> sums;
+  for (const double* lane = lanes.data(); sums.size() < count; lane += kMomentLanes)
+    sums.push_back(((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7])));
   return sums;
 }
 

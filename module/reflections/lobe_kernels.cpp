@@ -1,4 +1,4 @@
-// GGX lobes of single lights.
+// GGX lobes of single lights, and the quadrature of spectra.
 #include "reflections/lobe_kernels.h"
 
 #include "simd/decay.h"
@@ -7,7 +7,7 @@
 namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
-using simd::kWidth, simd::Lanes;
+using simd::DoubleLanes, simd::kDoubleWidth, simd::kWidth, simd::Lanes;
 
 /// Lights added to one register of texels.
 struct Sums {
@@ -125,11 +125,52 @@ void sum_cut_lobes(const LobeBlock& texels, const CutLight* lights, const LobeRu
   }
 }
 
+/// Blocks `first` to `first` + count - 1, side by side: one's additions wait for nothing of another's.
+template <int count>
+WELKIN_INLINE void sum_moments_of(const MomentRun& run, int first, double* sums) {
+  constexpr int parts = kMomentLanes / kDoubleWidth;
+  DoubleLanes distance[count][parts];
+  DoubleLanes weight[count][parts];
+  DoubleLanes value[count][parts];
+  DoubleLanes step[count][parts];
+  for (int block = 0; block < count; ++block) {
+    for (int part = 0; part < parts; ++part) {
+      const int at = (first + block) * kMomentLanes + part * kDoubleWidth;
+      distance[block][part] = DoubleLanes::load_unaligned(run.distances + at);
+      weight[block][part] = DoubleLanes::load_unaligned(run.weights + at);
+      value[block][part] = DoubleLanes(1.0);
+      step[block][part] = DoubleLanes(0.0);
+    }
+  }
+  for (int l = 0; l < run.bands; ++l, sums += kMomentLanes) {
+    const DoubleLanes before(run.factors[2 * l]);
+    const DoubleLanes here(run.factors[2 * l + 1]);
+    for (int part = 0; part < parts; ++part) {
+      DoubleLanes sum = DoubleLanes::load_unaligned(sums + part * kDoubleWidth);
+      for (int block = 0; block < count; ++block) {
+        DoubleLanes& at = value[block][part];
+        sum = sum + weight[block][part] * at;
+        step[block][part] = before * step[block][part] - here * distance[block][part] * at;
+        at = at + step[block][part];
+      }
+      sum.store_unaligned(sums + part * kDoubleWidth);
+    }
+  }
+}
+
+void sum_moments(const MomentRun& run, double* sums) {
+  constexpr int kTogether = kDoubleWidth / 2 > 0 ? kDoubleWidth / 2 : 1;  // as many as the registers hold
+  int block = 0;
+  for (; block + kTogether <= run.blocks; block += kTogether) sum_moments_of<kTogether>(run, block, sums);
+  for (; block < run.blocks; ++block) sum_moments_of<1>(run, block, sums);
+}
+
 }  // namespace
 
 const LobeKernels lobe_kernels_table = {
     .sum_lobes = sum_lobes,
     .sum_cut_lobes = sum_cut_lobes,
+    .sum_moments = sum_moments,
 };
 
 }  // namespace welkin::reflections::WELKIN_ISA

@@ -1,4 +1,4 @@
-// The kernel of lights that are blurred by a GGX lobe.
+// The kernels of lights that are blurred by a GGX lobe, and of a lobe's spectrum.
 #pragma once
 
 #include "simd/dispatch.h"
@@ -52,9 +52,26 @@ using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, cons
 using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,
                              float* sums);
 
+/// A quadrature of a zonal kernel, in blocks of `kMomentLanes` nodes.
+struct MomentRun {
+  const double* distances;  ///< 1 - c of each node
+  const double* weights;
+  int blocks;
+  const double* factors;  ///< [bands][2]: l / (l + 1), (2 l + 1) / (l + 1)
+  int bands;
+};
+inline constexpr int kMomentLanes = 8;
+
+/// sums[l][kMomentLanes] += weight P_l(1 - distance) of each lane's nodes, block after block.
+///
+/// By differences, d_l = P_l - P_(l-1): (l + 1) d_(l+1) = l d_l - (2 l + 1) x P_l, x the distance. Near x = 0 the usual
+/// recurrence subtracts numbers close to each other; this one keeps x's own digits.
+using SumMoments = void (*)(const MomentRun& run, double* sums);
+
 struct LobeKernels {
   SumLobes sum_lobes;
   SumCutLobes sum_cut_lobes;
+  SumMoments sum_moments;
 };
 WELKIN_KERNEL_TABLES(LobeKernels, lobe_kernels)
 

@@ -266,9 +266,17 @@ void analyse_order(const LegendreRun& run, const float* columns, double* state, 
   }
 }
 
-int find_start(const double* a, const double* x, double threshold, int last, double* state) {
+int find_start(const double* a, const double* x, const double* sectoral, double threshold, int last, double* state) {
   constexpr int parts = kRingLanes / kWidth;
   const DoubleLanes least(threshold);
+  double most = 0.0;
+  for (int k = 0; k < kRingLanes; k += kDoubleWidth) {
+    const DoubleLanes first = DoubleLanes::load_unaligned(sectoral + k);
+    first.store_aligned(state + k);
+    (DoubleLanes(a[1]) * DoubleLanes::load_aligned(x + k) * first).store_aligned(state + kRingLanes + k);
+  }
+  for (int k = 0; k < kRingLanes; ++k) most = most < sectoral[k] ? sectoral[k] : most;
+  if (most == 0.0) return last;
   int four = 0;
   for (; four < last; ++four, a += 4) {
     bool reached = false;

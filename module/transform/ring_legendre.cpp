@@ -25,12 +25,6 @@ constexpr double kSineForSingle = 0.25;
 /// m < L sin(theta) (nearly), and sin^m > exp(-L / e): 1e-245 for 1536 bands.
 constexpr double kVanished = 1e-280;
 
-double largest(const double* values) {
-  double most = 0.0;
-  for (int k = 0; k < 2 * kRingLanes; ++k) most = std::max(most, std::abs(values[k]));
-  return most;
-}
-
 }  // namespace
 
 std::shared_ptr<const LegendreRings> LegendreRings::get(const LegendreRingsKey& key) {
@@ -101,12 +95,8 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
     int first_group = groups_;
     for (int group = 0; group < groups_; ++group, state += state_doubles) {
       const double* const x = x_.data() + std::ptrdiff_t{kRingLanes} * group;
-      for (int k = 0; k < kRingLanes; ++k) {
-        state[k] = sectoral[static_cast<std::size_t>(group * kRingLanes + k)];
-        state[kRingLanes + k] = a[1] * x[k] * state[k];
-      }
-      const bool vanished = largest(state) == 0.0;
-      const int four = vanished ? last : kernels.find_start(a, x, kNothing, last, state);
+      const int four =
+          kernels.find_start(a, x, sectoral.data() + std::ptrdiff_t{kRingLanes} * group, kNothing, last, state);
       starts_[static_cast<std::size_t>(m) * groups + static_cast<std::size_t>(group)] = four;
       last = four;
       if (four == fours) continue;

@@ -110,9 +110,11 @@ using AnalyseOrder = void (*)(const LegendreRun& run, const float* columns, doub
 /// column of each group = sum over l of coefficients[4 fours][kHarmonicFloats] Q(l).
 using SynthesiseOrder = void (*)(const LegendreRun& run, const float* coefficients, float* columns);
 
-/// Takes one group's state (the first two Q, [2][kRingLanes]) on by fours until one of them reaches `threshold`, at
-/// most `last` fours. How many it took. a(m + i) at [i]; x: [kRingLanes].
-using FindStart = int (*)(const double* a, const double* x, double threshold, int last, double* state);
+/// Takes one group's state (two Q, [2][kRingLanes]) from P(m, m) on by fours until one of them reaches `threshold`, at
+/// most `last` fours. How many it took: all of them if P(m, m) is 0 in all lanes. a(m + i) at [i]; sectoral, which is
+/// P(m, m), and x: [kRingLanes].
+using FindStart = int (*)(const double* a, const double* x, const double* sectoral, double threshold, int last,
+                          double* state);
 
 /// sums[6] = odd parts of `groups` columns, lane by lane times weights[group][kRingLanes], in double.
 using WeighOddParts = void (*)(const float* columns, const double* weights, int groups, double* sums);
