@@ -7,6 +7,7 @@
 #include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
+#include "transform/picture_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -14,8 +15,8 @@ namespace welkin::reflections {
 
 /// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
 struct Rings {
-  LatLongView view{};
-  platform::AlignedBuffer<float> owned{};  ///< holds the pixels where the caller's own would not do
+  transforms::PictureRows view;
+  platform::AlignedBuffer<float> owned{};  ///< holds the rows where the caller's own would not do
 
   [[nodiscard]] std::size_t bytes() const noexcept { return owned.bytes(); }
 };
@@ -24,7 +25,8 @@ struct Rings {
 /// bits on any number of threads. Throws `Error` (cancelled).
 [[nodiscard]] Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
 
-/// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on `rows` rings.
+/// `source` without `bright`, which go by rows: of a lat-long the caller's own rows but for those with bright texels; a
+/// cubemap on `rows` rings.
 [[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
                              int rows, const Control& control);
 

@@ -10,11 +10,9 @@ using simd::kWidth, simd::Lanes;
 WELKIN_INLINE void share_register(const StepRun& run, float* const* sums, int at) {
   Lanes total[kStepShares];
   for (int k = 0; k < kStepShares; ++k) total[k] = Lanes::load_unaligned(sums[k] + at);
-  const float* row = run.row + at;
-  Lanes above = Lanes::load_unaligned(row);
+  Lanes above = Lanes::load_unaligned(run.rows[0] + run.first + at);
   for (int edge = 0; edge < run.edges; ++edge) {
-    row += run.row_stride;
-    const Lanes below = Lanes::load_unaligned(row);
+    const Lanes below = Lanes::load_unaligned(run.rows[edge + 1] + run.first + at);
     const Lanes step = below - above;
     const float* const shares = run.shares + edge * kStepShares;
     for (int k = 0; k < kStepShares; ++k) total[k] = total[k] + step * Lanes(shares[k]);
@@ -28,8 +26,7 @@ void share_steps(const StepRun& run, float* const* sums) {
   for (; at + kWidth <= run.floats; at += kWidth) share_register(run, sums, at);
   for (; at < run.floats; ++at) {
     for (int edge = 0; edge < run.edges; ++edge) {
-      const float* const row = run.row + edge * run.row_stride + at;
-      const float step = row[run.row_stride] - row[0];
+      const float step = run.rows[edge + 1][run.first + at] - run.rows[edge][run.first + at];
       for (int k = 0; k < kStepShares; ++k) sums[k][at] += step * run.shares[edge * kStepShares + k];
     }
   }

@@ -12,9 +12,9 @@ inline constexpr int kStepShares = 6;
 
 /// Edges between rows that give to the same coarse edges.
 struct StepRun {
-  const float* row;           ///< above the first edge
-  std::ptrdiff_t row_stride;  ///< floats
-  const float* shares;        ///< [edges][kStepShares]
+  const float* const* rows;  ///< the first above the first edge, [edges + 1]
+  std::ptrdiff_t first;      ///< float of each row
+  const float* shares;       ///< [edges][kStepShares]
   int edges;
   int floats;  ///< of a row
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <utility>
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
@@ -81,12 +82,10 @@ struct ReducedRows::Room {
   platform::AlignedBuffer<float> floats;
 };
 
-ReducedRows::ReducedRows(const LatLongView& source, const ReducedShape& shape)
-    : source_(source),
+ReducedRows::ReducedRows(PictureRows source, const ReducedShape& shape)
+    : source_(std::move(source)),
       shape_(shape),
       kernels_(reduction_kernels()),
-      source_stride_(source.row_stride_bytes != 0 ? source.row_stride_bytes / std::ptrdiff_t{sizeof(float)}
-                                                  : std::ptrdiff_t{3} * source.width),
       row_floats_(std::size_t{3} * static_cast<std::size_t>(shape.columns)),
       rows_(row_floats_ * static_cast<std::size_t>(shape.rows + 2)) {
   find_shares();
@@ -103,7 +102,7 @@ std::size_t ReducedRows::most_bytes(int width, int height, int bands, std::size_
   const std::size_t strip = 3 * count(kStripColumns + 2 * margin_of(shape.halvings));
   const std::size_t room = (kStepShares + 1) * ((strip + 15) / 16 * 16);
   return sizeof(float) * (rows + shares + workers * room) + sizeof(int) * count(shape.rows + 1) +
-         (workers + 1) * (kLine + sizeof(Room));
+         sizeof(const float*) * count(height) + (workers + 1) * (kLine + sizeof(Room));
 }
 
 void ReducedRows::find_shares() {
@@ -146,14 +145,12 @@ void ReducedRows::add_interval(int interval, const float* shares, const Strip& s
   const int edges = first_edges_[static_cast<std::size_t>(interval) + 1] - first_edge;
   if (edges <= 0) return;
   const int width = source_.width;
-  const auto* const above =
-      static_cast<const float*>(source_.pixels) + static_cast<std::ptrdiff_t>(first_edge - 1) * source_stride_;
   int column = ((strip.first - strip.margin + (turned ? width / 2 : 0)) % width + width) % width;
   for (int done = 0; done < strip.columns();) {
     const int count = std::min(strip.columns() - done, width - column);
     std::array<float*, kStepShares> here{};
     for (int k = 0; k < kStepShares; ++k) here[static_cast<std::size_t>(k)] = sums[k] + std::ptrdiff_t{3} * done;
-    kernels_.share_steps({above + std::ptrdiff_t{3} * column, source_stride_,
+    kernels_.share_steps({source_.rows.data() + first_edge - 1, std::ptrdiff_t{3} * column,
                           shares + static_cast<std::ptrdiff_t>(first_edge) * kStepShares, edges, 3 * count},
                          here.data());
     done += count;
@@ -212,9 +209,8 @@ void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Ro
 void ReducedRows::sum_equator(const Strip& strip, Room& room) noexcept {
   const int equator = shape_.rows / 2;
   float* const sum = room.sums(0);
-  const auto* const pixels = static_cast<const float*>(source_.pixels);
-  const float* const below = pixels + static_cast<std::ptrdiff_t>(source_.height / 2) * source_stride_;
-  const float* const above = pixels + static_cast<std::ptrdiff_t>((source_.height + 1) / 2 - 1) * source_stride_;
+  const float* const below = source_.row(source_.height / 2);
+  const float* const above = source_.row((source_.height + 1) / 2 - 1);
   const int width = source_.width;
   int column = (strip.first - strip.margin + width) % width;
   for (int k = 0; k < strip.columns(); ++k) {

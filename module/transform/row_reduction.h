@@ -22,10 +22,10 @@
 #include <vector>
 
 #include "platform/memory.h"
+#include "transform/picture_rows.h"
 #include "transform/reduction_kernels.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
-#include "welkin/image.h"
 
 namespace welkin::transforms {
 
@@ -44,8 +44,8 @@ struct ReducedShape {
 
 class ReducedRows {
  public:
-  /// `source` is rgb32f and outlives this. `shape` is that of `reduced_shape` with some rows.
-  ReducedRows(const LatLongView& source, const ReducedShape& shape);
+  /// The rows' pixels outlive this. `shape` is that of `reduced_shape` with some rows.
+  ReducedRows(PictureRows source, const ReducedShape& shape);
 
   /// Reads the source, rows between tiles more than once.
   void fill(const Control& control);
@@ -79,10 +79,9 @@ class ReducedRows {
   void sum_equator(const Strip& strip, Room& room) noexcept;
   void finish(float* sums, const Strip& strip, int to) noexcept;
 
-  LatLongView source_;
+  PictureRows source_;
   ReducedShape shape_;
   const ReductionKernels& kernels_;
-  std::ptrdiff_t source_stride_;  ///< floats
   std::size_t row_floats_;
   std::vector<int> first_edges_;  ///< of the interval from each coarse edge to the next, in fine edges
   std::vector<float> shares_;     ///< [fine edge][kStepShares]: what the coarse edges around it get

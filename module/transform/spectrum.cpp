@@ -50,12 +50,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-const float* row_of(const LatLongView& picture, int row) noexcept {
-  const std::ptrdiff_t packed = std::ptrdiff_t{12} * picture.width;
-  const std::ptrdiff_t stride = picture.row_stride_bytes != 0 ? picture.row_stride_bytes : packed;
-  return reinterpret_cast<const float*>(static_cast<const std::byte*>(picture.pixels) + row * stride);
-}
-
 /// What the Fourier stage needs for one group of rings.
 struct RowScratch {
   RowScratch(int width, const RingFourier& fourier)
@@ -76,7 +70,7 @@ struct AnalysisScratch {
 class Analysis {
  public:
   /// `reduced`: how the rows are brought to fewer first, if it has rows.
-  Analysis(const LatLongView& source, int bands, const ReducedShape& reduced)
+  Analysis(const PictureRows& source, int bands, const ReducedShape& reduced)
       : source_(source),
         bands_(bands),
         reduced_(reduced),
@@ -98,7 +92,7 @@ class Analysis {
     const std::int64_t texels = std::int64_t{source_.width} * source_.height;
     return jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
   }
-  [[nodiscard]] const float* row(int index) const noexcept { return row_of(source_, index); }
+  [[nodiscard]] const float* row(int index) const noexcept { return source_.row(index); }
   [[nodiscard]] float* column(int m, int group) noexcept {
     return columns_.data() +
            (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
@@ -109,7 +103,7 @@ class Analysis {
   void transform_all_rows(const Control& control);
   void sum_order(int m, AnalysisScratch& room) noexcept;
 
-  const LatLongView& source_;
+  const PictureRows& source_;
   int bands_;
   ReducedShape reduced_;
   int columns_of_row_;  ///< that is transformed
@@ -227,10 +221,10 @@ Spectrum Analysis::run(const Control& control) {
 
 // Dark pictures and spectra: see dark_scale.h. Of others the first texel is looked at, or few.
 
-DarkScale dark_scale_of(const LatLongView& picture) noexcept {
+DarkScale dark_scale_of(const PictureRows& picture) noexcept {
   Brightness brightness;
   for (int row = 0; row < picture.height && !brightness.is_enough(); ++row) {
-    brightness.look_at(row_of(picture, row), picture.width, 3);
+    brightness.look_at(picture.row(row), picture.width, 3);
   }
   return brightness.scale();
 }
@@ -251,11 +245,11 @@ DarkScale dark_scale_of(const Spectrum& spectrum) noexcept {
 }
 
 /// Packed.
-std::vector<float> multiplied(const LatLongView& picture, const DarkScale& scale) {
+std::vector<float> multiplied(const PictureRows& picture, const DarkScale& scale) {
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture.width);
   std::vector<float> pixels(row_floats * static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row) {
-    multiply_channels(row_of(picture, row), picture.width, 3, scale,
+    multiply_channels(picture.row(row), picture.width, 3, scale,
                       pixels.data() + row_floats * static_cast<std::size_t>(row));
   }
   return pixels;
@@ -283,18 +277,21 @@ Spectrum multiplied(const Spectrum& spectrum, const DarkScale& scale) {
 
 Spectrum analyse(const LatLongView& source, int bands, const Control& control, SourceRows rows) {
   image::check_view(source);
-  image::require_range("bands", bands, 1, kMaximumSpectrumBands);
-  if (source.format != PixelFormat::rgb32f) {
+  if (source.format != PixelFormat::rgb32f)
     throw Error(ErrorCode::invalid_argument, "the transform reads rgb32f pixels only; decode them first");
-  }
+  return analyse(PictureRows(source), bands, control, rows);
+}
+
+Spectrum analyse(const PictureRows& source, int bands, const Control& control, SourceRows rows) {
+  image::require_range("bands", bands, 1, kMaximumSpectrumBands);
   jobs::throw_if_cancelled(control);
   const ReducedShape shape =
       rows == SourceRows::all ? ReducedShape{} : reduced_shape(source.width, source.height, bands);
   const DarkScale scale = dark_scale_of(source);
   if (scale.is_one()) return Analysis(source, bands, shape).run(control);
   const std::vector<float> brighter = multiplied(source, scale);
-  return multiplied(Analysis({brighter.data(), source.width, source.height}, bands, shape).run(control),
-                    scale.inverse());
+  const PictureRows rows_of_brighter(LatLongView{brighter.data(), source.width, source.height});
+  return multiplied(Analysis(rows_of_brighter, bands, shape).run(control), scale.inverse());
 }
 
 namespace {

@@ -7,6 +7,7 @@
 
 #include "image/sphere_grid.h"
 #include "platform/memory.h"
+#include "transform/picture_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -54,6 +55,8 @@ enum class SourceRows {
 /// brightest, or less, may count as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a
 /// band and row, beside the result. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] Spectrum analyse(const LatLongView& source, int bands, const Control& control,
+                               SourceRows rows = SourceRows::all);
+[[nodiscard]] Spectrum analyse(const PictureRows& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
 
 /// Writes sum over l, m of zonal[l] c(l, m) Y(l, m) for l < zonal.size() to `grid` (made by the caller; columns >=

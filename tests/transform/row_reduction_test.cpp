@@ -109,7 +109,7 @@ TEST_CASE("Reduced rows take no more memory than was said, and not much less", "
     std::uint64_t peak = 0;
     {
       const HeapWatch heap;
-      transforms::ReducedRows rows(source.view(), shape);
+      transforms::ReducedRows rows(transforms::PictureRows(source.view()), shape);
       rows.fill({});
       peak = static_cast<std::uint64_t>(heap.peak_bytes());
     }
@@ -226,13 +226,16 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
           places[k] = sums.data() + k * width;
           for (std::size_t i = 0; i < width; ++i) {
             for (std::size_t edge = 0; edge < static_cast<std::size_t>(edges); ++edge) {
-              const double step = static_cast<double>(rows[(edge + 1) * stride + i]) - rows[edge * stride + i];
+              const double step = static_cast<double>(rows[(edge + 1) * stride + 3 + i]) - rows[edge * stride + 3 + i];
               truth[k * width + i] += step * shares[edge * kShares + k];
             }
           }
         }
-        transforms::reduction_kernels(set).share_steps(
-            {rows.data(), static_cast<std::ptrdiff_t>(stride), shares.data(), edges, floats}, places.data());
+        std::vector<const float*> pointers;
+        for (int row = 0; row <= edges; ++row)
+          pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
+        transforms::reduction_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats},
+                                                       places.data());
         double error = 0.0;
         for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - sums[i]));
         CHECK(error < 2e-6);

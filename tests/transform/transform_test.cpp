@@ -515,7 +515,7 @@ TEST_CASE("The transform refuses what it cannot do", "[specular][transform]") {
   CHECK(refused([&] { static_cast<void>(transforms::analyse(source.view(), 0, {})); }));
   CHECK(refused([&] { static_cast<void>(transforms::analyse(source.view(), 1537, {})); }));
   CHECK(refused([&] { static_cast<void>(transforms::analyse(with_alpha.view(), 4, {})); }));
-  CHECK(refused([&] { static_cast<void>(transforms::analyse({}, 4, {})); }));
+  CHECK(refused([&] { static_cast<void>(transforms::analyse(LatLongView{}, 4, {})); }));
   const transforms::Spectrum spectrum = transforms::analyse(source.view(), 4, {});
   const std::vector<double> zonal(5, 1.0);
   SphereGrid narrow(4, 6, GridContent::samples);
