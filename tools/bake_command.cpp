@@ -108,8 +108,8 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
     case Content::octahedral: return octahedral_of(options.octahedral_size, mips).levels;
     default: break;
   }
-  for (const Lobe lobe : options.lobes) {
-    if (content_of(lobe) == content) return static_cast<int>(kernels_of(lobe, options, *bake.specular).kernels.size());
+  for (const LobeFamily lobe : options.lobes) {
+    if (content_of(lobe) == content) return mips_of_chain(lobe_options(lobe, options, *bake.specular));
   }
   return 1;
 }

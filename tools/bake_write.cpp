@@ -481,7 +481,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   for (LobeChain& chain : baked.lobes) {
     if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
     const std::vector<double> roughness =
-        chain.lobe == Lobe::charlie ? roughness_of(chain.light) : std::vector<double>();
+        chain.lobe == LobeFamily::charlie ? roughness_of(chain.light) : std::vector<double>();
     write_cubemap({content_of(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"},
                   job);
   }

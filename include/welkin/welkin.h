@@ -526,11 +526,22 @@ WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule sche
 /* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
+/* Lobes of a chain whose mips have a roughness each; reflections.h has the formulas. */
+typedef int32_t welkin_lobe_family;
+enum {
+  WELKIN_LOBE_FAMILY_GGX = 0,
+  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen */
+  WELKIN_LOBE_FAMILY_LAMBERT = 2, /* one mip unless `mips` says more */
+  WELKIN_LOBE_FAMILY_PHONG = 3,
+  WELKIN_LOBE_FAMILY_BLINN = 4,
+  WELKIN_LOBE_FAMILY_SPECTRA = 5 /* `spectra` has the numbers */
+};
+
 /* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
   int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;                      /* 0: as many as `roughness_count` says, else as FILAMENT has it */
+  int32_t mips;                      /* 0: as many as `roughness_count` says, else as reflections.h has it */
   int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
   int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
@@ -539,6 +550,9 @@ typedef struct welkin_prefilter_options {
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
   double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
   const welkin_pixel_policy* pixels; /* null: the defaults. In a bake and of a sky it must be null */
+  welkin_lobe_family lobe;           /* of all mips */
+  int32_t spectrum_bands;            /* numbers of each mip's spectrum, 1 to 1536; only of SPECTRA, as `spectra` */
+  const double* spectra;             /* mips times spectrum_bands: what degrees are multiplied by; copied */
 } welkin_prefilter_options;
 
 /* How one mip was made, and how good it is. */

@@ -184,7 +184,7 @@ std::uint64_t irradiance_bytes(const SourceShape& source, const reflections::Irr
 
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
-  const reflections::PrefilterPlan plan = first_choice.tightened(reflections::kMostTightenings);
+  const reflections::PrefilterPlan plan = first_choice.largest();
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
@@ -192,8 +192,10 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     // wide lobes may take more
-    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::bands_for_dark(plan.tight())));
-    bytes += grid_bytes(bands, transforms::grid_for_bands(bands));
+    const bool is_ggx = plan.lights == reflections::LightsOf::ggx;
+    const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.tight())) : 0;
+    const int bands = std::max(mip.bands.bands(), dark);
+    bytes += grid_bytes(bands, is_ggx ? transforms::grid_for_bands(bands) : mip.grid());
   }
   return bytes;
 }
@@ -226,10 +228,18 @@ double transforming(double rings, double columns, int bands, const CostModel& co
   return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
 }
 
+/// Of lobes other than GGX, beside transforms: finding their spectra, and lights texel by texel. Measured with `welkin
+/// bake --lobe --size 256` of a photograph of 1024 x 512 on Zen 4, one thread; pictures differ by more than ten times.
+double lobes_beside_transforms(const reflections::PrefilterPlan& plan) {
+  if (plan.family == LobeFamily::ggx) return 0.0;
+  const auto texels = static_cast<double>(chain_texels(plan.mips.front().size, static_cast<int>(plan.mips.size())));
+  return plan.family == LobeFamily::charlie ? 5e8 + 470.0 * texels : 100.0 * texels;
+}
+
 double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
   const double rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const double columns = source.cubemap ? 2.0 * rings : source.columns;
-  double cost = 0.0;
+  double cost = lobes_beside_transforms(plan);
   if (plan.bands > 0) {
     cost += costs.bright_texel * static_cast<double>(source.texels());
     if (source.cubemap) cost += costs.ring_texel * rings * columns;
@@ -261,8 +271,10 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {
-      const transforms::GridSize grid = mip.grid();
-      cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
+      // Of lobes other than GGX the picture decides the bands: those of the transform at most.
+      const int bands = mip.bands.bands() > 0 ? mip.bands.bands() : plan.bands;
+      const transforms::GridSize grid = transforms::grid_for_bands(bands);
+      cost += transforming(grid.rings, grid.columns, bands, costs) + costs.face_texel * texels;
     }
   }
   return cost;
@@ -305,6 +317,7 @@ std::string mips_from(int mips, int size) { return std::to_string(mips) + " mips
 std::string prefilter_words(const reflections::PrefilterPlan& plan) {
   const int mips = static_cast<int>(plan.mips.size());
   std::string words = mips_from(mips, plan.mips.front().size);
+  if (plan.family != LobeFamily::ggx) words += std::string(" by the lobe ") + welkin::name(plan.family);
   if (mips == plan.chain_mips) return words;
   return words + "; left out: " + std::to_string(plan.first_mip) + " sharper, " +
          std::to_string(plan.chain_mips - plan.first_mip - mips) + " rougher";

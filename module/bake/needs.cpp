@@ -116,6 +116,8 @@ PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions&
   rest.size = std::max(1, options.size >> unused.sharp);
   rest.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
   rest.mips = static_cast<int>(rest.roughness.size());
+  const auto spectra = static_cast<int>(rest.spectra.size());
+  if (spectra > 0) rest.spectra.erase(rest.spectra.begin(), rest.spectra.begin() + std::min(unused.sharp, spectra));
   return rest;
 }
 
@@ -194,13 +196,17 @@ void spend(const View& view, double relative, NeededOptions& needed, const Contr
   }
   if (needed.options.irradiance)
     needed.options.irradiance->rms_error = std::min(needed.options.irradiance->rms_error, relative);
-  if (options.specular && options.specular->method == PrefilterMethod::automatic) {
+  const bool estimated = options.specular && options.specular->method == PrefilterMethod::automatic &&
+                         options.specular->lobe == LobeFamily::ggx;
+  if (estimated) {
     PrefilterOptions asked = *options.specular;
     asked.pixels = options.pixels;
     const Control part = jobs::part_of(control, kBandsShare, 1.0);
     pick_bounds(choose_prefilter(view, asked, budget, false, part), relative, needed);
   } else if (options.specular) {
-    needed.chosen[BakePass::specular] = "the method that was asked for has no estimate for a budget";
+    needed.chosen[BakePass::specular] = options.specular->lobe == LobeFamily::ggx
+                                            ? "the method that was asked for has no estimate for a budget"
+                                            : "a budget has no estimate for this lobe";
   }
 }
 

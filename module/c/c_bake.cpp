@@ -13,6 +13,8 @@
 #include "bake/needs.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
+#include "image/pixels.h"
+#include "transform/spectrum.h"
 #include "welkin/bake.h"
 #include "welkin/irradiance.h"
 #include "welkin/reflections.h"
@@ -192,6 +194,27 @@ welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cub
 
 }  // namespace
 
+namespace {
+
+static_assert(WELKIN_LOBE_FAMILY_SPECTRA == static_cast<int>(LobeFamily::spectra));
+
+void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wanted) {
+  wanted.lobe = enumerator("lobe", given.lobe, LobeFamily::spectra);
+  if (given.spectra == nullptr && given.spectrum_bands == 0 && wanted.lobe != LobeFamily::spectra) return;
+  if (wanted.lobe != LobeFamily::spectra)
+    refuse("spectra are given, and the lobe is another; set it to WELKIN_LOBE_FAMILY_SPECTRA");
+  require(given.spectra, "spectra");
+  image::require_range("spectrum_bands", given.spectrum_bands, 1, transforms::kMaximumSpectrumBands);
+  const int mips = given.mips != 0 ? given.mips : std::max(1, given.roughness_count);
+  image::require_range("mips", mips, 1, kMostRoughness);
+  for (int mip = 0; mip < mips; ++mip) {
+    const double* const first = given.spectra + std::ptrdiff_t{mip} * given.spectrum_bands;
+    wanted.spectra.emplace_back(first, first + given.spectrum_bands);
+  }
+}
+
+}  // namespace
+
 PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels) {
   const auto given = read_options(options, "prefilter options");
   PrefilterOptions wanted;
@@ -205,6 +228,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
+  read_spectra(given, wanted);
   wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
   set_unless_zero(wanted.rms_error, given.rms_error);
   set_unless_zero(wanted.maximum_error, given.maximum_error);

@@ -23,7 +23,14 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   writer.put(mip.size);
   writer.put(mip.roughness);
   writer.put(name(mip.method));
-  if (mip.method == MipMethod::spectral) {
+  if (plan.family != LobeFamily::ggx) {
+    // All lobes of a chain decide together which texels are taken out and how many bands there are.
+    writer.put(1);  // the version of its bits
+    writer.put(plan.family);
+    writer.put(plan.size);
+    for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
+    writer.put(plan.bounds.rms);
+  } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
     writer.put(3);  // the version of its bits

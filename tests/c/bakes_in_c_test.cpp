@@ -28,6 +28,8 @@ namespace welkin::test {
 namespace {
 
 const std::vector<double> kRoughness{0.0, 0.3, 1.0};
+const std::vector<double> kWide{0.5, 0.8};
+const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
 /// Every option away from its default in one of them at least, in both languages.
 struct WantedReflections {
@@ -36,7 +38,7 @@ struct WantedReflections {
 };
 
 std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
-  std::vector<WantedReflections> all(3, {{.size = 16}, c_struct<welkin_prefilter_options>()});
+  std::vector<WantedReflections> all(5, {{.size = 16}, c_struct<welkin_prefilter_options>()});
   for (auto& wanted : all) wanted.c_options.size = 16;
   all[1].options = {.size = 32,
                     .roughness = kRoughness,
@@ -55,6 +57,15 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[2].c_options.leave_out_rough = 1;
   all[2].c_options.rms_error = 1e-2;
   all[2].c_options.maximum_error = 5e-2;
+  all[3].options = {.size = 16, .roughness = {0.5, 0.8}, .lobe = LobeFamily::charlie};
+  all[3].c_options.roughness = kWide.data();
+  all[3].c_options.roughness_count = 2;
+  all[3].c_options.lobe = WELKIN_LOBE_FAMILY_CHARLIE;
+  all[4].options = {.size = 16, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0, 0.5, 0.25}, {2.0, 0.5, 0.0}}};
+  all[4].c_options.mips = 2;
+  all[4].c_options.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
+  all[4].c_options.spectra = kSpectra.data();
+  all[4].c_options.spectrum_bands = 3;
   return all;
 }
 
@@ -126,6 +137,25 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface]") {
     require_same(chain, of_lat_long);
     welkin_cubemap_chain_destroy(chain);
   }
+}
+
+TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refused", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 4, 4, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  const auto refused = [&](const auto& change) {
+    auto options = c_struct<welkin_prefilter_options>();
+    options.size = 4;
+    change(options);
+    welkin_cubemap_chain* chain = nullptr;
+    CHECK(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_INVALID_ARGUMENT);
+  };
+  refused([](welkin_prefilter_options& options) { options.lobe = 6; });
+  refused([](welkin_prefilter_options& options) { options.spectrum_bands = 3; });
+  refused([](welkin_prefilter_options& options) { options.lobe = WELKIN_LOBE_FAMILY_SPECTRA; });
+  refused([](welkin_prefilter_options& options) {
+    options.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
+    options.spectra = kSpectra.data();
+  });
 }
 
 TEST_CASE("C: chains by kernels have the C++ calls' bits", "[c_interface]") {

@@ -177,7 +177,7 @@ void bind_bake(py::module_& module) {
       "All that a renderer loads, as a `Bake`. Pixels, (height, width, channels) or (6, n, n, channels), or a file (a\n"
       "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
       "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
-      "specular    as `prefilter`: size=256, mips, roughness, method, rms_error, maximum_error\n"
+      "specular    as `prefilter`: size=256, mips, roughness, lobe, spectra, method, rms_error, maximum_error\n"
       "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
       "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
       "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `memory_limit`: bytes. `plan`: what\n"

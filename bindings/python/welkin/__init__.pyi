@@ -32,6 +32,7 @@ _TexelFormat: TypeAlias = Literal[
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
 _Method: TypeAlias = Literal["automatic", "spectral", "reference"]
+_Lobe: TypeAlias = Literal["ggx", "charlie", "lambert", "phong", "blinn", "spectra"]
 _Schedule: TypeAlias = Literal["linear", "filament", "babylon", "unity", "unreal"]
 _Window: TypeAlias = Literal["none", "hanning", "lanczos", "min-laplacian"]
 _Engine: TypeAlias = Literal["babylon", "three", "filament", "gltf", "unity", "unreal", "godot", "welkin"]
@@ -62,6 +63,8 @@ class _Specular(TypedDict, total=False):
     size: int
     mips: int
     roughness: Sequence[float] | _Schedule
+    lobe: _Lobe
+    spectra: Sequence[Sequence[float]]
     method: _Method
     rms_error: float
     maximum_error: float
@@ -432,6 +435,8 @@ def prefilter(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe: _Lobe = "ggx",
+    spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
@@ -582,6 +587,8 @@ def bake_many(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe: _Lobe = "ggx",
+    spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
