@@ -105,7 +105,7 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
   switch (content) {
     case Content::background: return full_chain_levels(bake.background->size.value_or(bake.specular->size));
     case Content::specular: return mips;
-    case Content::octahedral: return octahedral_of(options.octahedral_size, mips).levels;
+    case Content::octahedral: return bake.octahedral->levels;
     default: break;
   }
   for (const LobeFamily lobe : options.lobes) {

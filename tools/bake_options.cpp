@@ -461,6 +461,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;
+  if (options.octahedral_size > 0) bake.octahedral = octahedral_of(options.octahedral_size, mips);
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
   // The .env wants its polynomial, the .glb its coefficients, Filament's reflections their harmonics; the files of
   // harmonics look at what was asked for.

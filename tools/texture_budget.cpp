@@ -90,7 +90,7 @@ std::uint64_t file_bytes(const OutputFile& file, const BakeCommandOptions& optio
     }
     case Content::octahedral: {
       std::uint64_t bytes = 0;
-      for (int level = 0; level < octahedral_of(options.octahedral_size, mips).levels; ++level) {
+      for (int level = 0; level < bake.octahedral->levels; ++level) {
         const auto edge = static_cast<std::uint64_t>(options.octahedral_size >> level);
         bytes += picture_bytes(edge, edge, file);
       }

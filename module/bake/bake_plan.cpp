@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "harmonics/octahedral.h"
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
@@ -361,6 +362,7 @@ class BakePlanner {
     project();
     irradiance();
     brdf();
+    octahedral();
     return std::move(plan_);
   }
 
@@ -516,6 +518,33 @@ class BakePlanner {
         {texel * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
   }
 
+  /// Of the mips that are there: a plan may leave some out, and a file may carry fewer.
+  void octahedral() {
+    if (!options_.octahedral) return;
+    if (!options_.specular) {
+      throw Error(ErrorCode::invalid_argument,
+                  "an octahedral map is made of the specular cubemap, and specular is not asked for; ask for it, or "
+                  "leave octahedral out");
+    }
+    const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : stored_.specular_mips;
+    const int size = plan_.prefilter ? plan_.prefilter->mips.front().size : stored_.specular_size;
+    const int whole = plan_.prefilter ? plan_.prefilter->chain_mips : options_.octahedral->levels;
+    OctahedralOptions map = *options_.octahedral;
+    octahedral::check_options(map, std::min(whole, full_chain_levels(std::clamp(map.size, 1, image::kLargestFace))));
+    map.levels = std::min(map.levels, mips);
+    plan_.octahedral = map;
+    const std::uint64_t bytes = octahedral::map_bytes(map);
+    const double texels = static_cast<double>(bytes) / kTexelBytes;
+    constexpr double kOfSources = 0.4;  // maps of 64 to 1024 from cubemaps of 64 to 512
+    add(BakePass::octahedral, PassAction::run,
+        edge(map.size) + (map.levels > 1 ? " and " + std::to_string(map.levels - 1) + " smaller" : "") +
+            " from the specular cubemap",
+        {costs_.resample_cube_texel * texels +
+             kOfSources * costs_.resample_cube_source * static_cast<double>(chain_texels(size, map.levels)),
+         bytes, octahedral::working_bytes(map, size, jobs::worker_count(jobs::Placement::arena))},
+        {BakePass::specular});
+  }
+
   const SourceShape& source_;
   const BakeOptions& options_;
   const StoredKinds& stored_;
@@ -534,9 +563,10 @@ const char* name(BakePass pass) noexcept {
     case BakePass::background_mips: return "background mips";
     case BakePass::project: return "project";
     case BakePass::irradiance: return "irradiance";
-    case BakePass::brdf: break;
+    case BakePass::brdf: return "brdf";
+    case BakePass::octahedral: break;
   }
-  return "brdf";
+  return "octahedral";
 }
 
 std::uint64_t chain_texels(int size, int levels) noexcept {

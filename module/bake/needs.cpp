@@ -60,6 +60,7 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
     if (options.specular) needed.left_out[BakePass::specular] = kNotGlossy;
     if (options.brdf) needed.left_out[BakePass::brdf] = kNotGlossy;
     options.specular.reset();
+    options.octahedral.reset();
     options.brdf.reset();
     return;
   }
@@ -69,6 +70,8 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
       needed.trim.mips = unused;
     } else {
       options.specular = chain_without(unused, *options.specular);
+      if (options.octahedral)
+        options.octahedral->levels = std::min(options.octahedral->levels, *options.specular->mips);
     }
   }
   if (!needs.brdf_table && options.brdf) {

@@ -393,6 +393,12 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
   wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);
+  if (given.octahedral_size != 0) {
+    wanted.octahedral = OctahedralOptions{.size = given.octahedral_size, .border = given.octahedral_border};
+    set_unless_zero(wanted.octahedral->levels, given.octahedral_levels);
+  } else if (given.octahedral_levels != 0 || given.octahedral_border != 0) {
+    refuse("octahedral_levels or octahedral_border are given, and octahedral_size is 0; set it, or leave them 0");
+  }
   if (!wants(WELKIN_PART_SPECULAR)) wanted.specular.reset();
   wanted.brdf = brdf_options(given.brdf);
   if (!wants(WELKIN_PART_BRDF)) wanted.brdf.reset();
@@ -486,6 +492,12 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
       values.brdf_height = light.brdf->options.height;
       values.brdf_channels = light.brdf->channels;
     }
+    if (light.octahedral) {
+      values.parts |= WELKIN_PART_OCTAHEDRAL;
+      values.octahedral_size = light.octahedral->size;
+      values.octahedral_levels = static_cast<std::int32_t>(light.octahedral->levels.size());
+      values.octahedral_border = light.octahedral->border;
+    }
     values.peak_bytes = light.peak_bytes;
     write_struct(info, values, "info");
     return WELKIN_OK;
@@ -506,6 +518,23 @@ welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result
     const welkin::BakeResult& light = result_of(result);
     if (!light.radiance) refuse("the bake was asked for no harmonics");
     write_projection(projection, *light.radiance, light.diagnostics);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
+                                                 const welkin_image_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const welkin::BakeResult& light = result_of(result);
+    if (!light.octahedral) refuse("the bake was asked for no octahedral map");
+    const welkin::OctahedralMap& map = *light.octahedral;
+    if (level < 0 || static_cast<std::size_t>(level) >= map.levels.size()) {
+      refuse("level is " + std::to_string(level) + "; the map has " + std::to_string(map.levels.size()) +
+             ", counted from 0");
+    }
+    const Target checked = image_target(target);
+    require_size(checked, map.level_size(level), map.level_size(level));
+    tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
     return WELKIN_OK;
   });
 }

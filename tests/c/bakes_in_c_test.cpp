@@ -291,12 +291,16 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(5, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  std::vector<WantedBake> all(6, {{.specular = specular}, c_struct<welkin_bake_options>()});
   for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
   all[4].options.irradiance->rms_error = 1e-6;
   all[4].options.irradiance->size = 4;
   all[4].c_options.irradiance_rms_error = 1e-6;
   all[4].c_options.irradiance_size = 4;
+  all[5].options.octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4};
+  all[5].c_options.octahedral_size = 24;
+  all[5].c_options.octahedral_levels = 2;
+  all[5].c_options.octahedral_border = 4;
   all[1].options = {.background = BackgroundOptions{.size = 8, .mips = false, .mip_filter = MipFilter::box},
                     .specular = specular,
                     .irradiance = IrradianceOptions{.size = 8, .method = IrradianceMethod::harmonics},
@@ -344,6 +348,21 @@ void require_same_table(const welkin_bake_result* result, const BrdfTable& expec
   }
 }
 
+void require_same_map(const welkin_bake_result* result, const OctahedralMap& expected) {
+  for (int level = 0; level < static_cast<int>(expected.levels.size()); ++level) {
+    const std::vector<float>& values = expected.levels[static_cast<std::size_t>(level)];
+    std::vector<float> texels(values.size());
+    auto target = c_struct<welkin_image_target>();
+    target.pixels = texels.data();
+    target.width = target.height = expected.level_size(level);
+    REQUIRE(welkin_bake_result_copy_octahedral(result, level, &target, nullptr) == WELKIN_OK);
+    REQUIRE(texels == values);
+    target.width = 1;
+    REQUIRE(welkin_bake_result_copy_octahedral(result, level, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
+    REQUIRE(welkin_bake_result_copy_octahedral(result, -1, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
+  }
+}
+
 void require_same(const welkin_bake_result* result, const BakeResult& expected) {
   auto info = c_struct<welkin_bake_info>();
   REQUIRE(welkin_bake_result_get_info(result, &info) == WELKIN_OK);
@@ -375,6 +394,13 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
     REQUIRE(info.brdf_height == expected.brdf->options.height);
     REQUIRE(info.brdf_channels == expected.brdf->channels);
     require_same_table(result, *expected.brdf);
+  }
+  REQUIRE(has(WELKIN_PART_OCTAHEDRAL) == expected.octahedral.has_value());
+  if (expected.octahedral) {
+    REQUIRE(info.octahedral_size == expected.octahedral->size);
+    REQUIRE(info.octahedral_border == expected.octahedral->border);
+    REQUIRE(info.octahedral_levels == static_cast<std::int32_t>(expected.octahedral->levels.size()));
+    require_same_map(result, *expected.octahedral);
   }
 }
 

@@ -76,6 +76,18 @@ def test_lobes_are_those_of_kernels(picture):
         welkin.prefilter(picture, lobe="velvet")
 
 
+def test_a_bake_has_the_octahedral_map_of_its_reflections(picture):
+    only = {"background": False, "irradiance": False, "brdf": False}
+    how = {"size": 32, "levels": 3}
+    light = welkin.bake(picture, specular={"size": 16, "mips": 3}, octahedral=how, **only)
+    truth = welkin.to_octahedral(welkin.prefilter(picture, size=16, mips=3), **how)
+    assert light.octahedral.border == 4 and len(light.octahedral) == 3
+    assert all((a == b).all() for a, b in zip(light.octahedral.levels, truth.levels))
+    assert welkin.bake(picture, **only).octahedral is None
+    with pytest.raises(welkin.InvalidArgument, match="specular"):
+        welkin.bake(picture, specular=False, octahedral=True, **only)
+
+
 def test_threads_do_not_change_bits(picture):
     one, two = (welkin.bake(picture, specular={"size": 32}, threads=n) for n in (1, 2))
     assert all((a == b).all() for a, b in zip(one.specular.levels, two.specular.levels))

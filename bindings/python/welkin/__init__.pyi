@@ -69,6 +69,11 @@ class _Specular(TypedDict, total=False):
     rms_error: float
     maximum_error: float
 
+class _Octahedral(TypedDict, total=False):
+    size: int
+    levels: int
+    border: int
+
 class _IrradianceCubemap(TypedDict, total=False):
     size: int
     method: _BakedIrradianceMethod
@@ -502,6 +507,8 @@ class Bake:
     @property
     def specular(self) -> Reflections | None: ...
     @property
+    def octahedral(self) -> OctahedralMap | None: ...
+    @property
     def irradiance(self) -> NDArray[np.float32] | None: ...
     @property
     def radiance(self) -> SphericalHarmonics | None: ...
@@ -556,6 +563,7 @@ def bake(
     *,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
+    octahedral: bool | _Octahedral = False,
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
@@ -607,6 +615,7 @@ def plan(
     needs: _Needs | None = None,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
+    octahedral: bool | _Octahedral = False,
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
