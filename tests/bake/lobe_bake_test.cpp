@@ -45,7 +45,7 @@ std::vector<Family> all_families() {
       {{.size = 8, .roughness = {1.0}, .lobe = LobeFamily::phong}, {ZonalKernel::phong(1.0)}},
       {{.size = 8, .roughness = two, .lobe = LobeFamily::blinn},
        {ZonalKernel::blinn(power(0.5)), ZonalKernel::blinn(power(0.8))}},
-      {{.size = 8, .lobe = LobeFamily::spectra, .spectra = spectra},
+      {{.size = 8, .roughness = {0.5, 0.5}, .lobe = LobeFamily::spectra, .spectra = spectra},
        {ZonalKernel::from_spectrum(spectra[0]), ZonalKernel::from_spectrum(spectra[1])}},
   };
 }
