@@ -105,11 +105,11 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
   switch (content) {
     case Content::background: return full_chain_levels(bake.background->size.value_or(bake.specular->size));
     case Content::specular: return mips;
-    case Content::octahedral: return octahedral_of(options.octahedral_size, mips).levels;
+    case Content::octahedral: return bake.octahedral->levels;
     default: break;
   }
-  for (const Lobe lobe : options.lobes) {
-    if (content_of(lobe) == content) return static_cast<int>(kernels_of(lobe, options, *bake.specular).kernels.size());
+  for (const LobeFamily lobe : options.lobes) {
+    if (content_of(lobe) == content) return mips_of_chain(lobe_options(lobe, options, *bake.specular));
   }
   return 1;
 }

@@ -2,25 +2,23 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tools/bake_options.h"
-#include "welkin/core.h"
-#include "welkin/zonal_kernel.h"
+#include "welkin/reflections.h"
 
 namespace welkin::tool {
 
 /// A chain that was asked for.
 struct LobeChain {
-  Lobe lobe = Lobe::charlie;
+  LobeFamily lobe = LobeFamily::charlie;
   PrefilteredSpecular light;
 };
 
-/// What its file holds.
-[[nodiscard]] std::string what_of(Lobe lobe);
+/// Returns what its file holds.
+[[nodiscard]] std::string what_of(LobeFamily lobe);
 
-/// Size of mip 0 and a kernel a mip. `specular`: of `library_options`.
-[[nodiscard]] KernelChainOptions kernels_of(Lobe lobe, const BakeCommandOptions& options,
+/// Returns the chain's options. `specular`: of `library_options`.
+[[nodiscard]] PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options,
                                             const PrefilterOptions& specular);
 
 /// Options of the octahedral map of such a chain, its border one texel of the last level: as many levels as have whole

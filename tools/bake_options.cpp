@@ -219,9 +219,9 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
 void add_lobe_options(Options& table, BakeCommandOptions& options) {
   const auto store = [&options](const std::vector<std::string>& words) {
     options.lobes.clear();
-    for (const Lobe lobe : {Lobe::charlie, Lobe::lambert, Lobe::phong}) {
+    for (const LobeFamily lobe : {LobeFamily::charlie, LobeFamily::lambert, LobeFamily::phong}) {
       for (const std::string& word : words) {
-        if (same_word(word, name(lobe))) options.lobes.insert(lobe);
+        if (same_word(word, welkin::name(lobe))) options.lobes.insert(lobe);
       }
     }
   };
@@ -407,7 +407,7 @@ void settle_files(BakeCommandOptions& options) {
   }
   check_textures_of_engine(options);
   options.files = files_of_engine(options);
-  for (const Lobe lobe : {Lobe::charlie, Lobe::lambert}) {
+  for (const LobeFamily lobe : {LobeFamily::charlie, LobeFamily::lambert}) {
     if (contains(options.files, content_of(lobe))) options.lobes.insert(lobe);
   }
 }
@@ -461,6 +461,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;
+  if (options.octahedral_size > 0) bake.octahedral = octahedral_of(options.octahedral_size, mips);
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
   // The .env wants its polynomial, the .glb its coefficients, Filament's reflections their harmonics; the files of
   // harmonics look at what was asked for.

@@ -277,16 +277,14 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
 }
 
 /// The specular chain as an octahedral map, in Welkin's axes, which are Godot's.
-void write_octahedral_maps(const PrefilteredSpecular& specular, const Job& job) {
-  const std::vector<OutputFile> files = files_with(Content::octahedral, job.options.files);
-  if (files.empty()) return;
-  const OctahedralMap map = to_octahedral(
-      specular.cubemap, octahedral_of(job.options.octahedral_size, specular.cubemap.levels()), {job.control.stop, {}});
-  for (const OutputFile& file : files) {
+void write_octahedral_maps(const BakeResult& light, const Job& job) {
+  if (!light.octahedral) return;
+  const OctahedralMap& map = *light.octahedral;
+  for (const OutputFile& file : files_with(Content::octahedral, job.options.files)) {
     TextureOptions texture = job.options.texture;
     texture.format = file.format;
     texture.supercompression = file.supercompression;
-    std::vector<double> roughness = roughness_of(specular);
+    std::vector<double> roughness = roughness_of(*light.specular);
     roughness.resize(map.levels.size());
     texture.metadata = {{"welkin.content", "specular"}, {"welkin.roughness", numbers_text(roughness)}};
     const WriteReport report = write_octahedral(job.folder.place(file.name), map, texture, {job.control.stop, {}});
@@ -466,7 +464,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
     write_lat_longs(baked.lat_long, job);
     write_usd_stages(job);
   }
-  if (light.specular) write_octahedral_maps(*light.specular, job);
+  write_octahedral_maps(light, job);
   turn_to_engine(light, symmetry, control);
   if (light.background) {
     write_cubemap(
@@ -481,7 +479,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   for (LobeChain& chain : baked.lobes) {
     if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
     const std::vector<double> roughness =
-        chain.lobe == Lobe::charlie ? roughness_of(chain.light) : std::vector<double>();
+        chain.lobe == LobeFamily::charlie ? roughness_of(chain.light) : std::vector<double>();
     write_cubemap({content_of(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"},
                   job);
   }

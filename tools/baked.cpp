@@ -348,17 +348,32 @@ void explain_folder(const BakeCommandOptions& options, Plan& planned) {
   }
 }
 
-/// What the library's bake does not make stands in the plan too.
+std::string lobe_pass(LobeFamily lobe) { return std::string("lobe ") + name(lobe); }
+
+constexpr const char* kLobeReason = "as --lobe asks";
+
 template <class Source>
-void plan_env(const Source& source, const EnvChain& chain, const CostModel& costs, Plan& planned) {
-  if (!chain.second()) return;
-  const Plan env = plan(source, SceneNeeds(), second_bake_options(chain.options), costs);
-  PlannedPass pass = env.pass("specular");
-  pass.name = chain.pass;
-  pass.reason = "Babylon.js has a roughness of its own for each mip: " + pass.reason;
-  planned.result_bytes += env.result_bytes;
-  planned.working_bytes = std::max(planned.working_bytes, env.working_bytes);
+void plan_chain(const Source& source, const PrefilterOptions& chain, const std::string& name, const std::string& reason,
+                const CostModel& costs, Plan& planned) {
+  const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain), costs);
+  PlannedPass pass = beside.pass("specular");
+  pass.name = name;
+  pass.reason = reason + ": " + pass.reason;
+  planned.result_bytes += beside.result_bytes;
+  planned.working_bytes = std::max(planned.working_bytes, beside.working_bytes);
   planned.passes.push_back(std::move(pass));
+}
+
+/// What the library's bake does not make stands in the plan too: the chain of the .env or .glb, and those of --lobe.
+template <class Source>
+void plan_chains(const Source& source, const EnvChain& env, const BakeCommandOptions& options,
+                 const PrefilterOptions& specular, Plan& planned) {
+  const CostModel costs = options.scene.costs();
+  if (env.second()) {
+    plan_chain(source, env.options, env.pass, "Babylon.js has a roughness of its own for each mip", costs, planned);
+  }
+  for (const LobeFamily lobe : options.lobes)
+    plan_chain(source, lobe_options(lobe, options, specular), lobe_pass(lobe), kLobeReason, costs, planned);
 }
 
 /// What a file carries may be taken if nothing is to be done to it. (Of an .env more is made than a plan knows.)
@@ -416,10 +431,11 @@ BakeResult bake_light(const BakeSource& source, const Plan& plan, ResultCache* c
   });
 }
 
-PrefilteredSpecular prefilter_env(const BakeSource& source, const PrefilterOptions& env, ResultCache* cache,
-                                  const Control& control) {
+PrefilteredSpecular prefilter_chain(const BakeSource& source, const PrefilterOptions& chain, ResultCache* cache,
+                                    const Control& control) {
   return source.visit([&](const auto& view) {
-    return cache != nullptr ? cache->prefilter_specular(view, env, control) : prefilter_specular(view, env, control);
+    return cache != nullptr ? cache->prefilter_specular(view, chain, control)
+                            : prefilter_specular(view, chain, control);
   });
 }
 
@@ -463,7 +479,7 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
     baked.plan = work.light;
     baked.options = work.light.options;
     work.env = env_chain(options, baked.whole, work.light);
-    plan_env(view, work.env, costs, baked.plan);
+    plan_chains(view, work.env, options, *baked.whole.specular, baked.plan);
     memory.bake = work.light.result_bytes + work.light.working_bytes;
     if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
   });
@@ -500,7 +516,7 @@ HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& 
     const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
     memory.second_bake = second.result_bytes + second.working_bytes;
   }
-  plan_env(file.shape, chain, options.scene.costs(), planned);
+  plan_chains(file.shape, chain, options, *whole.specular, planned);
   return {std::move(planned), memory};
 }
 
@@ -536,18 +552,18 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, reason,
                         [&] { return bake_light(source, work.light, cache, part_of(control, work.done, end)); });
-    if (!work.env.second()) return;
-    baked.env = timed(baked.passes, work.env.pass, "Babylon.js has a roughness of its own for each mip",
-                      [&] { return prefilter_env(source, work.env.options, cache, part_of(control, kBaked, 1.0)); });
-  });
-  for (const Lobe lobe : options.lobes) {
-    const KernelChainOptions chain = kernels_of(lobe, options, *baked.whole.specular);
-    timed(baked.passes, std::string("lobe ") + name(lobe), "as --lobe asks", [&] {
-      source.visit([&](const auto& view) {
-        baked.lobes.push_back({lobe, prefilter_by_kernels(view, chain, {control.stop, {}})});
+    if (work.env.second()) {
+      baked.env = timed(baked.passes, work.env.pass, "Babylon.js has a roughness of its own for each mip", [&] {
+        return prefilter_chain(source, work.env.options, cache, part_of(control, kBaked, 1.0));
       });
-    });
-  }
+    }
+    for (const LobeFamily lobe : options.lobes) {
+      const PrefilterOptions chain = lobe_options(lobe, options, *baked.whole.specular);
+      baked.lobes.push_back({lobe, timed(baked.passes, lobe_pass(lobe), kLobeReason, [&] {
+                               return prefilter_chain(source, chain, cache, {control.stop, {}});
+                             })});
+    }
+  });
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
           [&] { use_stored_light(baked, control); });
@@ -576,7 +592,7 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
     Plan planned =
         takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
     explain_folder(options, planned);
-    plan_env(file.shape, env_chain(options, whole, planned), costs, planned);
+    plan_chains(file.shape, env_chain(options, whole, planned), options, *whole.specular, planned);
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
@@ -586,7 +602,7 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
   return source.visit([&](const auto& view) {
     Plan planned = plan(view, needs, whole, costs, part_of(control, kChosen, 1.0));
     explain_folder(options, planned);
-    plan_env(view, env_chain(options, whole, planned), costs, planned);
+    plan_chains(view, env_chain(options, whole, planned), options, *whole.specular, planned);
     return planned;
   });
 }

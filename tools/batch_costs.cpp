@@ -15,9 +15,6 @@ constexpr double kSecondsOfATexel = 20e-9;         // reading one
 constexpr double kSecondsOfAByte = 2e-9;           // writing one, of the results in memory
 constexpr double kSecondsOfPreviews = 0.12;        // of spheres of the default size
 constexpr double kSecondsOfLatLongTexel = 240e-9;  // resampled from the background
-constexpr double kSecondsOfPhongTexel = 100e-9;    // of a chain
-constexpr double kSecondsOfCharlieTexel = 470e-9;
-constexpr double kSecondsOfCharlie = 0.5;  // of its chain as well: its sharpest lobe needs many bands
 
 double texels_of_chain(double size) { return 6.0 * size * size * 4.0 / 3.0; }
 
@@ -86,11 +83,6 @@ double seconds_of_files(const Prediction& prediction, const BakeCommandOptions& 
   }
   if (contains(options.files, Content::lat_long) && needs.background)
     seconds += kSecondsOfLatLongTexel * lat_long_texels(prediction, options);
-  for (const Lobe lobe : options.lobes) {
-    const double texels = texels_of_chain(options.specular.size);
-    if (lobe == Lobe::phong) seconds += kSecondsOfPhongTexel * texels;
-    if (lobe == Lobe::charlie) seconds += kSecondsOfCharlie + kSecondsOfCharlieTexel * texels;
-  }
   return seconds;
 }
 

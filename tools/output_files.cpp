@@ -36,7 +36,7 @@ bool holds_all_levels(const OutputFile& file) {
 /// What is a cubemap, in the order in which it is written.
 std::vector<Content> cubemaps_of(const BakeCommandOptions& options) {
   std::vector<Content> cubemaps = {Content::background, Content::specular};
-  for (const Lobe lobe : options.lobes) cubemaps.push_back(content_of(lobe));
+  for (const LobeFamily lobe : options.lobes) cubemaps.push_back(content_of(lobe));
   if (options.irradiance_size > 0) cubemaps.push_back(Content::irradiance);
   return cubemaps;
 }
@@ -80,8 +80,6 @@ bool is_in_blocks(TexelFormat format) noexcept {
   return is_bc6h(format) || format == TexelFormat::astc_4x4_hdr || format == TexelFormat::astc_6x6_hdr;
 }
 
-const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }
-
 const char* name(Content content) noexcept {
   switch (content) {
     case Content::env:
@@ -101,13 +99,9 @@ const char* name(Content content) noexcept {
   return "readme";
 }
 
-Content content_of(Lobe lobe) noexcept {
-  switch (lobe) {
-    case Lobe::charlie: return Content::charlie;
-    case Lobe::lambert: return Content::lambert;
-    case Lobe::phong: break;
-  }
-  return Content::phong;
+Content content_of(LobeFamily lobe) noexcept {
+  if (lobe == LobeFamily::charlie) return Content::charlie;
+  return lobe == LobeFamily::lambert ? Content::lambert : Content::phong;
 }
 
 std::vector<std::string> names_of(const OutputFile& file, int levels) {
@@ -165,7 +159,7 @@ std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
     add(std::move(file));
   }
   if (options.octahedral_size > 0) add(file_of(Content::octahedral, Container::ktx2, options.texture));
-  for (const Lobe lobe : options.lobes) {
+  for (const LobeFamily lobe : options.lobes) {
     if (!contains(files, content_of(lobe))) add(file_of(content_of(lobe), Container::ktx2, options.texture));
   }
   return files;

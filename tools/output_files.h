@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "welkin/reflections.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::tool {
@@ -34,12 +35,6 @@ enum class Container {
 /// BC6H or ASTC.
 [[nodiscard]] bool is_in_blocks(TexelFormat format) noexcept;
 
-/// Lobes beside GGX.
-enum class Lobe { charlie, lambert, phong };
-
-/// "charlie", "lambert", "phong"
-[[nodiscard]] const char* name(Lobe lobe) noexcept;
-
 /// What a file holds.
 enum class Content {
   env,         ///< all that Babylon.js wants
@@ -60,7 +55,8 @@ enum class Content {
 /// "background", "specular", ...: the name of its files without extension where nobody calls them otherwise.
 [[nodiscard]] const char* name(Content content) noexcept;
 
-[[nodiscard]] Content content_of(Lobe lobe) noexcept;
+/// Of `charlie`, `lambert`, `phong`.
+[[nodiscard]] Content content_of(LobeFamily lobe) noexcept;
 
 /// A file that is to be written.
 struct OutputFile {

@@ -90,7 +90,7 @@ std::uint64_t file_bytes(const OutputFile& file, const BakeCommandOptions& optio
     }
     case Content::octahedral: {
       std::uint64_t bytes = 0;
-      for (int level = 0; level < octahedral_of(options.octahedral_size, mips).levels; ++level) {
+      for (int level = 0; level < bake.octahedral->levels; ++level) {
         const auto edge = static_cast<std::uint64_t>(options.octahedral_size >> level);
         bytes += picture_bytes(edge, edge, file);
       }
@@ -104,10 +104,10 @@ std::uint64_t file_bytes(const OutputFile& file, const BakeCommandOptions& optio
                            static_cast<std::uint64_t>(options.brdf.height), file);
     default: break;
   }
-  for (const Lobe lobe : options.lobes) {
+  for (const LobeFamily lobe : options.lobes) {
     if (content_of(lobe) != file.content) continue;
-    const KernelChainOptions chain = kernels_of(lobe, options, *bake.specular);
-    return chain_bytes(chain.size, static_cast<int>(chain.kernels.size()), file);
+    const PrefilterOptions chain = lobe_options(lobe, options, *bake.specular);
+    return chain_bytes(chain.size, mips_of_chain(chain), file);
   }
   return 0;  // text
 }

@@ -13,6 +13,7 @@
 #include "welkin/core.h"
 #include "welkin/engines.h"
 #include "welkin/image.h"
+#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
@@ -58,6 +59,10 @@ struct BakeOptions {
   /// None: no prefilter. Its `pixels` are not used, but those below.
   std::optional<PrefilterOptions> specular = PrefilterOptions{};
 
+  /// The specular cubemap as an octahedral map as well, as `to_octahedral` makes it; none: no map. It needs `specular`,
+  /// and no more levels than that has mips. A plan that leaves mips out has the map made of those that are left.
+  std::optional<OctahedralOptions> octahedral = std::nullopt;
+
   std::optional<IrradianceOptions> irradiance = IrradianceOptions{};  ///< none: no irradiance cubemap
 
   /// Harmonic bands that are returned, and that an irradiance cubemap from harmonics is made from: 0 to kMaximumBands.
@@ -78,6 +83,7 @@ struct BakeOptions {
 struct BakeResult {
   std::optional<CubemapChain> background;       ///< radiance
   std::optional<PrefilteredSpecular> specular;  ///< reflections
+  std::optional<OctahedralMap> octahedral;      ///< the same as an octahedral map
   std::optional<CubemapImage> irradiance;       ///< W/m2 for W/m2/sr
   std::optional<SphericalHarmonics> radiance;   ///< coefficients: the very bits of `project` (of an .env: see below)
   std::shared_ptr<const BrdfTable> brdf;        ///< shared with other bakes; null if it was not asked for
@@ -87,9 +93,9 @@ struct BakeResult {
   std::optional<BabylonPolynomial> stored_polynomial;
 
   /// Pixels read, replaced and clamped; total radiance and error estimate as `project` has them; each pass ("clean",
-  /// "background", "background mips", "specular", "project", "irradiance", "brdf", of files "read" before them, of
-  /// `bake_to` "store background" and so on after them) with its wall time: as passes overlap, times add up to more
-  /// than the bake took.
+  /// "background", "background mips", "specular", "project", "irradiance", "brdf", where it is asked for "octahedral",
+  /// of files "read" before them, of `bake_to` "store background" and so on after them) with its wall time: as passes
+  /// overlap, times add up to more than the bake took.
   ProjectionDiagnostics diagnostics;
   std::uint64_t peak_bytes = 0;  ///< bound on results and working memory together: what `bake_bytes` says
 

@@ -1,4 +1,5 @@
-// Prefiltered specular light: an environment blurred by GGX lobes, a mip for each roughness (split sum, N = V = R).
+// Prefiltered specular light: an environment blurred by GGX lobes, a mip for each roughness (split sum, N = V = R), or
+// by lobes of another family.
 //
 //   P(n) = Int L(l) k(n.l) dl / Int k(n.l) dl,   k(c) = c D(sqrt((1 + c) / 2)) for c > 0, else 0,
 //   D(h) = a^2 / (pi (h^2 (a^2 - 1) + 1)^2),     a = roughness^2
@@ -27,16 +28,38 @@ enum class PrefilterMethod {
 /// "automatic", "spectral", "reference"
 [[nodiscard]] const char* name(PrefilterMethod method) noexcept;
 
-/// Sizes, roughness and bounds of a chain.
+/// Lobes that the mips of a chain are blurred by, each a function of the mip's roughness r, alpha = r^2. Those other
+/// than GGX are `ZonalKernel`s (zonal_kernel.h), which also takes functions of the caller's.
+enum class LobeFamily {
+  ggx,      ///< the kernel above
+  charlie,  ///< `charlie(r)`: sheen. A roughness below `kLeastCharlieRoughness` (0.05) is raised to it.
+  lambert,  ///< `lambert()`: irradiance over pi, at any roughness
+  phong,    ///< `phong(max(1, 2 / alpha^2 - 2))`. A roughness below 0.12 is raised to it.
+  blinn,    ///< `blinn(2 / alpha^2 - 2)`. A roughness below 0.12 is raised to it.
+  spectra,  ///< `from_spectrum` of the numbers that `PrefilterOptions::spectra` has for the mip
+};
+
+/// "ggx", "charlie", "lambert", "phong", "blinn", "spectra"
+[[nodiscard]] const char* name(LobeFamily lobe) noexcept;
+
+/// Sizes, lobes and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
-  /// At least 1. None: as many as `roughness` names, else `mips_of_chain(filament, size)`.
+  /// At least 1. None: as many as `roughness` names, else as `spectra` has, else 1 of `lambert` and
+  /// `mips_of_chain(filament, size)` (`linear` of `charlie`) of other lobes.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(filament, mips, size)`. 0: no blur.
+  /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(filament, mips, size)`, of `charlie`
+  /// `charlie_roughness_of_mips(mips, size)`. 0 of `ggx`: no blur.
   std::vector<double> roughness{};
 
-  PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
+  LobeFamily lobe = LobeFamily::ggx;  ///< of all mips
+
+  /// Of each mip what degree 0, 1, ... of the environment is multiplied by, over the first; only of `spectra`.
+  std::vector<std::vector<double>> spectra{};
+
+  /// How each mip is computed. Of lobes other than `ggx`, `automatic` is `spectral`.
+  PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
   /// Bound on |result - truth| / truth at any texel. A channel that is darker than 1e-6 / `maximum_error` of the root
@@ -126,6 +149,9 @@ enum class RoughnessSchedule {
 /// texels, because fewer show on rough surfaces, but five where `size` has five. `unity`: seven, or as many as there
 /// are. `babylon` and `unreal`: down to 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <= 8192.
 [[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
+
+/// Returns how many mips a chain of these options has. Throws `Error` (invalid_argument) for a number out of range.
+[[nodiscard]] int mips_of_chain(const PrefilterOptions& options);
 
 /// The mip, fractions too, at which a shader that interpolates between mips finds `roughness`: by linear interpolation
 /// in `table`, which must not fall. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table

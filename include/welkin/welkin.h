@@ -526,11 +526,22 @@ WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule sche
 /* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
+/* Lobes of a chain whose mips have a roughness each; reflections.h has the formulas. */
+typedef int32_t welkin_lobe_family;
+enum {
+  WELKIN_LOBE_FAMILY_GGX = 0,
+  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen */
+  WELKIN_LOBE_FAMILY_LAMBERT = 2, /* one mip unless `mips` says more */
+  WELKIN_LOBE_FAMILY_PHONG = 3,
+  WELKIN_LOBE_FAMILY_BLINN = 4,
+  WELKIN_LOBE_FAMILY_SPECTRA = 5 /* `spectra` has the numbers */
+};
+
 /* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
   int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;                      /* 0: as many as `roughness_count` says, else as FILAMENT has it */
+  int32_t mips;                      /* 0: as many as `roughness_count` says, else as reflections.h has it */
   int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
   int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
@@ -539,6 +550,9 @@ typedef struct welkin_prefilter_options {
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
   double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
   const welkin_pixel_policy* pixels; /* null: the defaults. In a bake and of a sky it must be null */
+  welkin_lobe_family lobe;           /* of all mips */
+  int32_t spectrum_bands;            /* numbers of each mip's spectrum, 1 to 1536; only of SPECTRA, as `spectra` */
+  const double* spectra;             /* mips times spectrum_bands: what degrees are multiplied by; copied */
 } welkin_prefilter_options;
 
 /* How one mip was made, and how good it is. */
@@ -664,7 +678,8 @@ enum {
   WELKIN_PART_SPECULAR = 2,   /* reflections */
   WELKIN_PART_IRRADIANCE = 4, /* a cubemap */
   WELKIN_PART_HARMONICS = 8,  /* of radiance */
-  WELKIN_PART_BRDF = 16       /* the table */
+  WELKIN_PART_BRDF = 16,      /* the table */
+  WELKIN_PART_OCTAHEDRAL = 32 /* the reflections as an octahedral map; only where `octahedral_size` asks for it */
 };
 
 /* How a level is made from the one above it. */
@@ -697,6 +712,9 @@ typedef struct welkin_bake_options {
   const welkin_pixel_policy* pixels;          /* for all parts; null: the defaults */
   uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
   double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: 1e-3 */
+  int32_t octahedral_size;                    /* texels along an edge, borders included; 0: no map is made */
+  int32_t octahedral_levels;                  /* 0: 1; octahedral.h says which go with a size and a border */
+  int32_t octahedral_border;                  /* texels on each side of level 0; 0: 2^(octahedral_levels - 1) */
 } welkin_bake_options;
 
 /* Bakes reflections and harmonics of `probe_count` cubemaps of any sizes and formats, all of one `struct_size`, into
@@ -715,12 +733,15 @@ typedef struct welkin_bake_result welkin_bake_result;
 /* Which parts a bake made, and how large they are. */
 typedef struct welkin_bake_info {
   uint32_t struct_size;
-  welkin_parts parts;    /* that there are */
-  int32_t bands;         /* 0 without harmonics */
-  int32_t brdf_width;    /* 0 without a table */
-  int32_t brdf_height;   /* likewise */
-  int32_t brdf_channels; /* 3 with sheen, else 2 */
-  uint64_t peak_bytes;   /* bound on results and working memory together */
+  welkin_parts parts;        /* that there are */
+  int32_t bands;             /* 0 without harmonics */
+  int32_t brdf_width;        /* 0 without a table */
+  int32_t brdf_height;       /* likewise */
+  int32_t brdf_channels;     /* 3 with sheen, else 2 */
+  uint64_t peak_bytes;       /* bound on results and working memory together */
+  int32_t octahedral_size;   /* 0 without a map */
+  int32_t octahedral_levels; /* fewer than asked for where there are fewer mips */
+  int32_t octahedral_border; /* texels on each side of level 0 */
 } welkin_bake_info;
 
 /* Bakes. As `welkin_project_cubemap`, and WELKIN_LIMIT_EXCEEDED. */
@@ -744,6 +765,12 @@ WELKIN_API const welkin_cubemap_chain* welkin_bake_result_chain(const welkin_bak
 /* The harmonics of radiance, and what was read, replaced and clamped. WELKIN_INVALID_ARGUMENT without harmonics. */
 WELKIN_API welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result,
                                                            welkin_projection* projection);
+
+/* Writes a level of the octahedral map, which has octahedral_size >> level texels along an edge: RGB, and alpha 1.
+ * WELKIN_INVALID_ARGUMENT without a map. */
+WELKIN_API welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
+                                                            const welkin_image_target* target,
+                                                            uint64_t* values_clamped);
 
 /* Writes the BRDF table, as `welkin_brdf_table`. WELKIN_INVALID_ARGUMENT without one. */
 WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result,

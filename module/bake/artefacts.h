@@ -72,6 +72,7 @@ struct FoundArtefacts {
 
   /// Of the prefiltered chain: what is still to be made; nothing if all mips were found.
   std::optional<reflections::PrefilterPlan> missing_specular;
+  std::optional<Found<OctahedralMap>> octahedral;
   std::string specular_where;  ///< "3 of 5 mips found on disk"; empty if none was
   double specular_milliseconds = 0.0;
 };
@@ -93,6 +94,7 @@ class ArtefactStore {
   virtual void keep(const Projection& projection) = 0;
   virtual void keep_background(const CubemapChain& background) = 0;
   virtual void keep_irradiance(const CubemapImage& irradiance) = 0;
+  virtual void keep_octahedral(const OctahedralMap& map) = 0;
   /// Keeps the mips that were missing, if any, and joins them with those that were found to the whole chain. Once.
   [[nodiscard]] virtual PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) = 0;
 };

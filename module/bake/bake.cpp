@@ -75,6 +75,7 @@ class Baking {
     if (plan_.background_size == 0) result_.background.reset();
     if (!options_.specular) result_.specular.reset();
     if (!options_.irradiance) result_.irradiance.reset();
+    result_.octahedral.reset();
     result_.radiance.reset();
     result_.brdf.reset();
     result_.stored_polynomial.reset();
@@ -93,9 +94,10 @@ class Baking {
       case BakePass::background_mips: return &Baking::fill_levels;
       case BakePass::project: return &Baking::project_source;
       case BakePass::irradiance: return &Baking::fill_irradiance;
-      case BakePass::brdf: break;
+      case BakePass::brdf: return &Baking::look_up_brdf;
+      case BakePass::octahedral: break;
     }
-    return &Baking::look_up_brdf;
+    return &Baking::make_octahedral;
   }
 
   /// A pass of the graph, weighed by what it is expected to take, but by no less than what it takes to begin.
@@ -334,6 +336,16 @@ class Baking {
     result_.brdf = reflections::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
     return {PassAction::reuse, "made before: it depends on no scene"};
+  }
+
+  Outcome make_octahedral(const Control& control) {
+    if (found_.octahedral) {
+      result_.octahedral = std::move(found_.octahedral->value);
+      return found(found_.octahedral->where, found_.octahedral->milliseconds);
+    }
+    result_.octahedral = to_octahedral(result_.specular->cubemap, *plan_.octahedral, control);
+    if (find_ != kSkipped && plan_.prefilter) store_->keep_octahedral(*result_.octahedral);
+    return done(BakePass::octahedral);
   }
 
   // To the caller's memory.

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "harmonics/octahedral.h"
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
@@ -184,7 +185,7 @@ std::uint64_t irradiance_bytes(const SourceShape& source, const reflections::Irr
 
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
-  const reflections::PrefilterPlan plan = first_choice.tightened(reflections::kMostTightenings);
+  const reflections::PrefilterPlan plan = first_choice.largest();
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
@@ -192,8 +193,10 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     // wide lobes may take more
-    const int bands = std::max(mip.bands.bands(), std::min(plan.bands, reflections::bands_for_dark(plan.tight())));
-    bytes += grid_bytes(bands, transforms::grid_for_bands(bands));
+    const bool is_ggx = plan.lights == reflections::LightsOf::ggx;
+    const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.tight())) : 0;
+    const int bands = std::max(mip.bands.bands(), dark);
+    bytes += grid_bytes(bands, is_ggx ? transforms::grid_for_bands(bands) : mip.grid());
   }
   return bytes;
 }
@@ -226,10 +229,18 @@ double transforming(double rings, double columns, int bands, const CostModel& co
   return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
 }
 
+/// Of lobes other than GGX, beside transforms: finding their spectra, and lights texel by texel. Measured with `welkin
+/// bake --lobe --size 256` of a photograph of 1024 x 512 on Zen 4, one thread; pictures differ by more than ten times.
+double lobes_beside_transforms(const reflections::PrefilterPlan& plan) {
+  if (plan.family == LobeFamily::ggx) return 0.0;
+  const auto texels = static_cast<double>(chain_texels(plan.mips.front().size, static_cast<int>(plan.mips.size())));
+  return plan.family == LobeFamily::charlie ? 5e8 + 470.0 * texels : 100.0 * texels;
+}
+
 double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
   const double rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const double columns = source.cubemap ? 2.0 * rings : source.columns;
-  double cost = 0.0;
+  double cost = lobes_beside_transforms(plan);
   if (plan.bands > 0) {
     cost += costs.bright_texel * static_cast<double>(source.texels());
     if (source.cubemap) cost += costs.ring_texel * rings * columns;
@@ -261,8 +272,10 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {
-      const transforms::GridSize grid = mip.grid();
-      cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
+      // Of lobes other than GGX the picture decides the bands: those of the transform at most.
+      const int bands = mip.bands.bands() > 0 ? mip.bands.bands() : plan.bands;
+      const transforms::GridSize grid = transforms::grid_for_bands(bands);
+      cost += transforming(grid.rings, grid.columns, bands, costs) + costs.face_texel * texels;
     }
   }
   return cost;
@@ -305,6 +318,7 @@ std::string mips_from(int mips, int size) { return std::to_string(mips) + " mips
 std::string prefilter_words(const reflections::PrefilterPlan& plan) {
   const int mips = static_cast<int>(plan.mips.size());
   std::string words = mips_from(mips, plan.mips.front().size);
+  if (plan.family != LobeFamily::ggx) words += std::string(" by the lobe ") + welkin::name(plan.family);
   if (mips == plan.chain_mips) return words;
   return words + "; left out: " + std::to_string(plan.first_mip) + " sharper, " +
          std::to_string(plan.chain_mips - plan.first_mip - mips) + " rougher";
@@ -348,6 +362,7 @@ class BakePlanner {
     project();
     irradiance();
     brdf();
+    octahedral();
     return std::move(plan_);
   }
 
@@ -503,6 +518,33 @@ class BakePlanner {
         {texel * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
   }
 
+  /// Of the mips that are there: a plan may leave some out, and a file may carry fewer.
+  void octahedral() {
+    if (!options_.octahedral) return;
+    if (!options_.specular) {
+      throw Error(ErrorCode::invalid_argument,
+                  "an octahedral map is made of the specular cubemap, and specular is not asked for; ask for it, or "
+                  "leave octahedral out");
+    }
+    const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : stored_.specular_mips;
+    const int size = plan_.prefilter ? plan_.prefilter->mips.front().size : stored_.specular_size;
+    const int whole = plan_.prefilter ? plan_.prefilter->chain_mips : options_.octahedral->levels;
+    OctahedralOptions map = *options_.octahedral;
+    octahedral::check_options(map, std::min(whole, full_chain_levels(std::clamp(map.size, 1, image::kLargestFace))));
+    map.levels = std::min(map.levels, mips);
+    plan_.octahedral = map;
+    const std::uint64_t bytes = octahedral::map_bytes(map);
+    const double texels = static_cast<double>(bytes) / kTexelBytes;
+    constexpr double kOfSources = 0.4;  // maps of 64 to 1024 from cubemaps of 64 to 512
+    add(BakePass::octahedral, PassAction::run,
+        edge(map.size) + (map.levels > 1 ? " and " + std::to_string(map.levels - 1) + " smaller" : "") +
+            " from the specular cubemap",
+        {costs_.resample_cube_texel * texels +
+             kOfSources * costs_.resample_cube_source * static_cast<double>(chain_texels(size, map.levels)),
+         bytes, octahedral::working_bytes(map, size, jobs::worker_count(jobs::Placement::arena))},
+        {BakePass::specular});
+  }
+
   const SourceShape& source_;
   const BakeOptions& options_;
   const StoredKinds& stored_;
@@ -521,9 +563,10 @@ const char* name(BakePass pass) noexcept {
     case BakePass::background_mips: return "background mips";
     case BakePass::project: return "project";
     case BakePass::irradiance: return "irradiance";
-    case BakePass::brdf: break;
+    case BakePass::brdf: return "brdf";
+    case BakePass::octahedral: break;
   }
-  return "brdf";
+  return "octahedral";
 }
 
 std::uint64_t chain_texels(int size, int levels) noexcept {

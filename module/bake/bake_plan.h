@@ -11,10 +11,10 @@
 
 namespace welkin::baking {
 
-/// The passes, in the order in which they are planned and recorded.
-enum class BakePass { sanitize, specular, background, background_mips, project, irradiance, brdf };
+/// The passes, in the order in which they are planned and recorded. The last is there only where it is asked for.
+enum class BakePass { sanitize, specular, background, background_mips, project, irradiance, brdf, octahedral };
 
-/// "clean", "specular", "background", "background mips", "project", "irradiance", "brdf"
+/// "clean", "specular", "background", "background mips", "project", "irradiance", "brdf", "octahedral"
 [[nodiscard]] const char* name(BakePass pass) noexcept;
 
 struct BakeStep {
@@ -41,6 +41,7 @@ struct BakePlan {
   IrradianceMethod irradiance =
       IrradianceMethod::automatic;  ///< `harmonics` also where those that are stored are taken
   bool stored_specular = false;
+  std::optional<OctahedralOptions> octahedral;  ///< with no more levels than there are mips
   bool stored_background = false;
   ProjectionOptions projecting{};
 

@@ -60,6 +60,7 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
     if (options.specular) needed.left_out[BakePass::specular] = kNotGlossy;
     if (options.brdf) needed.left_out[BakePass::brdf] = kNotGlossy;
     options.specular.reset();
+    options.octahedral.reset();
     options.brdf.reset();
     return;
   }
@@ -69,6 +70,8 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
       needed.trim.mips = unused;
     } else {
       options.specular = chain_without(unused, *options.specular);
+      if (options.octahedral)
+        options.octahedral->levels = std::min(options.octahedral->levels, *options.specular->mips);
     }
   }
   if (!needs.brdf_table && options.brdf) {
@@ -116,6 +119,8 @@ PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions&
   rest.size = std::max(1, options.size >> unused.sharp);
   rest.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
   rest.mips = static_cast<int>(rest.roughness.size());
+  const auto spectra = static_cast<int>(rest.spectra.size());
+  if (spectra > 0) rest.spectra.erase(rest.spectra.begin(), rest.spectra.begin() + std::min(unused.sharp, spectra));
   return rest;
 }
 
@@ -194,13 +199,17 @@ void spend(const View& view, double relative, NeededOptions& needed, const Contr
   }
   if (needed.options.irradiance)
     needed.options.irradiance->rms_error = std::min(needed.options.irradiance->rms_error, relative);
-  if (options.specular && options.specular->method == PrefilterMethod::automatic) {
+  const bool estimated = options.specular && options.specular->method == PrefilterMethod::automatic &&
+                         options.specular->lobe == LobeFamily::ggx;
+  if (estimated) {
     PrefilterOptions asked = *options.specular;
     asked.pixels = options.pixels;
     const Control part = jobs::part_of(control, kBandsShare, 1.0);
     pick_bounds(choose_prefilter(view, asked, budget, false, part), relative, needed);
   } else if (options.specular) {
-    needed.chosen[BakePass::specular] = "the method that was asked for has no estimate for a budget";
+    needed.chosen[BakePass::specular] = options.specular->lobe == LobeFamily::ggx
+                                            ? "the method that was asked for has no estimate for a budget"
+                                            : "a budget has no estimate for this lobe";
   }
 }
 

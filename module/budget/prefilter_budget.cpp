@@ -168,6 +168,12 @@ template <class View>
 PrefilterChoice choose(const View& view, const PrefilterOptions& options, const ErrorBudget& budget, bool source_sizes,
                        const Control& control) {
   budget::check_budget(budget);
+  if (options.lobe != LobeFamily::ggx) {
+    throw Error(ErrorCode::invalid_argument,
+                std::string("an error budget has estimates of GGX lobes alone, and the lobe "
+                            "is ") +
+                    name(options.lobe) + "; set rms_error instead");
+  }
   image::check_view(view);
   const SanitizedSource source(view, options.pixels, {control.stop, {}});
   const float scale = reflections::safe_scale(source);

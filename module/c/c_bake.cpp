@@ -13,6 +13,8 @@
 #include "bake/needs.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
+#include "image/pixels.h"
+#include "transform/spectrum.h"
 #include "welkin/bake.h"
 #include "welkin/irradiance.h"
 #include "welkin/reflections.h"
@@ -192,6 +194,27 @@ welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cub
 
 }  // namespace
 
+namespace {
+
+static_assert(WELKIN_LOBE_FAMILY_SPECTRA == static_cast<int>(LobeFamily::spectra));
+
+void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wanted) {
+  wanted.lobe = enumerator("lobe", given.lobe, LobeFamily::spectra);
+  if (given.spectra == nullptr && given.spectrum_bands == 0 && wanted.lobe != LobeFamily::spectra) return;
+  if (wanted.lobe != LobeFamily::spectra)
+    refuse("spectra are given, and the lobe is another; set it to WELKIN_LOBE_FAMILY_SPECTRA");
+  require(given.spectra, "spectra");
+  image::require_range("spectrum_bands", given.spectrum_bands, 1, transforms::kMaximumSpectrumBands);
+  const int mips = given.mips != 0 ? given.mips : std::max(1, given.roughness_count);
+  image::require_range("mips", mips, 1, kMostRoughness);
+  for (int mip = 0; mip < mips; ++mip) {
+    const double* const first = given.spectra + std::ptrdiff_t{mip} * given.spectrum_bands;
+    wanted.spectra.emplace_back(first, first + given.spectrum_bands);
+  }
+}
+
+}  // namespace
+
 PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels) {
   const auto given = read_options(options, "prefilter options");
   PrefilterOptions wanted;
@@ -205,6 +228,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
+  read_spectra(given, wanted);
   wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
   set_unless_zero(wanted.rms_error, given.rms_error);
   set_unless_zero(wanted.maximum_error, given.maximum_error);
@@ -369,6 +393,12 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
   wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);
+  if (given.octahedral_size != 0) {
+    wanted.octahedral = OctahedralOptions{.size = given.octahedral_size, .border = given.octahedral_border};
+    set_unless_zero(wanted.octahedral->levels, given.octahedral_levels);
+  } else if (given.octahedral_levels != 0 || given.octahedral_border != 0) {
+    refuse("octahedral_levels or octahedral_border are given, and octahedral_size is 0; set it, or leave them 0");
+  }
   if (!wants(WELKIN_PART_SPECULAR)) wanted.specular.reset();
   wanted.brdf = brdf_options(given.brdf);
   if (!wants(WELKIN_PART_BRDF)) wanted.brdf.reset();
@@ -462,6 +492,12 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
       values.brdf_height = light.brdf->options.height;
       values.brdf_channels = light.brdf->channels;
     }
+    if (light.octahedral) {
+      values.parts |= WELKIN_PART_OCTAHEDRAL;
+      values.octahedral_size = light.octahedral->size;
+      values.octahedral_levels = static_cast<std::int32_t>(light.octahedral->levels.size());
+      values.octahedral_border = light.octahedral->border;
+    }
     values.peak_bytes = light.peak_bytes;
     write_struct(info, values, "info");
     return WELKIN_OK;
@@ -482,6 +518,23 @@ welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result
     const welkin::BakeResult& light = result_of(result);
     if (!light.radiance) refuse("the bake was asked for no harmonics");
     write_projection(projection, *light.radiance, light.diagnostics);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
+                                                 const welkin_image_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const welkin::BakeResult& light = result_of(result);
+    if (!light.octahedral) refuse("the bake was asked for no octahedral map");
+    const welkin::OctahedralMap& map = *light.octahedral;
+    if (level < 0 || static_cast<std::size_t>(level) >= map.levels.size()) {
+      refuse("level is " + std::to_string(level) + "; the map has " + std::to_string(map.levels.size()) +
+             ", counted from 0");
+    }
+    const Target checked = image_target(target);
+    require_size(checked, map.level_size(level), map.level_size(level));
+    tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
     return WELKIN_OK;
   });
 }

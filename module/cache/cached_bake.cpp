@@ -11,6 +11,7 @@
 #include "cache/recipe.h"
 #include "cache/result_cache.h"
 #include "files/file_source.h"
+#include "harmonics/octahedral.h"
 #include "platform/float_environment.h"
 #include "welkin/result_cache.h"
 
@@ -23,7 +24,14 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   writer.put(mip.size);
   writer.put(mip.roughness);
   writer.put(name(mip.method));
-  if (mip.method == MipMethod::spectral) {
+  if (plan.family != LobeFamily::ggx) {
+    // All lobes of a chain decide together which texels are taken out and how many bands there are.
+    writer.put(1);  // the version of its bits
+    writer.put(plan.family);
+    writer.put(plan.size);
+    for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
+    writer.put(plan.bounds.rms);
+  } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
     writer.put(3);  // the version of its bits
@@ -154,6 +162,12 @@ class BakeEntries final : public baking::ArtefactStore {
       found.missing_specular = chain_->missing();
       found.specular_where = chain_->found_text();
       found.specular_milliseconds = chain_->milliseconds();
+      if (plan.octahedral) {
+        name_octahedral(*plan.octahedral);
+        found.octahedral = found_as(
+            store_.find(octahedral_, octahedral::map_bytes(*plan.octahedral) + cache::kSmallPayload,
+                        [&](cache::ByteSpan bytes) { return cache::decode_octahedral(bytes, *plan.octahedral); }));
+      }
     }
     return found;
   }
@@ -169,6 +183,9 @@ class BakeEntries final : public baking::ArtefactStore {
   }
   void keep_irradiance(const CubemapImage& irradiance) override {
     store_.store(irradiance_, [&] { return cache::encode(chain_of(irradiance)); });
+  }
+  void keep_octahedral(const OctahedralMap& map) override {
+    store_.store(octahedral_, [&] { return cache::encode(map); });
   }
   [[nodiscard]] PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) override {
     if (made) chain_->add(std::move(*made));
@@ -207,6 +224,14 @@ class BakeEntries final : public baking::ArtefactStore {
     }
   }
 
+  /// By the mips that it is made of.
+  void name_octahedral(const OctahedralOptions& options) {
+    const auto& [size, levels, border] = options;
+    std::vector<ContentHash> parts{hash_of(size, levels, border)};
+    for (int mip = 0; mip < levels; ++mip) parts.push_back(chain_->key(mip));
+    octahedral_ = {EntryKind::octahedral, cache::result_key("bake octahedral", {combine(parts)})};
+  }
+
   [[nodiscard]] std::optional<cache::FoundResult<CubemapChain>> find_cubemap(const EntryName& name, int size,
                                                                              int levels, memory_resource* memory) {
     return store_.find(name, cache::cubemap_bytes(size, levels),
@@ -215,7 +240,7 @@ class BakeEntries final : public baking::ArtefactStore {
 
   cache::ResultStore& store_;
   ContentHash source_;
-  EntryName projection_, sanitized_, background_, irradiance_;
+  EntryName projection_, sanitized_, background_, irradiance_, octahedral_;
   std::optional<cache::StoredChain> chain_;
 };
 

@@ -25,6 +25,9 @@ class StoredChain {
   /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.
   [[nodiscard]] std::optional<reflections::PrefilterPlan> missing() const;
 
+  /// By what decides the bits of a mip.
+  [[nodiscard]] const ContentHash& key(int mip) const { return names_[static_cast<std::size_t>(mip)].key; }
+
   /// Takes that chain over, and keeps its mips for others.
   void add(PrefilteredSpecular made);
 

@@ -27,7 +27,8 @@ enum class EntryKind : std::uint32_t {
   cubemap = 3,
   face_sums = 4,
   sky_tables = 5,
-  bytes = 6
+  bytes = 6,
+  octahedral = 7
 };
 
 struct EntryName {

@@ -168,6 +168,27 @@ std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
   return if_complete(loader, std::move(chain));
 }
 
+Bytes encode(const OctahedralMap& map) {
+  Saver saver(0);
+  saver(map.size, map.border, map.levels.size());
+  for (const std::vector<float>& level : map.levels) saver.floats(level);
+  return saver.writer.take();
+}
+
+std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options) {
+  Loader loader(bytes);
+  OctahedralMap map;
+  std::size_t levels = 0;
+  loader(map.size, map.border, levels);
+  if (map.size != options.size || levels != static_cast<std::size_t>(options.levels)) return std::nullopt;
+  for (int level = 0; level < options.levels; ++level) {
+    loader.floats(map.levels.emplace_back());
+    const std::size_t edge = static_cast<std::size_t>(map.level_size(level));
+    if (map.levels.back().size() != 3 * edge * edge) return std::nullopt;
+  }
+  return if_complete(loader, std::move(map));
+}
+
 Bytes encode_mip(const MipRecord& mip, const float* texels) {
   const std::size_t values = mip_values(mip.size);
   Saver saver(values * sizeof(float));
@@ -317,13 +338,15 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
 }
 
 ContentHash hash_options(const PrefilterOptions& options) {
-  const auto& [size, mips, roughness, method, rms_error, maximum_error, pixels] = options;
+  const auto& [size, mips, roughness, lobe, spectra, method, rms_error, maximum_error, pixels] = options;
   // Stand where options stood once, so that recorded hashes stay the same.
   constexpr int removed = 0;
   constexpr int removed_samples = 1024;
   OptionWriter writer("prefilter");
   writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, removed_samples,
              cache::pixel_key(pixels));
+  if (lobe != LobeFamily::ggx) writer.all(lobe);
+  for (const std::vector<double>& spectrum : spectra) writer.all(spectrum);
   return writer.hash();
 }
 
@@ -335,7 +358,7 @@ ContentHash hash_options(const BrdfTableOptions& options) {
 }
 
 ContentHash hash_options(const BakeOptions& options) {
-  const auto& [background, specular, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
+  const auto& [background, specular, octahedral, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   const auto& [background_size, background_mips, mip_filter] = background.value_or(BackgroundOptions{});
   const auto& [irradiance_size, irradiance_method, irradiance_error] = irradiance.value_or(IrradianceOptions{});
@@ -353,6 +376,10 @@ ContentHash hash_options(const BakeOptions& options) {
   writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
              irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, removed, removed_flag, table,
              cache::pixel_key(pixels));
+  if (octahedral) {
+    const auto& [size, levels, border] = *octahedral;
+    writer.all(size, levels, border);
+  }
   return writer.hash();
 }
 

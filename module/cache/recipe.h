@@ -21,6 +21,7 @@
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
+#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/result_cache.h"
@@ -172,12 +173,15 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 /// `texels`: the six faces, 18 times the square of `mip.size`.
 [[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels);
 [[nodiscard]] Bytes encode(const projection::FaceSums& sums);
+[[nodiscard]] Bytes encode(const OctahedralMap& map);
 /// Without atmosphere and options, which whoever asks has.
 [[nodiscard]] Bytes encode(const SkyTables& tables);
 
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
 [[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
                                                          memory_resource* memory = nullptr);
+/// As large as the options say.
+[[nodiscard]] std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
 [[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,

@@ -156,6 +156,7 @@ UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
 
 bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
   if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
+  if (options.specular->lobe != LobeFamily::ggx) return false;  // what files carry is of GGX
   return platform::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
          file.roughness.back() >= needs.glossy->maximum;
 }

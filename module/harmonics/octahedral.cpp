@@ -1,4 +1,4 @@
-#include "welkin/octahedral.h"
+#include "harmonics/octahedral.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,14 +52,20 @@ struct Square {
   [[nodiscard]] int inner() const noexcept { return size - 2 * border; }
 };
 
+/// A texel's centre in half texels from the middle of the square inside the border.
+struct Centre {
+  int a, b;
+};
+
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
 
 int border_of(const OctahedralOptions& options) {
   return options.border > 0 ? options.border : 1 << (options.levels - 1);
 }
 
-/// Throws `Error` (invalid_argument).
-void check_options(const OctahedralOptions& options, int most_levels) {
+}  // namespace
+
+void octahedral::check_options(const OctahedralOptions& options, int most_levels) {
   image::require_range("size of an octahedral map", options.size, 1, image::kLargestFace);
   image::require_range("levels of an octahedral map", options.levels, 1, most_levels);
   const int step = 1 << (options.levels - 1);
@@ -75,6 +81,28 @@ void check_options(const OctahedralOptions& options, int most_levels) {
            std::to_string(border));
   }
 }
+
+std::uint64_t octahedral::map_bytes(const OctahedralOptions& options) noexcept {
+  std::uint64_t texels = 0;
+  for (int level = 0; level < options.levels; ++level) {
+    const auto edge = static_cast<std::uint64_t>(options.size >> level);
+    texels += edge * edge;
+  }
+  return texels * 3 * sizeof(float);
+}
+
+std::uint64_t octahedral::working_bytes(const OctahedralOptions& options, int cube_size, std::size_t workers) noexcept {
+  // Level 0 takes most: a copy of the cubemap with rings, a list of texels, and for each worker the weights of one
+  // texel, which overlaps three faces at most, each by six times the mean. A vector that grows is there twice.
+  const auto square = [](std::uint64_t edge) { return edge * edge; };
+  const auto ringed = 6 * square(static_cast<std::uint64_t>(cube_size) + 2);
+  const auto inner = static_cast<std::uint64_t>(std::max(1, options.size - 2 * border_of(options)));
+  const auto overlap = 3 * square(6 * static_cast<std::uint64_t>(cube_size) / inner + 4);
+  return ringed * 3 * sizeof(float) + square(inner) * sizeof(Centre) / 2 +
+         workers * 3 * sizeof(double) * std::min(ringed, overlap);
+}
+
+namespace {
 
 /// The pixels of one level.
 class Level {
@@ -109,11 +137,6 @@ class Level {
  private:
   Square square_;
   std::vector<float> pixels_;
-};
-
-/// A texel's centre in half texels from the middle of the square inside the border.
-struct Centre {
-  int a, b;
 };
 
 /// Returns the texels whose images under the map's symmetries are all texels. If `inner` is even, the symmetries
@@ -235,7 +258,7 @@ dvec3 octahedral_direction(double column, double row) noexcept {
 OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   if (chain.levels() == 0) refuse("a chain without levels; an octahedral map needs one level at least");
-  check_options(options, std::min(chain.levels(), full_chain_levels(options.size)));
+  octahedral::check_options(options, std::min(chain.levels(), full_chain_levels(options.size)));
   OctahedralMap map{options.size, border_of(options), {}};
   for (int level = 0; level < options.levels; ++level) {
     const double from = static_cast<double>(level) / options.levels;
@@ -249,7 +272,7 @@ OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& 
 OctahedralMap to_octahedral(const SphericalHarmonics& harmonics, const OctahedralOptions& options,
                             const Control& control) {
   const platform::FloatingPointScope floating_point;
-  check_options(options, 1);
+  octahedral::check_options(options, 1);
   OctahedralMap map{options.size, border_of(options), {}};
   const Square square{map.size, map.border};
   const int inner = square.inner();

@@ -35,8 +35,25 @@ void check_error_bound(const char* what, double value, double least, PrefilterMe
                                         " is more than float arithmetic gives; the reference method has no bound");
 }
 
-std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
-  if (options.roughness.empty()) return roughness_of_mips(RoughnessSchedule::filament, mips, options.size);
+void check_lobe(const PrefilterOptions& options) {
+  if (static_cast<int>(options.lobe) < 0 || options.lobe > LobeFamily::spectra) {
+    refuse(ErrorCode::invalid_argument,
+           "the lobe " + std::to_string(static_cast<int>(options.lobe)) + " is not one that Welkin knows");
+  }
+  if ((options.lobe == LobeFamily::spectra) == !options.spectra.empty()) return;
+  refuse(ErrorCode::invalid_argument, options.spectra.empty()
+                                          ? "the lobe is spectra, and there are none; pass one for each mip"
+                                          : std::string("spectra are given, and the lobe is ") + name(options.lobe) +
+                                                "; set it to spectra, or leave them out");
+}
+
+double least_roughness(LobeFamily lobe) noexcept {
+  constexpr double kLeastPhongRoughness = 0.12;  // below, a power asks for too many harmonics
+  if (lobe == LobeFamily::charlie) return kLeastCharlieRoughness;
+  return lobe == LobeFamily::phong || lobe == LobeFamily::blinn ? kLeastPhongRoughness : 0.0;
+}
+
+void check_roughness(const PrefilterOptions& options, int mips) {
   if (options.roughness.size() < static_cast<std::size_t>(mips)) {
     refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but roughness names " +
                                             std::to_string(options.roughness.size()) + "; it needs one for each mip");
@@ -47,14 +64,33 @@ std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
     refuse(ErrorCode::invalid_argument, "roughness of mip " + std::to_string(mip) + " is " +
                                             platform::number_text(roughness) + "; it must be from 0 to 1");
   }
-  return options.roughness;
+}
+
+std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
+  if (!options.roughness.empty()) check_roughness(options, mips);
+  std::vector<double> roughness = options.roughness;
+  if (roughness.empty()) {
+    roughness = options.lobe == LobeFamily::charlie
+                    ? charlie_roughness_of_mips(mips, options.size)
+                    : roughness_of_mips(RoughnessSchedule::filament, mips, options.size);
+  }
+  roughness.resize(static_cast<std::size_t>(mips));
+  for (double& value : roughness) value = std::max(value, least_roughness(options.lobe));
+  return roughness;
+}
+
+int default_mips(const PrefilterOptions& options) {
+  if (!options.roughness.empty()) return static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  if (!options.spectra.empty()) return static_cast<int>(std::min<std::size_t>(options.spectra.size(), 99));
+  if (options.lobe == LobeFamily::lambert) return 1;
+  return mips_of_chain(options.lobe == LobeFamily::charlie ? RoughnessSchedule::linear : RoughnessSchedule::filament,
+                       options.size);
 }
 
 int mips_of(const PrefilterOptions& options) {
+  check_lobe(options);
   const int whole = full_chain_levels(options.size);
-  const int named = options.roughness.empty() ? mips_of_chain(RoughnessSchedule::filament, options.size)
-                                              : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
-  const int mips = options.mips.value_or(named);
+  const int mips = options.mips ? *options.mips : default_mips(options);
   if (mips >= 1 && mips <= whole) return mips;
   refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips; a cubemap of " + std::to_string(options.size) +
                                           " texels along an edge has 1 to " + std::to_string(whole));
@@ -111,6 +147,20 @@ PrefilterPlan PrefilterPlan::tightened(int steps) const {
   return tighter;
 }
 
+PrefilterPlan PrefilterPlan::largest() const {
+  if (lights == LightsOf::ggx) return tightened(kMostTightenings);
+  PrefilterPlan most = *this;
+  if (bands == 0) return most;
+  const auto ends = [](const auto& lobe) { return lobe->last_band() > 0; };
+  if (!platform::ranges::all_of(spectral_lobes, ends)) most.bands = transforms::kMaximumSpectrumBands;
+  for (MipPlan& mip : most.mips) {
+    if (mip.method != MipMethod::spectral) continue;
+    const int last = mip.lobe->last_band();
+    mip.bands.zonal.assign(static_cast<std::size_t>(last > 0 ? last : most.bands), 0.0);
+  }
+  return most;
+}
+
 double narrow_reach(const PrefilterPlan& plan) noexcept {
   const PrefilterOptions usual;
   return std::max(plan.reach, reach_for(usual.rms_error, usual.maximum_error));
@@ -118,10 +168,7 @@ double narrow_reach(const PrefilterPlan& plan) noexcept {
 
 std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
-  const int mips = mips_of(options);
-  std::vector<double> roughness = roughness_of(options, mips);
-  roughness.resize(static_cast<std::size_t>(mips));
-  return roughness;
+  return roughness_of(options, mips_of(options));
 }
 
 transforms::GridSize MipPlan::grid() const noexcept {
@@ -139,29 +186,12 @@ void take_in(const MipPlan& mip, int bands, PrefilterPlan& plan) {
   plan.spectral_lobes.push_back(mip.lobe);
 }
 
-}  // namespace
-
-PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
-  image::require_range("size", options.size, 1, kLargestSize);
-  if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
-    refuse(ErrorCode::invalid_argument,
-           "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
-  }
-  check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
-  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
-  projection::check_policy(options.pixels);
-  const int mips = mips_of(options);
-  const std::vector<double> roughness = roughness_of(options, mips);
-  PrefilterPlan plan;
-  plan.size = options.size;
-  plan.chain_mips = mips;
-  plan.reach = reach_for(options.rms_error, options.maximum_error);
-  plan.bounds = {options.rms_error, options.maximum_error};
-  plan.may_integrate = options.method == PrefilterMethod::automatic;
-  for (int level = 0; level < mips; ++level) {
+/// Adds the mips of GGX lobes.
+void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughness, PrefilterPlan& plan) {
+  for (std::size_t level = 0; level < roughness.size(); ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);
-    mip.roughness = roughness[static_cast<std::size_t>(level)];
+    mip.roughness = roughness[level];
     mip.alpha = mip.roughness * mip.roughness;
     mip.method = method_for(options, plan.reach, mip);
     if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
@@ -172,10 +202,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));
   }
-  return plan;
 }
-
-namespace {
 
 /// Returns the bands of the first transform for a lobe other than GGX: as many as it takes for a picture with many
 /// edges, whose energy of degree l is kEdges / l^2 of the whole.
@@ -201,7 +228,80 @@ int first_bands(const Lobe& lobe, double rms_error) {
   }
 }
 
+/// Adds the mips of other lobes, whose bands the picture decides.
+void plan_kernels(const std::vector<ZonalKernel>& kernels, bool reference, PrefilterPlan& plan) {
+  const PrefilterOptions usual;
+  plan.reach = reach_for(usual.rms_error, usual.maximum_error);
+  plan.lights = LightsOf::any;
+  for (std::size_t level = 0; level < kernels.size(); ++level) {
+    MipPlan mip;
+    mip.size = std::max(1, plan.size >> level);
+    mip.roughness = kernels[level].roughness();
+    mip.lobe = kernels[level].lobe();
+    mip.method = reference ? MipMethod::reference : MipMethod::spectral;
+    if (!reference) take_in(mip, first_bands(*mip.lobe, plan.bounds.rms), plan);
+    plan.mips.push_back(std::move(mip));
+  }
+}
+
+ZonalKernel kernel_of(LobeFamily lobe, double roughness) {
+  const double alpha = roughness * roughness;
+  const double power = 2.0 / (alpha * alpha) - 2.0;  // as wide as GGX (Walter et al. 2007)
+  switch (lobe) {
+    case LobeFamily::charlie: return ZonalKernel::charlie(roughness);
+    case LobeFamily::phong: return ZonalKernel::phong(std::max(1.0, power));
+    case LobeFamily::blinn: return ZonalKernel::blinn(std::max(0.0, power));
+    default: return ZonalKernel::lambert();
+  }
+}
+
+/// Adds the mips of a family other than GGX.
+void plan_family(const PrefilterOptions& options, const std::vector<double>& roughness, PrefilterPlan& plan) {
+  if (options.lobe == LobeFamily::spectra && options.spectra.size() < roughness.size()) {
+    refuse(ErrorCode::invalid_argument, std::to_string(roughness.size()) + " mips, but there are " +
+                                            std::to_string(options.spectra.size()) + " spectra; each mip needs one");
+  }
+  plan.family = options.lobe;
+  std::vector<ZonalKernel> kernels;
+  for (std::size_t level = 0; level < roughness.size(); ++level) {
+    if (options.lobe == LobeFamily::spectra) {
+      kernels.push_back(ZonalKernel::from_spectrum(options.spectra[level]));
+      plan.family_numbers.push_back(options.spectra[level]);
+    } else {
+      kernels.push_back(kernel_of(options.lobe, roughness[level]));
+      plan.family_numbers.push_back({roughness[level]});
+    }
+  }
+  plan_kernels(kernels, options.method == PrefilterMethod::reference, plan);
+  for (std::size_t level = 0; level < roughness.size(); ++level) plan.mips[level].roughness = roughness[level];
+}
+
 }  // namespace
+
+PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
+    refuse(ErrorCode::invalid_argument,
+           "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
+  }
+  check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
+  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
+  projection::check_policy(options.pixels);
+  const int mips = mips_of(options);
+  const std::vector<double> roughness = roughness_of(options, mips);
+  PrefilterPlan plan;
+  plan.size = options.size;
+  plan.chain_mips = mips;
+  plan.reach = reach_for(options.rms_error, options.maximum_error);
+  plan.bounds = {options.rms_error, options.maximum_error};
+  plan.may_integrate = options.method == PrefilterMethod::automatic;
+  if (options.lobe == LobeFamily::ggx) {
+    plan_ggx(options, roughness, plan);
+  } else {
+    plan_family(options, roughness, plan);
+  }
+  return plan;
+}
 
 PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
@@ -222,20 +322,30 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   plan.size = options.size;
   plan.chain_mips = static_cast<int>(options.kernels.size());
   const PrefilterOptions usual;
-  plan.reach = reach_for(usual.rms_error, usual.maximum_error);
   plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
-  plan.lights = LightsOf::any;
-  for (std::size_t level = 0; level < options.kernels.size(); ++level) {
-    const ZonalKernel& kernel = options.kernels[level];
-    MipPlan mip;
-    mip.size = std::max(1, options.size >> level);
-    mip.roughness = kernel.roughness();
-    mip.lobe = kernel.lobe();
-    mip.method = reference ? MipMethod::reference : MipMethod::spectral;
-    if (!reference) take_in(mip, first_bands(*mip.lobe, options.rms_error), plan);
-    plan.mips.push_back(std::move(mip));
-  }
+  plan_kernels(options.kernels, reference, plan);
   return plan;
 }
 
 }  // namespace welkin::reflections
+
+namespace welkin {
+
+const char* name(LobeFamily lobe) noexcept {
+  switch (lobe) {
+    case LobeFamily::ggx: break;
+    case LobeFamily::charlie: return "charlie";
+    case LobeFamily::lambert: return "lambert";
+    case LobeFamily::phong: return "phong";
+    case LobeFamily::blinn: return "blinn";
+    case LobeFamily::spectra: return "spectra";
+  }
+  return "ggx";
+}
+
+int mips_of_chain(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, reflections::kLargestSize);
+  return reflections::mips_of(options);
+}
+
+}  // namespace welkin

@@ -47,6 +47,11 @@ struct PrefilterPlan {
   double least_alpha = 1.0;         ///< `Lobe::width_alpha`: decides how those are cut into lights
   LightsOf lights = LightsOf::ggx;  ///< the lobes of all mips
 
+  /// The family of lobes that options name, and of all but GGX what decides each lobe of the whole chain: roughness or
+  /// spectrum.
+  LobeFamily family = LobeFamily::ggx;
+  std::vector<std::vector<double>> family_numbers;
+
   /// Of the whole chain's spectral mips, as all of them decide how many bands this picture takes.
   std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
 
@@ -61,6 +66,8 @@ struct PrefilterPlan {
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
   /// Returns a plan of GGX lobes with more bands and rings, for a picture with more energy in them than most have.
   [[nodiscard]] PrefilterPlan tightened(int steps) const;
+  /// Returns a plan that no picture makes this one exceed, in bands, rings and so in memory.
+  [[nodiscard]] PrefilterPlan largest() const;
 
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;

@@ -219,6 +219,12 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
   const BakeResult pixels = bake(stored.view(0), whole_bake());
   CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
   CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));
+  // what it carries is of GGX
+  BakeOptions sheen = whole_bake();
+  sheen.specular->roughness = {0.5, 0.8};
+  sheen.specular->mips = 2;
+  sheen.specular->lobe = LobeFamily::charlie;
+  CHECK(plan(file, {}, sheen).pass("specular").action == PassAction::run);
   // stored results were made without a clamp
   BakeOptions clamped = whole_bake();
   clamped.pixels.clamp = RadianceClamp{.maximum = 1.0F};

@@ -47,8 +47,13 @@ inline bool same_bits(const BakeResult& a, const BakeResult& b) {
     if (x_or_none.has_value() != y_or_none.has_value()) return false;
     return !x_or_none || same_bits(*x_or_none, *y_or_none);
   };
-  return same(a.background, b.background) && same_specular() && same(a.irradiance, b.irradiance) && same_radiance() &&
-         same_table() && same_diagnostics && same_polynomial();
+  const auto same_map = [&] {
+    if (a.octahedral.has_value() != b.octahedral.has_value()) return false;
+    return !a.octahedral || (a.octahedral->size == b.octahedral->size && a.octahedral->border == b.octahedral->border &&
+                             a.octahedral->levels == b.octahedral->levels);
+  };
+  return same(a.background, b.background) && same_specular() && same_map() && same(a.irradiance, b.irradiance) &&
+         same_radiance() && same_table() && same_diagnostics && same_polynomial();
 }
 
 inline const PassRecord& pass_named(const BakeResult& result, const std::string& name) {

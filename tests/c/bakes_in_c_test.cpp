@@ -28,6 +28,8 @@ namespace welkin::test {
 namespace {
 
 const std::vector<double> kRoughness{0.0, 0.3, 1.0};
+const std::vector<double> kWide{0.5, 0.8};
+const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
 /// Every option away from its default in one of them at least, in both languages.
 struct WantedReflections {
@@ -36,7 +38,7 @@ struct WantedReflections {
 };
 
 std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
-  std::vector<WantedReflections> all(3, {{.size = 16}, c_struct<welkin_prefilter_options>()});
+  std::vector<WantedReflections> all(5, {{.size = 16}, c_struct<welkin_prefilter_options>()});
   for (auto& wanted : all) wanted.c_options.size = 16;
   all[1].options = {.size = 32,
                     .roughness = kRoughness,
@@ -55,6 +57,15 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[2].c_options.leave_out_rough = 1;
   all[2].c_options.rms_error = 1e-2;
   all[2].c_options.maximum_error = 5e-2;
+  all[3].options = {.size = 16, .roughness = {0.5, 0.8}, .lobe = LobeFamily::charlie};
+  all[3].c_options.roughness = kWide.data();
+  all[3].c_options.roughness_count = 2;
+  all[3].c_options.lobe = WELKIN_LOBE_FAMILY_CHARLIE;
+  all[4].options = {.size = 16, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0, 0.5, 0.25}, {2.0, 0.5, 0.0}}};
+  all[4].c_options.mips = 2;
+  all[4].c_options.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
+  all[4].c_options.spectra = kSpectra.data();
+  all[4].c_options.spectrum_bands = 3;
   return all;
 }
 
@@ -126,6 +137,25 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface]") {
     require_same(chain, of_lat_long);
     welkin_cubemap_chain_destroy(chain);
   }
+}
+
+TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refused", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 4, 4, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  const auto refused = [&](const auto& change) {
+    auto options = c_struct<welkin_prefilter_options>();
+    options.size = 4;
+    change(options);
+    welkin_cubemap_chain* chain = nullptr;
+    CHECK(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_INVALID_ARGUMENT);
+  };
+  refused([](welkin_prefilter_options& options) { options.lobe = 6; });
+  refused([](welkin_prefilter_options& options) { options.spectrum_bands = 3; });
+  refused([](welkin_prefilter_options& options) { options.lobe = WELKIN_LOBE_FAMILY_SPECTRA; });
+  refused([](welkin_prefilter_options& options) {
+    options.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
+    options.spectra = kSpectra.data();
+  });
 }
 
 TEST_CASE("C: chains by kernels have the C++ calls' bits", "[c_interface]") {
@@ -261,12 +291,16 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(5, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  std::vector<WantedBake> all(6, {{.specular = specular}, c_struct<welkin_bake_options>()});
   for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
   all[4].options.irradiance->rms_error = 1e-6;
   all[4].options.irradiance->size = 4;
   all[4].c_options.irradiance_rms_error = 1e-6;
   all[4].c_options.irradiance_size = 4;
+  all[5].options.octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4};
+  all[5].c_options.octahedral_size = 24;
+  all[5].c_options.octahedral_levels = 2;
+  all[5].c_options.octahedral_border = 4;
   all[1].options = {.background = BackgroundOptions{.size = 8, .mips = false, .mip_filter = MipFilter::box},
                     .specular = specular,
                     .irradiance = IrradianceOptions{.size = 8, .method = IrradianceMethod::harmonics},
@@ -314,6 +348,21 @@ void require_same_table(const welkin_bake_result* result, const BrdfTable& expec
   }
 }
 
+void require_same_map(const welkin_bake_result* result, const OctahedralMap& expected) {
+  for (int level = 0; level < static_cast<int>(expected.levels.size()); ++level) {
+    const std::vector<float>& values = expected.levels[static_cast<std::size_t>(level)];
+    std::vector<float> texels(values.size());
+    auto target = c_struct<welkin_image_target>();
+    target.pixels = texels.data();
+    target.width = target.height = expected.level_size(level);
+    REQUIRE(welkin_bake_result_copy_octahedral(result, level, &target, nullptr) == WELKIN_OK);
+    REQUIRE(texels == values);
+    target.width = 1;
+    REQUIRE(welkin_bake_result_copy_octahedral(result, level, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
+    REQUIRE(welkin_bake_result_copy_octahedral(result, -1, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
+  }
+}
+
 void require_same(const welkin_bake_result* result, const BakeResult& expected) {
   auto info = c_struct<welkin_bake_info>();
   REQUIRE(welkin_bake_result_get_info(result, &info) == WELKIN_OK);
@@ -345,6 +394,13 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
     REQUIRE(info.brdf_height == expected.brdf->options.height);
     REQUIRE(info.brdf_channels == expected.brdf->channels);
     require_same_table(result, *expected.brdf);
+  }
+  REQUIRE(has(WELKIN_PART_OCTAHEDRAL) == expected.octahedral.has_value());
+  if (expected.octahedral) {
+    REQUIRE(info.octahedral_size == expected.octahedral->size);
+    REQUIRE(info.octahedral_border == expected.octahedral->border);
+    REQUIRE(info.octahedral_levels == static_cast<std::int32_t>(expected.octahedral->levels.size()));
+    require_same_map(result, *expected.octahedral);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "files.h"
+#include "octahedral.h"
 #include "results.h"
 #include "source.h"
 
@@ -48,6 +49,13 @@ PrefilterOptions specular_options(const py::dict& given) {
   return how;
 }
 
+OctahedralOptions map_options(const py::dict& given) {
+  Options options("bake", given, "octahedral");
+  const OctahedralOptions how = octahedral_options(options);
+  options.finish();
+  return how;
+}
+
 BrdfTableOptions table_options(const py::dict& given) {
   Options options("bake", given, "brdf");
   const BrdfTableOptions how = brdf_options(options);
@@ -59,6 +67,7 @@ BrdfTableOptions table_options(const py::dict& given) {
 struct Baked {
   std::optional<Chain> background;
   std::optional<Reflections> specular;
+  std::optional<SharedOctahedral> octahedral;
   py::object irradiance;
   std::optional<SphericalHarmonics> radiance;
   std::optional<SharedBrdf> brdf;
@@ -69,6 +78,7 @@ struct Baked {
       : radiance(std::move(made.radiance)), diagnostics(std::move(made.diagnostics)), peak_bytes(made.peak_bytes) {
     if (made.background) background.emplace(std::move(*made.background));
     if (made.specular) specular.emplace(std::move(*made.specular));
+    if (made.octahedral) octahedral = shared(std::move(*made.octahedral));
     if (made.brdf) brdf = SharedBrdf{std::move(made.brdf)};
     irradiance = made.irradiance ? py::object(array_of(std::move(*made.irradiance))) : py::none();
   }
@@ -86,6 +96,7 @@ std::string words(const Baked& baked) {
     parts += " of " + std::to_string(baked.specular->cubemap->size()) + " with " +
              counted(baked.specular->mips.size(), "mip");
   }
+  part(baked.octahedral.has_value(), "octahedral map");
   part(!baked.irradiance.is_none(), "irradiance");
   if (baked.radiance) part(true, counted(static_cast<std::size_t>(baked.radiance->bands()), "band"));
   part(baked.brdf.has_value(), "BRDF table");
@@ -131,7 +142,7 @@ Baked bake_source(const py::object& pixels, const py::kwargs& given) {
 BakeOptions bake_options(Options& options) {
   BakeOptions how;
   const auto read = [&](const char* name, auto& member, auto parse) {
-    const std::optional<py::dict> given = options.group(name, true);
+    const std::optional<py::dict> given = options.group(name, member.has_value());
     if (given) {
       member = parse(*given);
     } else {
@@ -140,6 +151,7 @@ BakeOptions bake_options(Options& options) {
   };
   read("background", how.background, background_options);
   read("specular", how.specular, specular_options);
+  read("octahedral", how.octahedral, map_options);
   read("irradiance", how.irradiance, irradiance_options);
   read("brdf", how.brdf, table_options);
   options.read("bands", how.bands);
@@ -155,6 +167,7 @@ void bind_bake(py::module_& module) {
       .def_readonly(
           "specular", &Baked::specular,
           "Mean radiance in GGX lobes, W/m2/sr: `Reflections`, a level (6, n, n, 3) float32 for each roughness.")
+      .def_readonly("octahedral", &Baked::octahedral, "`specular` as an `OctahedralMap` as well.")
       .def_readonly("irradiance", &Baked::irradiance, "(6, n, n, 3) float32: W/m2 where radiance is W/m2/sr.")
       .def_readonly("radiance", &Baked::radiance, "`SphericalHarmonics` of radiance, W/m2/sr: bands^2 coefficients.")
       .def_readonly("brdf", &Baked::brdf, "`BrdfTable`: (64, 64, 3) float32 by default.")
@@ -171,13 +184,15 @@ void bind_bake(py::module_& module) {
       .def("__repr__", [](const Baked& self) { return words(self); });
   module.def(
       "bake", &bake_source, py::arg("pixels"),
-      "bake(pixels, *, background=True, specular=True, irradiance=True, brdf=True, bands=3, policy=None,\n"
-      "     memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "bake(pixels, *, background=True, specular=True, octahedral=False, irradiance=True, brdf=True, bands=3,\n"
+      "     policy=None, memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None,\n"
+      "     threads=None)\n"
       "--\n\n"
       "All that a renderer loads, as a `Bake`. Pixels, (height, width, channels) or (6, n, n, channels), or a file (a\n"
       "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
       "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
-      "specular    as `prefilter`: size=256, mips, roughness, method, rms_error, maximum_error\n"
+      "specular    as `prefilter`: size=256, mips, roughness, lobe, spectra, method, rms_error, maximum_error\n"
+      "octahedral  of the reflections, as `to_octahedral`: size=256, levels, border\n"
       "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
       "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
       "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `memory_limit`: bytes. `plan`: what\n"

@@ -84,19 +84,6 @@ ManyLights project_all(const py::object& pixels, const py::kwargs& given) {
   return made;
 }
 
-/// How many mips a chain has.
-int mips_of(const PrefilterOptions& how) {
-  int mips = mips_of_chain(RoughnessSchedule::filament, how.size);  // refuses a size out of range
-  if (!how.roughness.empty()) mips = static_cast<int>(how.roughness.size());
-  if (how.mips) mips = *how.mips;
-  if (mips < 1 || mips > full_chain_levels(how.size)) {
-    throw Error(ErrorCode::invalid_argument, "bake_many: a cubemap of " + std::to_string(how.size) + " has 1 to " +
-                                                 std::to_string(full_chain_levels(how.size)) + " mips, found " +
-                                                 std::to_string(mips));
-  }
-  return mips;
-}
-
 /// Arrays (count, 6, n, n, 4), one a mip, and the targets in them: all mips of the first probe, then of the second.
 std::vector<CubemapTarget> targets_in(py::list& arrays, std::size_t count, int size, int mips, TexelFormat format) {
   const auto levels = static_cast<std::size_t>(mips);
@@ -134,7 +121,8 @@ ManyLights bake_all(const py::object& pixels, const py::kwargs& given) {
   options.finish();
   ManyLights made;
   made.count = probes.views.size();
-  const std::vector<CubemapTarget> targets = targets_in(made.specular, made.count, how.size, mips_of(how), format);
+  const std::vector<CubemapTarget> targets =
+      targets_in(made.specular, made.count, how.size, mips_of_chain(how), format);
   const std::span<dvec3> numbers = room_for(made.count, bands, made.coefficients);
   BakeResult result =
       call.run([&](const Control& control) { return bake_many(probes.views, targets, numbers, how, bands, control); });
@@ -168,8 +156,8 @@ void bind_many(py::module_& module) {
       "(n, 6, size, size, channels), or a list of cubemaps or files of any sizes and types. Small ones (to 129 texels\n"
       "an edge) are projected side by side, one thread each.");
   module.def("bake_many", &bake_all, py::arg("probes"),
-             "bake_many(probes, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
-             "          maximum_error=1e-2, policy=None, bands=3, type='float16', layout=None,\n"
+             "bake_many(probes, *, size=256, mips=None, roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
+             "          rms_error=1e-3, maximum_error=1e-2, policy=None, bands=3, type='float16', layout=None,\n"
              "          encoding=None, read=None, progress=None, threads=None)\n--\n\n"
              "Reflections, by the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps, as\n"
              "`ManyLights`. `type`: of the reflections, \"float16\" or \"float32\"; alpha is 1.");

@@ -13,14 +13,22 @@
 #include "results.h"
 
 namespace welkin::python {
-namespace {
 
-SharedOctahedral map_of(const py::object& light, const py::kwargs& given) {
-  Options options("to_octahedral", given);
+OctahedralOptions octahedral_options(Options& options) {
   OctahedralOptions how;
   options.read("size", how.size);
   options.read("levels", how.levels);
   options.read("border", how.border);
+  return how;
+}
+
+SharedOctahedral shared(OctahedralMap map) { return {std::make_shared<const OctahedralMap>(std::move(map))}; }
+
+namespace {
+
+SharedOctahedral map_of(const py::object& light, const py::kwargs& given) {
+  Options options("to_octahedral", given);
+  const OctahedralOptions how = octahedral_options(options);
   Call call("to_octahedral", options);
   options.finish();
   const bool is_chain = py::isinstance<Chain>(light);
@@ -30,9 +38,9 @@ SharedOctahedral map_of(const py::object& light, const py::kwargs& given) {
   }
   const SharedChain chain = is_chain ? light.cast<const Chain&>().cubemap : nullptr;
   const SphericalHarmonics* const harmonics = is_chain ? nullptr : &light.cast<const SphericalHarmonics&>();
-  return {std::make_shared<const OctahedralMap>(call.run([&](const Control& control) {
+  return shared(call.run([&](const Control& control) {
     return chain ? to_octahedral(*chain, how, control) : to_octahedral(*harmonics, how, control);
-  }))};
+  }));
 }
 
 py::list levels_of(const SharedOctahedral& self) {

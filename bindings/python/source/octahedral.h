@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "call.h"
 #include "welkin/octahedral.h"
 
 namespace welkin::python {
@@ -13,5 +14,8 @@ namespace welkin::python {
 struct SharedOctahedral {
   std::shared_ptr<const OctahedralMap> map;
 };
+
+[[nodiscard]] OctahedralOptions octahedral_options(Options& options);
+[[nodiscard]] SharedOctahedral shared(OctahedralMap map);
 
 }  // namespace welkin::python

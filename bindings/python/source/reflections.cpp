@@ -28,6 +28,9 @@ constexpr Named<RoughnessSchedule> kSchedules[] = {{"linear", RoughnessSchedule:
                                                    {"babylon", RoughnessSchedule::babylon},
                                                    {"unity", RoughnessSchedule::unity},
                                                    {"unreal", RoughnessSchedule::unreal}};
+constexpr Named<LobeFamily> kLobes[] = {{"ggx", LobeFamily::ggx},         {"charlie", LobeFamily::charlie},
+                                        {"lambert", LobeFamily::lambert}, {"phong", LobeFamily::phong},
+                                        {"blinn", LobeFamily::blinn},     {"spectra", LobeFamily::spectra}};
 constexpr Named<BrdfModel> kModels[] = {{"split-sum", BrdfModel::split_sum},
                                         {"multiple-scattering", BrdfModel::multiple_scattering}};
 constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
@@ -91,7 +94,7 @@ std::optional<KernelChainOptions> kernel_options(Options& options, const Prefilt
   if (!given) return std::nullopt;
   std::vector<NamedKernel> kernels;
   options.read("kernels", kernels);
-  for (const char* const name : {"mips", "roughness", "maximum_error"}) {
+  for (const char* const name : {"mips", "roughness", "lobe", "spectra", "maximum_error"}) {
     if (!options.has(name)) continue;
     throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for kernels");
   }
@@ -218,6 +221,8 @@ PrefilterOptions prefilter_options(Options& options, bool policy) {
   options.read("size", how.size);
   options.read("mips", how.mips);
   read_roughness(options, how);
+  options.read("lobe", how.lobe, kLobes);
+  options.read("spectra", how.spectra);
   options.read("method", how.method, kMethods);
   options.read("rms_error", how.rms_error);
   options.read("maximum_error", how.maximum_error);
@@ -259,15 +264,18 @@ void bind_reflections(py::module_& module) {
       });
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
-      "prefilter(pixels, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
-      "          maximum_error=1e-2, kernels=None, policy=None, layout=None, encoding=None, read=None,\n"
+      "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
+      "          rms_error=1e-3, maximum_error=1e-2, kernels=None, policy=None, layout=None, encoding=None, "
+      "read=None,\n"
       "          progress=None, threads=None)\n--\n\n"
-      "Reflections by GGX lobes, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule:\n"
-      "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `method`: \"automatic\", "
-      "\"spectral\",\n"
-      "\"reference\" (slow). The bounds are relative: rms over a mip, and at any texel. `kernels`: a list "
-      "of\n"
-      "`ZonalKernel`, one for each mip, in place of GGX's lobes.");
+      "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
+      "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe`: \"ggx\", \"charlie\" (sheen), "
+      "\"lambert\",\n"
+      "\"phong\", \"blinn\", or \"spectra\": then `spectra` has for each mip a list of what harmonic degrees 0, 1, ... "
+      "are\n"
+      "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over a "
+      "mip,\n"
+      "and at any texel. `kernels`: a list of `ZonalKernel`, one for each mip, in place of `lobe`.");
   module.def(
       "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
       "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"

@@ -59,6 +59,35 @@ def test_a_bake_is_its_parts(picture):
     assert less.specular is less.background is less.irradiance is less.brdf is None and less.radiance.bands == 3
 
 
+def test_lobes_are_those_of_kernels(picture):
+    sheen = {"size": 16, "roughness": [0.5, 0.8], "lobe": "charlie"}
+    truth = welkin.prefilter(picture, size=16, kernels=[welkin.ZonalKernel.charlie(r) for r in sheen["roughness"]])
+    light = welkin.bake(picture, specular=sheen, background=False, irradiance=False, brdf=False)
+    assert all((a == b).all() for a, b in zip(light.specular.levels, truth.levels))
+    spectra = [[1, 0.5, 0.25], [1, 0.25]]
+    truth = welkin.prefilter(picture, size=16, kernels=[welkin.ZonalKernel.from_spectrum(each) for each in spectra])
+    found = welkin.prefilter(picture, size=16, lobe="spectra", spectra=spectra)
+    assert all((a == b).all() for a, b in zip(found.levels, truth.levels))
+    probes = np.ones((2, 6, 8, 8, 3), np.float32)
+    assert len(welkin.bake_many(probes, size=8, lobe="lambert").specular) == 1
+    with pytest.raises(welkin.InvalidArgument, match="spectra"):
+        welkin.prefilter(picture, spectra=spectra)
+    with pytest.raises(welkin.InvalidArgument, match="blinn"):
+        welkin.prefilter(picture, lobe="velvet")
+
+
+def test_a_bake_has_the_octahedral_map_of_its_reflections(picture):
+    only = {"background": False, "irradiance": False, "brdf": False}
+    how = {"size": 32, "levels": 3}
+    light = welkin.bake(picture, specular={"size": 16, "mips": 3}, octahedral=how, **only)
+    truth = welkin.to_octahedral(welkin.prefilter(picture, size=16, mips=3), **how)
+    assert light.octahedral.border == 4 and len(light.octahedral) == 3
+    assert all((a == b).all() for a, b in zip(light.octahedral.levels, truth.levels))
+    assert welkin.bake(picture, **only).octahedral is None
+    with pytest.raises(welkin.InvalidArgument, match="specular"):
+        welkin.bake(picture, specular=False, octahedral=True, **only)
+
+
 def test_threads_do_not_change_bits(picture):
     one, two = (welkin.bake(picture, specular={"size": 32}, threads=n) for n in (1, 2))
     assert all((a == b).all() for a, b in zip(one.specular.levels, two.specular.levels))

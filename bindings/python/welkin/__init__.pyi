@@ -32,6 +32,7 @@ _TexelFormat: TypeAlias = Literal[
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
 _Method: TypeAlias = Literal["automatic", "spectral", "reference"]
+_Lobe: TypeAlias = Literal["ggx", "charlie", "lambert", "phong", "blinn", "spectra"]
 _Schedule: TypeAlias = Literal["linear", "filament", "babylon", "unity", "unreal"]
 _Window: TypeAlias = Literal["none", "hanning", "lanczos", "min-laplacian"]
 _Engine: TypeAlias = Literal["babylon", "three", "filament", "gltf", "unity", "unreal", "godot", "welkin"]
@@ -62,9 +63,16 @@ class _Specular(TypedDict, total=False):
     size: int
     mips: int
     roughness: Sequence[float] | _Schedule
+    lobe: _Lobe
+    spectra: Sequence[Sequence[float]]
     method: _Method
     rms_error: float
     maximum_error: float
+
+class _Octahedral(TypedDict, total=False):
+    size: int
+    levels: int
+    border: int
 
 class _IrradianceCubemap(TypedDict, total=False):
     size: int
@@ -432,6 +440,8 @@ def prefilter(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe: _Lobe = "ggx",
+    spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
@@ -497,6 +507,8 @@ class Bake:
     @property
     def specular(self) -> Reflections | None: ...
     @property
+    def octahedral(self) -> OctahedralMap | None: ...
+    @property
     def irradiance(self) -> NDArray[np.float32] | None: ...
     @property
     def radiance(self) -> SphericalHarmonics | None: ...
@@ -551,6 +563,7 @@ def bake(
     *,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
+    octahedral: bool | _Octahedral = False,
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
@@ -582,6 +595,8 @@ def bake_many(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe: _Lobe = "ggx",
+    spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
@@ -600,6 +615,7 @@ def plan(
     needs: _Needs | None = None,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
+    octahedral: bool | _Octahedral = False,
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,

@@ -14,6 +14,7 @@ export const FORMATS = {
   rgb32f: [0, 12], rgba32f: [1, 16], rgb16f: [2, 6], rgba16f: [3, 8], rgb8: [4, 3], rgba8: [5, 4], srgb8: [6, 3],
   srgba8: [7, 4],
 };
+const LOBES = ['ggx', 'charlie', 'lambert', 'phong', 'blinn'];
 const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
@@ -154,9 +155,9 @@ function policy({ clamp, preserveColour, gamma, replaceNegatives, rejectNonFinit
   return [clamp ?? 0, preserveColour ? 1 : 0, gamma ? 1 : 0, replaceNegatives ? 1 : 0, rejectNonFinite ? 1 : 0];
 }
 
-function chain({ size, mips, schedule, rmsError, maximumError, floats }) {
+function chain({ size, mips, schedule, lobe, rmsError, maximumError, floats }) {
   return [size ?? 0, mips ?? 0, numberOf(SCHEDULES, schedule ?? 'filament', 'schedule'), rmsError ?? 0,
-    maximumError ?? 0, floats ? 1 : 0];
+    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe')];
 }
 
 function light(request) {

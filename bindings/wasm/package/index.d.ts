@@ -95,6 +95,9 @@ export function projectEquirect(pixels: Pixels, options: ProjectionOptions & { w
 /** How roughness is spread over the mips. 'filament' is three.js's too. */
 export type RoughnessSchedule = 'linear' | 'filament' | 'babylon' | 'unity' | 'unreal';
 
+/** Lobes of reflections, as functions of roughness. */
+export type LobeFamily = 'ggx' | 'charlie' | 'lambert' | 'phong' | 'blinn';
+
 export interface ChainOptions {
   /** What an engine needs: 'three' sets `mirrorX` and the schedule 'filament', 'babylon' `mirrorX` and 'babylon'. */
   for?: 'three' | 'babylon';
@@ -103,6 +106,8 @@ export interface ChainOptions {
   mips?: number;
   /** Default: 'filament'. */
   schedule?: RoughnessSchedule;
+  /** What the mips are blurred by. 'charlie' (sheen) and 'lambert' have roughness of their own. Default: 'ggx'. */
+  lobe?: LobeFamily;
   /** Bound on a mip's relative rms error. Default: 1e-3. */
   rmsError?: number;
   /** Bound on the relative error at any texel. Default: 1e-2. */

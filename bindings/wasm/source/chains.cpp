@@ -23,8 +23,13 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   if (options.whole(first + kChainSize) != 0) wanted.size = options.whole(first + kChainSize);
   require_edge("size", wanted.size);
   const int mips = options.whole(first + kChainMips);
-  wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
-  wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+  wanted.lobe = static_cast<LobeFamily>(options.whole(first + kChainLobe));
+  if (wanted.lobe == LobeFamily::charlie || wanted.lobe == LobeFamily::lambert) {
+    if (mips != 0) wanted.mips = mips;
+  } else {
+    wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
+    wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+  }
   if (options.number(first + kChainError) > 0.0) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)
     wanted.maximum_error = options.number(first + kChainLargestError);

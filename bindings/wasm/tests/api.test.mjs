@@ -151,6 +151,7 @@ test('errors are rejections with a code and words', async () => {
   await rejects(welkin.bakeEnvironment(radianceFile(64, 32, () => [1, 1, 1]).subarray(0, 999)), 'corrupt_file', /environment/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { size: 9000 }), 'invalid_argument', /9000/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { schedule: 'steep' }), 'invalid_argument', /steep/);
+  await rejects(welkin.prefilterCubemap(even(4, 3, 1), { lobe: 'velvet' }), 'invalid_argument', /velvet/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { sise: 256 }), 'invalid_argument', /no option sise; did you mean size\?/);
   await rejects(welkin.sky({ sun: 20 }), 'invalid_argument', /did you mean sunElevation\?/);
   await rejects(welkin.projectCubemap(even(4, 3, 1), { size: 4 }), 'invalid_argument', /no option size; it has signal,.*targetSize/);

@@ -70,6 +70,7 @@ static void bakes_that_are_refused(void) {
   REFUSED("result", welkin_bake_result_get_info(NULL, NULL));
   REFUSED("result", welkin_bake_result_get_projection(NULL, NULL));
   REFUSED("result", welkin_bake_result_copy_brdf(NULL, NULL, NULL));
+  REFUSED("result", welkin_bake_result_copy_octahedral(NULL, 0, NULL, NULL));
   CHECK(welkin_bake_result_chain(NULL, WELKIN_PART_SPECULAR) == NULL);
   welkin_bake_result_destroy(NULL);
 
@@ -85,6 +86,7 @@ static void bakes_that_are_refused(void) {
   OPTION(background_without_mips, 2);
   OPTION(mip_filter, 2);
   OPTION(irradiance_method, -1);
+  OPTION(octahedral_levels, 2);
   OPTION(struct_size, 4);
   OPTION(struct_size, sizeof options + 4);
 #undef OPTION
@@ -110,6 +112,7 @@ static void bakes_that_are_refused(void) {
   welkin_image_target target = {.struct_size = sizeof target, .pixels = numbers, .width = 1, .height = 1};
   REFUSED("harmonics", welkin_bake_result_get_projection(bake, &light));
   REFUSED("BRDF", welkin_bake_result_copy_brdf(bake, &target, NULL));
+  REFUSED("octahedral", welkin_bake_result_copy_octahedral(bake, 0, &target, NULL));
   REFUSED("info", welkin_bake_result_get_info(bake, NULL));
   welkin_bake_result_destroy(bake);
   welkin_worker_destroy(worker);

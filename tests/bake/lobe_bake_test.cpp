@@ -1,0 +1,256 @@
+// Lobes other than GGX in bakes: the bits of the direct calls, whichever way a bake is asked for.
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bake/baked.h"
+#include "reflections/prefilter_plan.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/heap.h"
+#include "support/sanitized.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/bake.h"
+#include "welkin/core.h"
+#include "welkin/error_budget.h"
+#include "welkin/plan.h"
+#include "welkin/requests.h"
+#include "welkin/result_cache.h"
+#include "welkin/worker.h"
+#include "welkin/zonal_kernel.h"
+
+namespace welkin::test {
+namespace {
+
+double power(double roughness) { return 2.0 / (roughness * roughness * roughness * roughness) - 2.0; }
+
+struct Family {
+  PrefilterOptions options;
+  std::vector<ZonalKernel> kernels;  ///< of the direct call
+};
+
+/// Wide lobes: narrow ones take long.
+std::vector<Family> all_families() {
+  const std::vector<double> two{0.5, 0.8};
+  const std::vector<std::vector<double>> spectra{{2.0, 1.0, 0.5}, {3.0, 1.0, 0.25, -0.5}};
+  return {
+      {{.size = 8, .roughness = two, .lobe = LobeFamily::charlie},
+       {ZonalKernel::charlie(0.5), ZonalKernel::charlie(0.8)}},
+      {{.size = 8, .lobe = LobeFamily::lambert}, {ZonalKernel::lambert()}},
+      {{.size = 8, .roughness = two, .lobe = LobeFamily::phong},
+       {ZonalKernel::phong(power(0.5)), ZonalKernel::phong(power(0.8))}},
+      {{.size = 8, .roughness = {1.0}, .lobe = LobeFamily::phong}, {ZonalKernel::phong(1.0)}},
+      {{.size = 8, .roughness = two, .lobe = LobeFamily::blinn},
+       {ZonalKernel::blinn(power(0.5)), ZonalKernel::blinn(power(0.8))}},
+      {{.size = 8, .roughness = {0.5, 0.5}, .lobe = LobeFamily::spectra, .spectra = spectra},
+       {ZonalKernel::from_spectrum(spectra[0]), ZonalKernel::from_spectrum(spectra[1])}},
+  };
+}
+
+BakeOptions bake_of(const PrefilterOptions& specular) {
+  return {.background = {}, .specular = specular, .irradiance = {}, .bands = 0, .brdf = {}};
+}
+
+template <class View>
+PrefilteredSpecular direct(const View& view, const Family& family) {
+  return prefilter_by_kernels(view, {.size = family.options.size, .kernels = family.kernels});
+}
+
+std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
+  std::vector<double> roughness;
+  for (const MipRecord& mip : specular.mips) roughness.push_back(mip.roughness);
+  return roughness;
+}
+
+PassAction action_of(const BakeResult& result) {
+  for (const PassRecord& pass : result.diagnostics.passes) {
+    if (pass.name == "specular") return pass.action;
+  }
+  return PassAction::skip;
+}
+
+std::vector<std::byte> stored(const CubemapChain& chain) {
+  const UploadLayout layout{.format = TexelFormat::rgba32f, .size = chain.size(), .levels = chain.levels()};
+  std::vector<std::byte> memory(upload_bytes(layout));
+  static_cast<void>(store_texels(chain, upload_targets(layout, memory)));
+  return memory;
+}
+
+}  // namespace
+
+TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call", "[bake][lobes]") {
+  const TestLatLong wide = make_lat_long(Content::high_range, 32, 16, 5);
+  const TestCubemap cube = make_cubemap(Content::one_texel_sun, 8, 3, 6);
+  const auto check = [](const auto& view, const Family& family) {
+    INFO(name(family.options.lobe));
+    const PrefilteredSpecular truth = direct(view, family);
+    const PrefilteredSpecular alone = prefilter_specular(view, family.options);
+    CHECK(same_bits(alone.cubemap, truth.cubemap));
+    CHECK(roughness_of(alone) == reflections::roughness_of_chain(family.options));
+    CHECK(mips_of_chain(family.options) == truth.cubemap.levels());
+    const BakeOptions options = bake_of(family.options);
+    CHECK(same_bits(bake(view, options).specular->cubemap, truth.cubemap));
+    const Plan planned = plan(view, {}, options);
+    CHECK(same_bits(bake(view, planned).specular->cubemap, truth.cubemap));
+    CHECK(planned.pass("specular").reason.find(name(family.options.lobe)) != std::string::npos);
+    CHECK(planned.pass("specular").predicted_milliseconds > 0.0);
+  };
+  for (const Family& family : all_families()) {
+    check(wide.view(), family);
+    check(cube.view(), family);
+  }
+}
+
+TEST_CASE("lobes: a chain has as many mips, and as rough ones, as its family has", "[lobes]") {
+  const auto roughness = [](LobeFamily lobe) {
+    return reflections::roughness_of_chain({.size = 8, .roughness = {0.0, 0.02, 0.6}, .lobe = lobe});
+  };
+  CHECK(roughness(LobeFamily::charlie) == std::vector<double>{kLeastCharlieRoughness, kLeastCharlieRoughness, 0.6});
+  CHECK(roughness(LobeFamily::phong) == std::vector<double>{0.12, 0.12, 0.6});
+  CHECK(roughness(LobeFamily::blinn) == std::vector<double>{0.12, 0.12, 0.6});
+  CHECK(roughness(LobeFamily::lambert) == std::vector<double>{0.0, 0.02, 0.6});
+  const PrefilterOptions sheen{.size = 64, .lobe = LobeFamily::charlie};
+  const int mips = mips_of_chain(RoughnessSchedule::linear, 64);
+  CHECK(mips_of_chain(sheen) == mips);
+  CHECK(reflections::roughness_of_chain(sheen) == charlie_roughness_of_mips(mips, 64));
+  CHECK(mips_of_chain({.size = 64, .lobe = LobeFamily::lambert}) == 1);
+  CHECK(mips_of_chain({.size = 64}) == mips_of_chain(RoughnessSchedule::filament, 64));
+}
+
+TEST_CASE("lobes: bakes into targets and of many probes have the bits of the direct call", "[bake][many][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
+  for (const Family& family : all_families()) {
+    INFO(name(family.options.lobe));
+    const std::vector<std::byte> truth = stored(direct(cube.view(), family).cubemap);
+    const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 8, .levels = mips_of_chain(family.options)};
+    std::vector<std::byte> memory(upload_bytes(layout));
+    static_cast<void>(bake_to({.specular = upload_targets(layout, memory)}, cube.view(), bake_of(family.options)));
+    CHECK(memory == truth);
+    std::vector<std::byte> of_many(memory.size());
+    const CubemapView probe = cube.view();
+    static_cast<void>(bake_many({&probe, 1}, upload_targets(layout, of_many), {}, family.options, 0));
+    CHECK(of_many == truth);
+  }
+}
+
+TEST_CASE("lobes: worker requests have the bits of the direct call, and share by lobe", "[worker][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
+  Worker worker;
+  const Family family = all_families().front();
+  const Bake request{CubemapSource{cube.view(), nullptr}, bake_of(family.options)};
+  Bake other = request;
+  CHECK(other == request);
+  other.options.specular->lobe = LobeFamily::phong;
+  CHECK(other != request);
+  const auto result = worker.post(Bake(request)).get();
+  CHECK(same_bits(result->specular->cubemap, direct(cube.view(), family).cubemap));
+}
+
+TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][cache][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
+  std::vector<PrefilterOptions> all;
+  for (const Family& family : all_families()) all.push_back(family.options);
+  const auto add = [&](std::size_t from, const std::function<void(PrefilterOptions&)>& change) {
+    PrefilterOptions changed = all[from];
+    change(changed);
+    all.push_back(changed);
+  };
+  add(0, [](PrefilterOptions& options) { options.lobe = LobeFamily::ggx; });
+  add(0, [](PrefilterOptions& options) { options.rms_error = 1e-2; });
+  add(0, [](PrefilterOptions& options) {
+    options.method = PrefilterMethod::reference;
+    options.size = 2;
+  });
+  add(5, [](PrefilterOptions& options) { options.spectra[1][2] = 0.375; });
+  // Mip 1 of a chain is as large as mip 0 of this one, and is not the same.
+  add(5, [](PrefilterOptions& options) { options.size = 4; });
+  ResultCache cache;
+  for (const PassAction expected : {PassAction::run, PassAction::reuse}) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      INFO(k << ' ' << name(all[k].lobe));
+      const BakeResult found = cache.bake(cube.view(), bake_of(all[k]));
+      CHECK(action_of(found) == expected);
+      CHECK(same_bits(found.specular->cubemap, prefilter_specular(cube.view(), all[k]).cubemap));
+      CHECK(same_bits(cache.prefilter_specular(cube.view(), all[k]).cubemap, found.specular->cubemap));
+      for (std::size_t other = 0; other < k; ++other) CHECK(hash_options(all[k]) != hash_options(all[other]));
+    }
+  }
+}
+
+TEST_CASE("lobes: a plan leaves mips out, and the others keep their bits", "[plan][cache][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
+  const std::vector<double> roughness{0.3, 0.5, 0.7, 1.0};
+  const std::vector<std::vector<double>> spectra{{1.0, 0.9, 0.8}, {1.0, 0.7, 0.3}, {1.0, 0.5}, {1.0}};
+  const SceneNeeds needs{.glossy = RoughnessRange{0.55, 0.6}};
+  for (const LobeFamily lobe : {LobeFamily::charlie, LobeFamily::phong, LobeFamily::spectra}) {
+    INFO(name(lobe));
+    PrefilterOptions specular{.size = 16, .roughness = roughness, .lobe = lobe};
+    if (lobe == LobeFamily::spectra) specular.spectra = spectra;
+    const PrefilteredSpecular whole = prefilter_specular(cube.view(), specular);
+    const Plan rest = plan(cube.view(), needs, bake_of(specular));
+    REQUIRE(rest.trim.mips == UnusedMips{.sharp = 1, .rough = 1});
+    ResultCache cache;
+    for (const BakeResult& result : {bake(cube.view(), rest), cache.bake(cube.view(), rest)}) {
+      REQUIRE(result.specular->cubemap.levels() == 2);
+      for (const int mip : {0, 1})
+        CHECK(same_bytes(level_values(result.specular->cubemap, mip), level_values(whole.cubemap, mip + 1)));
+    }
+    const BakeResult found = cache.bake(cube.view(), bake_of(specular));
+    CHECK(same_bits(found.specular->cubemap, whole.cubemap));
+    // A chain of its own is one by the lobes of the mips that are left.
+    SceneNeeds own = needs;
+    own.same_bits = false;
+    const Plan smaller = plan(cube.view(), own, bake_of(specular));
+    CHECK(smaller.options.specular->roughness == std::vector<double>{0.5, 0.7});
+    CHECK(bake(cube.view(), smaller).specular->cubemap.levels() == 2);
+    if (lobe == LobeFamily::spectra) CHECK(smaller.options.specular->spectra.front() == spectra[1]);
+  }
+}
+
+TEST_CASE("lobes: a bake's memory stays below what was predicted", "[bake][lobes]") {
+  if (kSanitized) return;
+  constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;  // as in bake_test.cpp
+  const TestLatLong wide = make_lat_long(Content::one_texel_sun, 256, 128, 3);
+  const TestCubemap cube = make_cubemap(Content::high_range, 64, 3, 3);
+  const auto check = [](const auto& view, LobeFamily lobe) {
+    const BakeOptions options = bake_of({.size = 64, .roughness = {0.3, 0.6}, .lobe = lobe});
+    release_working_memory();
+    const HeapWatch heap;
+    const BakeResult result = bake(view, options);
+    INFO(name(lobe));
+    CHECK(static_cast<std::uint64_t>(heap.peak_bytes()) <= bake_bytes(view, options) + kBesides);
+    CHECK(result.specular->peak_bytes <= bake_bytes(view, options));
+  };
+  for (const LobeFamily lobe : {LobeFamily::charlie, LobeFamily::lambert, LobeFamily::phong, LobeFamily::blinn}) {
+    check(wide.view(), lobe);
+    check(cube.view(), lobe);
+  }
+}
+
+TEST_CASE("lobes: what does not go together is refused, and the message says what to do", "[bake][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::smooth, 4, 3, 1);
+  const auto refused = [&](const PrefilterOptions& options, const std::string& words) {
+    const ThrownError error = thrown_by([&] { static_cast<void>(bake(cube.view(), bake_of(options))); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    INFO(error.message);
+    CHECK(error.says(words));
+  };
+  refused({.size = 4, .lobe = static_cast<LobeFamily>(6)}, "the lobe 6 is not one");
+  refused({.size = 4, .lobe = LobeFamily::spectra}, "pass one for each mip");
+  refused({.size = 4, .lobe = LobeFamily::charlie, .spectra = {{1.0}}}, "the lobe is charlie; set it to spectra");
+  refused({.size = 4, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0}}}, "each mip needs one");
+  refused({.size = 4, .lobe = LobeFamily::spectra, .spectra = {{-1.0}}}, "must be above 0");
+  refused({.size = 4, .roughness = {1.5}, .lobe = LobeFamily::phong}, "roughness of mip 0");
+  const ThrownError budget = thrown_by([&] {
+    static_cast<void>(choose_prefilter(cube.view(), {.size = 4, .lobe = LobeFamily::charlie}, {.relative = 0.01}));
+  });
+  CHECK(budget.says("the lobe is charlie"));
+  const BakeOptions whole = bake_of({.size = 4, .lobe = LobeFamily::charlie});
+  const Plan planned = plan(cube.view(), {.error_budget = 0.01}, whole);
+  CHECK(planned.pass("specular").reason.find("no estimate for this lobe") != std::string::npos);
+}
+
+}  // namespace welkin::test
