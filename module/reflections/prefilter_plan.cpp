@@ -81,7 +81,7 @@ PrefilterPlan PrefilterPlan::without(int sharp, int rough) const {
   PrefilterPlan rest = *this;
   rest.first_mip += sharp;
   rest.mips.assign(mips.begin() + sharp, mips.end() - rough);
-  if (!rest.uses(MipMethod::spectral)) rest.bands = 0;
+  if (!rest.uses(MipMethod::spectral) && !rest.irradiance) rest.bands = 0;
   return rest;
 }
 
