@@ -116,7 +116,12 @@ struct Target {
   int tightenings;     ///< that the level's bands are chosen for
 
   [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
-  [[nodiscard]] double rms(int samples = 128) const { return rms_of_level(chain, level, samples); }
+  /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.
+  [[nodiscard]] double rms(const Lobe& lobe) const {
+    constexpr double kSamplesOfWidth = 12.0;
+    const double samples = std::clamp(kSamplesOfWidth / lobe.width_alpha(), 12.0, 128.0);
+    return rms_of_level(chain, level, static_cast<int>(samples));
+  }
 };
 
 /// Returns the smallest channel of a level's texels.
@@ -341,13 +346,13 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
     blur(target, mip, spectrum, {control.stop, {}});
   }
   const Stopwatch splatting;
-  const double field = target.rms();
+  const double field = target.rms(*mip.lobe);
   bright_.add({*mip.lobe}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
   note_darkness(target, field);
   note(target.name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   target.record.bands = mip.bands.bands();
   target.record.bright_texels = static_cast<int>(extracted_);
-  const double rms = target.rms();
+  const double rms = target.rms(*mip.lobe);
   const double estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
   target.record.error_estimate = estimate;
   if (mip.alpha == 0.0 || estimate <= target.bounds.rms) {
@@ -441,7 +446,7 @@ void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const Fa
   const std::vector<double> zonal = far_part(source_.cubemap(), split, mip.alpha, split.bands);
   const double far_energy = zonal.front();
   far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
-  const double field = target.rms();
+  const double field = rms_of_level(target.chain, target.level);
   far.bright.add({*mip.lobe, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
   note(target.name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
   const Stopwatch near;
@@ -451,7 +456,7 @@ void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const Fa
   note(target.name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
   record(level).bright_texels = far.bright_texels;
-  const double rms = target.rms(mip.size);
+  const double rms = rms_of_level(target.chain, target.level, mip.size);
   record(level).error_estimate =
       narrow_error(source_, {mip.size, mip.alpha, rms, blurred_rms(far.spectrum, zonal)}, far.contrast);
   end_mip(target, mip, watch, control);
