@@ -355,7 +355,7 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   const double rms = target.rms(*mip.lobe);
   const double estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
   target.record.error_estimate = estimate;
-  if (mip.alpha == 0.0 || estimate <= target.bounds.rms) {
+  if (mip.lobe->last_band() > 0 || estimate <= target.bounds.rms) {
     end_mip(target, mip, watch, control);
   } else if (may_integrate(target, mip)) {
     integrate_mip(target, mip, {control.stop, {}});

@@ -225,6 +225,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   plan.reach = reach_for(usual.rms_error, usual.maximum_error);
   plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
   plan.lights = LightsOf::any;
+  plan.may_integrate = options.method == PrefilterMethod::automatic;
   for (std::size_t level = 0; level < options.kernels.size(); ++level) {
     const ZonalKernel& kernel = options.kernels[level];
     MipPlan mip;
