@@ -224,7 +224,7 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
   if (block.by_table) block.widest = std::min(kWidestField, kFieldOfSmooth * lobe.lobe.smooth());
-  block.most_merged = std::numbers::sqrt2 * lobe.lobe.smooth();  // the rule's edges are along two axes
+  block.most_merged = 0.8 * lobe.lobe.scale();  // 3e-4 over a bell of 1.3 standard deviations each side
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
   block.farthest = 2.0 * lobe.lobe.farthest();
