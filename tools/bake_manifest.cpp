@@ -109,16 +109,20 @@ Json file_json(const WrittenFile& file) {
   return json;
 }
 
-Json mip_json(const MipRecord& mip, std::size_t number) {
-  return {{"mip", number},
-          {"size", mip.size},
-          {"roughness", mip.roughness},
-          {"alpha", mip.roughness * mip.roughness},
+Json made_json(const MipRecord& mip) {
+  return {{"size", mip.size},
           {"method", name(mip.method)},
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
           {"error_estimate", mip.error_estimate ? Json(*mip.error_estimate) : Json(nullptr)},
           {"mean", json_triple(mip.mean)}};
+}
+
+Json mip_json(const MipRecord& mip, std::size_t number) {
+  Json json = {{"mip", number}, {"roughness", mip.roughness}, {"alpha", mip.roughness * mip.roughness}};
+  const Json made = made_json(mip);
+  for (const auto& [key, value] : made.members()) json[key] = value;
+  return json;
 }
 
 Json mips_json(const std::vector<MipRecord>& mips) {
@@ -289,6 +293,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                {"options", options_json(baked, options)},
                {"files", files},
                {"specular", baked.light.specular ? mips_json(baked.light.specular->mips) : Json::array()}};
+  if (const auto& irradiance = baked.light.irradiance_record) json["irradiance"] = made_json(*irradiance);
   if (!baked.env_mips.empty()) json["environment_" + baked.env_container] = mips_json(baked.env_mips);
   if (baked.light.brdf) {
     const BrdfTableOptions& brdf = baked.light.brdf->options;

@@ -292,6 +292,7 @@ void use_stored_light(Baked& baked, const Control& control) {
   light.diagnostics.error_estimate = stored.error_estimate;
   const std::optional<IrradianceOptions>& irradiance = baked.options.irradiance;
   if (!irradiance || irradiance->method == IrradianceMethod::direct) return;
+  light.irradiance_record.reset();
   light.irradiance =
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }

@@ -46,7 +46,10 @@ struct IrradianceOptions {
 
   /// Of `automatic`: bound on the root mean square error over the root mean square of the irradiance, 1e-6 to 1. No
   /// channel of a texel errs by more than ten times that, relative to its own value, unless it is darker than
-  /// 1e-7 / rms_error of that root mean square.
+  /// 1e-7 / rms_error of that root mean square. Where a bake prefilters a specular chain by harmonics to this bound or
+  /// a tighter one, irradiance is made of the same harmonics. Its bits then depend on the chain's options: on nothing
+  /// but the options and the source, whatever a cache holds. Where the estimated error exceeds the bound, the integral
+  /// itself is taken, or the bake ends with limit_exceeded if that would take more than a second.
   double rms_error = 1e-3;
 
   friend bool operator==(const IrradianceOptions&, const IrradianceOptions&) = default;
@@ -85,8 +88,11 @@ struct BakeResult {
   std::optional<PrefilteredSpecular> specular;  ///< reflections
   std::optional<OctahedralMap> octahedral;      ///< the same as an octahedral map
   std::optional<CubemapImage> irradiance;       ///< W/m2 for W/m2/sr
-  std::optional<SphericalHarmonics> radiance;   ///< coefficients: the very bits of `project` (of an .env: see below)
-  std::shared_ptr<const BrdfTable> brdf;        ///< shared with other bakes; null if it was not asked for
+  /// How the irradiance cubemap was made: as a mip of roughness 1, with its estimated error. From harmonics of `bands`,
+  /// or of a stored file, there is no estimate. Its time is 0 where it was found in a cache.
+  std::optional<MipRecord> irradiance_record;
+  std::optional<SphericalHarmonics> radiance;  ///< coefficients: the very bits of `project` (of an .env: see below)
+  std::shared_ptr<const BrdfTable> brdf;       ///< shared with other bakes; null if it was not asked for
 
   /// Of an .env file, as it is stored there, in Babylon.js's axes. Up to three bands of `radiance` and the irradiance
   /// cubemap come from it and not from the pixels, which end at 255.

@@ -733,15 +733,16 @@ typedef struct welkin_bake_result welkin_bake_result;
 /* Which parts a bake made, and how large they are. */
 typedef struct welkin_bake_info {
   uint32_t struct_size;
-  welkin_parts parts;        /* that there are */
-  int32_t bands;             /* 0 without harmonics */
-  int32_t brdf_width;        /* 0 without a table */
-  int32_t brdf_height;       /* likewise */
-  int32_t brdf_channels;     /* 3 with sheen, else 2 */
-  uint64_t peak_bytes;       /* bound on results and working memory together */
-  int32_t octahedral_size;   /* 0 without a map */
-  int32_t octahedral_levels; /* fewer than asked for where there are fewer mips */
-  int32_t octahedral_border; /* texels on each side of level 0 */
+  welkin_parts parts;               /* that there are */
+  int32_t bands;                    /* 0 without harmonics */
+  int32_t brdf_width;               /* 0 without a table */
+  int32_t brdf_height;              /* likewise */
+  int32_t brdf_channels;            /* 3 with sheen, else 2 */
+  uint64_t peak_bytes;              /* bound on results and working memory together */
+  double irradiance_error_estimate; /* predicted rms error of the irradiance cubemap over its rms; NaN: not known */
+  int32_t octahedral_size;          /* 0 without a map */
+  int32_t octahedral_levels;        /* fewer than asked for where there are fewer mips */
+  int32_t octahedral_border;        /* texels on each side of level 0 */
 } welkin_bake_info;
 
 /* Bakes. As `welkin_project_cubemap`, and WELKIN_LIMIT_EXCEEDED. */

@@ -80,8 +80,9 @@ struct KernelChainOptions {
   int size = 256;                      ///< texels along an edge of mip 0: 1 to 8192
   std::vector<ZonalKernel> kernels{};  ///< one a mip: at least one, no more than the cubemap has levels
 
-  /// `automatic` and `spectral` are the same: a product with the kernel's spectrum in harmonics, bright texels each by
-  /// the kernel. `reference`: the integral texel by texel in double, slow.
+  /// `spectral`: a product with the kernel's spectrum in harmonics, bright texels each by the kernel. `automatic`: the
+  /// same, and where its estimated error exceeds the bound the integral, if that takes a second at most. `reference`:
+  /// the integral texel by texel in double, slow.
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
@@ -94,7 +95,7 @@ struct KernelChainOptions {
 /// number of threads and instruction set, of the kernels with names and wherever a caller's function has the same bits.
 /// Cost: as `prefilter_specular`, and some 10 ns for each texel of the result and each bright one of the source.
 /// Throws `Error`: invalid_argument; limit_exceeded (a kernel so narrow, or with so sharp an edge, that 1536 bands miss
-/// the bound on this picture: the message says by how much); rejected_pixel; cancelled.
+/// the bound on this picture, or an estimated error above it: the message says by how much); rejected_pixel; cancelled.
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const LatLongView& source, const KernelChainOptions& options,
                                                        const Control& control = {});
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,

@@ -11,6 +11,7 @@
 
 #include "bake/bake_plan.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/prefilter.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -66,7 +67,7 @@ struct Found {
 struct FoundArtefacts {
   std::optional<Found<Projection>> projection;  ///< with its diagnostics
   std::optional<Found<CubemapChain>> background;
-  std::optional<Found<CubemapImage>> irradiance;
+  std::optional<Found<reflections::IrradianceMap>> irradiance;
   /// What looking through the pixels came to.
   std::optional<ProjectionDiagnostics> sanitized;
 
@@ -93,7 +94,7 @@ class ArtefactStore {
   virtual void keep(const projection::SanitizedSource& sanitized) = 0;
   virtual void keep(const Projection& projection) = 0;
   virtual void keep_background(const CubemapChain& background) = 0;
-  virtual void keep_irradiance(const CubemapImage& irradiance) = 0;
+  virtual void keep_irradiance(const reflections::IrradianceMap& irradiance) = 0;
   virtual void keep_octahedral(const OctahedralMap& map) = 0;
   /// Keeps the mips that were missing, if any, and joins them with those that were found to the whole chain. Once.
   [[nodiscard]] virtual PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) = 0;

@@ -80,6 +80,7 @@ class Baking {
     result_.brdf.reset();
     result_.stored_polynomial.reset();
     result_.diagnostics = {};
+    result_.irradiance_record.reset();
     result_.peak_bytes = 0;
     result_.values_clamped = 0;
   }
@@ -269,7 +270,12 @@ class Baking {
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    return reflections::prefilter(*sanitized_, mips, std::move(room), control);
+    if (!mips.irradiance || found_.irradiance) {
+      reflections::PrefilterPlan without = mips;
+      without.irradiance.reset();
+      return reflections::prefilter(*sanitized_, without.without(0, 0), std::move(room), control);
+    }
+    return reflections::prefilter(*sanitized_, mips, std::move(room), control, &irradiance_.emplace());
   }
 
   /// Nothing to report: what was prefiltered has been sanitized before.
@@ -313,22 +319,30 @@ class Baking {
 
   Outcome fill_irradiance(const Control& control) {
     if (found_.irradiance) {
-      result_.irradiance = std::move(found_.irradiance->value);
+      take_irradiance(std::move(found_.irradiance->value));
       return found(found_.irradiance->where, found_.irradiance->milliseconds);
     }
     const int size = options_.irradiance->size;
-    if (plan_.irradiance == IrradianceMethod::automatic) {
-      result_.irradiance = reflections::irradiance_cubemap(*sanitized_, size, options_.irradiance->rms_error, control);
-    } else if (plan_.irradiance == IrradianceMethod::direct) {
-      result_.irradiance =
-          of_sanitized([&](const auto& view) { return direct_irradiance_cubemap(view, size, control); });
-    } else {
-      result_.irradiance = irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
+    if (plan_.irradiance == IrradianceMethod::direct) {
+      irradiance_ = reflections::integrated_irradiance(*sanitized_, size, control);
+    } else if (plan_.irradiance == IrradianceMethod::harmonics) {
+      irradiance_.emplace();
+      irradiance_->cubemap = irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
+      irradiance_->record.size = size;
+      irradiance_->record.method = MipMethod::spectral;
+      irradiance_->record.bands = projection_->radiance.bands();
+    } else if (!irradiance_) {
+      irradiance_ = reflections::irradiance_cubemap(*sanitized_, *plan_.irradiance_plan, control);
     }
     // Of light that the source brought along it is not what the pixels tell.
-    if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics))
-      store_->keep_irradiance(*result_.irradiance);
+    if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics)) store_->keep_irradiance(*irradiance_);
+    take_irradiance(std::move(*irradiance_));
     return done(BakePass::irradiance);
+  }
+
+  void take_irradiance(reflections::IrradianceMap map) {
+    result_.irradiance = std::move(map.cubemap);
+    result_.irradiance_record = map.record;
   }
 
   Outcome look_up_brdf(const Control& control) {
@@ -464,6 +478,7 @@ class Baking {
   std::atomic<std::uint64_t> values_clamped_{0};
 
   FoundArtefacts found_;
+  std::optional<reflections::IrradianceMap> irradiance_;
   std::optional<projection::SanitizedSource> sanitized_;
   std::optional<Projection> projection_;
 };

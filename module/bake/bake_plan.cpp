@@ -149,9 +149,11 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
+  const int face = plan.face_size > 0 ? plan.face_size : source.columns;
   std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
                         squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
-  if (source.cubemap) bytes += reflections::cube_rings_bytes(source.columns, rings);
+  if (source.cubemap) bytes += reflections::cube_rings_bytes(face, rings);
+  if (source.cubemap && face < source.columns) bytes += kTexelBytes * 6 * squared(face);
   bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
                                                jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
@@ -160,26 +162,6 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
          reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.least_alpha,
-                                               jobs::worker_count(jobs::Placement::arena));
-}
-
-/// Of an irradiance cubemap by harmonics: rings, their transform, a grid, and the lights beside it.
-std::uint64_t irradiance_bytes(const SourceShape& source, const reflections::IrradiancePlan& plan) {
-  const int rings = source.cubemap ? plan.rings : source.rows;
-  const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      source.cubemap, source.columns, source.rows, reflections::kIrradianceLightAlpha, reflections::kMostBright);
-  std::uint64_t bytes = kTexelBytes * source.texels() + columns_bytes(plan.bands, rings) +
-                        squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float) +
-                        grid_bytes(plan.bands, transforms::grid_for_bands(plan.bands)) +
-                        transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings,
-                                                            plan.bands, jobs::worker_count(jobs::Placement::arena));
-  if (source.cubemap) {
-    bytes += kTexelBytes * (2 * squared(rings) + 6 * squared(plan.face_size)) +
-             reflections::cube_rings_bytes(plan.face_size, rings);
-  }
-  if (search.texels == 0) return bytes;
-  return std::max<std::uint64_t>(bytes, search.bytes) +
-         reflections::BrightLights::most_bytes(search.texels, picture_of(source), 1.0,
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
@@ -197,6 +179,11 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.tight())) : 0;
     const int bands = std::max(mip.bands.bands(), dark);
     bytes += grid_bytes(bands, is_ggx ? transforms::grid_for_bands(bands) : mip.grid());
+  }
+  if (plan.irradiance) {
+    const reflections::ErrorBounds tightest = plan.irradiance_bounds.tightened(reflections::kMostTightenings);
+    const int bands = std::min(plan.bands, reflections::bands_for_dark(tightest));
+    bytes += kTexelBytes * 6 * squared(plan.irradiance->size) + grid_bytes(bands, transforms::grid_for_bands(bands));
   }
   return bytes;
 }
@@ -227,6 +214,11 @@ double projecting(double texels, int bands, const CostModel& costs) {
 /// count.
 double transforming(double rings, double columns, int bands, const CostModel& costs) {
   return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
+}
+
+double synthesising(const reflections::MipPlan& mip, int bands, const CostModel& costs) {
+  const transforms::GridSize grid = transforms::grid_for_bands(bands);
+  return transforming(grid.rings, grid.columns, bands, costs) + costs.face_texel * cube_texels(mip.size);
 }
 
 /// Of lobes other than GGX, beside transforms: finding their spectra, and lights texel by texel. Measured with `welkin
@@ -273,25 +265,11 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {
       // Of lobes other than GGX the picture decides the bands: those of the transform at most.
-      const int bands = mip.bands.bands() > 0 ? mip.bands.bands() : plan.bands;
-      const transforms::GridSize grid = transforms::grid_for_bands(bands);
-      cost += transforming(grid.rings, grid.columns, bands, costs) + costs.face_texel * texels;
+      cost += synthesising(mip, mip.bands.bands() > 0 ? mip.bands.bands() : plan.bands, costs);
     }
   }
+  if (plan.irradiance && plan.bands > 0) cost += synthesising(*plan.irradiance, plan.irradiance->bands.bands(), costs);
   return cost;
-}
-
-double irradiance_cost(const SourceShape& source, const reflections::IrradiancePlan& plan, int size,
-                       const CostModel& costs) {
-  const auto texels = static_cast<double>(source.texels());
-  if (plan.bands == 0) return cube_texels(size) * (costs.irradiance_pair * texels + costs.irradiance_direction);
-  const double rings = source.cubemap ? plan.rings : std::min(source.rows, 2 * plan.bands);
-  const double columns = source.cubemap ? 2.0 * rings : std::min(source.columns, 8 * plan.bands);
-  const transforms::GridSize grid = transforms::grid_for_bands(plan.bands);
-  double cost = costs.bright_texel * texels + transforming(rings, columns, plan.bands, costs) +
-                transforming(grid.rings, grid.columns, plan.bands, costs) + costs.face_texel * cube_texels(size);
-  if (source.cubemap) cost += costs.mip_texel * texels + costs.ring_texel * rings * columns;
-  return source.cubemap ? cost : cost + costs.clean_texel * texels;
 }
 
 /// What a pass takes.
@@ -386,13 +364,23 @@ class BakePlanner {
       plan_.background_levels = options_.background->mips ? full_chain_levels(plan_.background_size) : 1;
     plan_.stored_specular = options_.specular && stored_.specular_mips > 0;
     if (options_.specular && !plan_.stored_specular) {
-      plan_.prefilter = reflections::plan_prefilter(*options_.specular).without(trim.mips.sharp, trim.mips.rough);
+      plan_.prefilter = reflections::plan_prefilter(*options_.specular);
+      if (convolves_by_harmonics()) {
+        const IrradianceOptions& wanted = *options_.irradiance;
+        plan_.shares_harmonics = reflections::share_harmonics(*plan_.prefilter, wanted.size, wanted.rms_error);
+        if (plan_.shares_harmonics) plan_.irradiance_plan = plan_.prefilter;
+      }
+      plan_.prefilter = plan_.prefilter->without(trim.mips.sharp, trim.mips.rough);
       const reflections::MipPlan& first = plan_.prefilter->mips.front();
       plan_.same_level = first.method == MipMethod::copy && plan_.background_size == first.size;
     }
     plan_.stored_background = source_.cubemap && plan_.background_levels > 1 &&
                               plan_.background_size == source_.columns &&
                               stored_.background_levels >= plan_.background_levels;
+    if (convolves_by_harmonics() && !plan_.irradiance_plan) {
+      plan_.irradiance_plan =
+          reflections::plan_irradiance(picture_of(source_), options_.irradiance->size, options_.irradiance->rms_error);
+    }
   }
 
   void add(BakePass pass, PassAction action, std::string reason, const Work& work, std::vector<BakePass> after = {}) {
@@ -406,6 +394,9 @@ class BakePlanner {
   void skip(BakePass pass, std::string reason = kNotAskedFor) { add(pass, PassAction::skip, std::move(reason), {}); }
 
   [[nodiscard]] double source_texels() const { return static_cast<double>(source_.texels()); }
+  [[nodiscard]] bool convolves_by_harmonics() const {
+    return options_.irradiance && plan_.irradiance == IrradianceMethod::automatic;
+  }
   [[nodiscard]] bool convolves() const {
     return options_.irradiance && plan_.irradiance != IrradianceMethod::harmonics;
   }
@@ -486,27 +477,30 @@ class BakePlanner {
     const int size = options_.irradiance->size;
     const double texels = cube_texels(size);
     const std::uint64_t bytes = kTexelBytes * chain_texels(size, 1);
-    if (plan_.irradiance == IrradianceMethod::automatic) {
-      convolve(reflections::plan_irradiance(picture_of(source_), options_.irradiance->rms_error));
-    } else if (plan_.irradiance == IrradianceMethod::direct) {
-      add(BakePass::irradiance, PassAction::run, edge(size) + " by direct convolution in double",
+    const bool direct = plan_.irradiance == IrradianceMethod::direct;
+    if (direct || (plan_.irradiance_plan && plan_.irradiance_plan->bands == 0)) {
+      add(BakePass::irradiance, PassAction::run,
+          edge(size) + " by direct convolution in double" + (direct ? "" : ": no other method meets the bound"),
           {texels * (costs_.irradiance_pair * source_texels() + costs_.irradiance_direction), bytes, 0},
           {BakePass::sanitize});
+    } else if (plan_.irradiance_plan) {
+      convolve(*plan_.irradiance_plan, bytes);
     } else {
       add(BakePass::irradiance, PassAction::run, edge(size) + " from " + std::to_string(options_.bands) + " bands",
           {costs_.irradiance_term * texels * options_.bands * options_.bands, bytes, 0}, {BakePass::project});
     }
   }
 
-  void convolve(const reflections::IrradiancePlan& how) {
-    const int size = options_.irradiance->size;
-    const bool direct = how.bands == 0;
-    const Work work{irradiance_cost(source_, how, size, costs_), kTexelBytes * chain_texels(size, 1),
-                    direct ? 0 : irradiance_bytes(source_, how)};
-    add(BakePass::irradiance, PassAction::run,
-        edge(size) + (direct ? " by direct convolution in double: no other method meets the bound"
-                             : " by " + std::to_string(how.bands) + " bands, bright texels each by the cosine"),
-        work, {BakePass::sanitize});
+  void convolve(const reflections::PrefilterPlan& how, std::uint64_t bytes) {
+    const std::string words =
+        edge(options_.irradiance->size) + " by " + std::to_string(how.irradiance->bands.bands()) + " bands";
+    if (plan_.shares_harmonics) {
+      add(BakePass::irradiance, PassAction::run, words + " of the specular chain's harmonics",
+          {costs_.copy_texel * cube_texels(how.irradiance->size), bytes, 0}, {BakePass::sanitize, BakePass::specular});
+    } else {
+      add(BakePass::irradiance, PassAction::run, words + ", bright texels each by the cosine",
+          {prefiltering(source_, how, costs_), bytes, prefilter_bytes(source_, how)}, {BakePass::sanitize});
+    }
   }
 
   void brdf() {

@@ -40,6 +40,9 @@ struct BakePlan {
   bool stored_harmonics = false;
   IrradianceMethod irradiance =
       IrradianceMethod::automatic;  ///< `harmonics` also where those that are stored are taken
+  /// By which the automatic method makes irradiance: alone, or where it shares a chain's harmonics that whole chain.
+  std::optional<reflections::PrefilterPlan> irradiance_plan;
+  bool shares_harmonics = false;  ///< then `prefilter` has irradiance too
   bool stored_specular = false;
   std::optional<OctahedralOptions> octahedral;  ///< with no more levels than there are mips
   bool stored_background = false;

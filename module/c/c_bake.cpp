@@ -499,6 +499,8 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
       values.octahedral_border = light.octahedral->border;
     }
     values.peak_bytes = light.peak_bytes;
+    const std::optional<double> error = light.irradiance_record.value_or(welkin::MipRecord{}).error_estimate;
+    values.irradiance_error_estimate = error.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(info, values, "info");
     return WELKIN_OK;
   });

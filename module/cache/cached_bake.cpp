@@ -120,15 +120,11 @@ using cache::EntryKind;
 using cache::EntryName;
 using cache::hash_of;
 
-CubemapChain chain_of(const CubemapImage& image) {
-  CubemapChain chain(image.size, 1);
-  std::copy(image.pixels.begin(), image.pixels.end(), chain.face(0, 0));
-  return chain;
-}
-
-CubemapImage image_of(const CubemapChain& chain) {
-  const float* const first = chain.face(0, 0);
-  return {chain.size(), std::vector<float>(first, first + chain.bytes() / sizeof(float))};
+/// What the bits of irradiance depend on where it shares a chain's harmonics, or not.
+ContentHash shared_key(const baking::BakePlan& plan) {
+  if (!plan.shares_harmonics) return hash_of(false);
+  const reflections::PrefilterPlan& chain = *plan.irradiance_plan;
+  return hash_of(true, chain.bounds.rms, chain.bounds.maximum, chain.light_alpha, chain.least_alpha, chain.bands);
 }
 
 /// The entries of one bake.
@@ -153,9 +149,7 @@ class BakeEntries final : public baking::ArtefactStore {
           found_as(find_cubemap(background_, plan.background_size, plan.background_levels, control.memory));
     }
     if (options.irradiance && (plan.convolves() || !plan.stored_harmonics)) {
-      if (auto image = find_cubemap(irradiance_, options.irradiance->size, 1, nullptr)) {
-        found.irradiance = {image_of(image->value), words(image->where), image->milliseconds};
-      }
+      found.irradiance = found_as(find_irradiance(options.irradiance->size));
     }
     if (plan.prefilter) {
       chain_.emplace(store_, source_, options.pixels, *plan.prefilter, control.memory);
@@ -181,8 +175,8 @@ class BakeEntries final : public baking::ArtefactStore {
   void keep_background(const CubemapChain& background) override {
     store_.store(background_, [&] { return cache::encode(background); });
   }
-  void keep_irradiance(const CubemapImage& irradiance) override {
-    store_.store(irradiance_, [&] { return cache::encode(chain_of(irradiance)); });
+  void keep_irradiance(const reflections::IrradianceMap& irradiance) override {
+    store_.store(irradiance_, [&] { return cache::encode_mip(irradiance.record, irradiance.cubemap.pixels.data()); });
   }
   void keep_octahedral(const OctahedralMap& map) override {
     store_.store(octahedral_, [&] { return cache::encode(map); });
@@ -220,7 +214,8 @@ class BakeEntries final : public baking::ArtefactStore {
       const ContentHash irradiance =
           hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands,
                   pixels_alone ? 0 : plan.projecting.bands, error);
-      irradiance_ = {EntryKind::cubemap, cache::result_key("bake irradiance", {source_, pixels, irradiance})};
+      irradiance_ = {EntryKind::specular_mip,
+                     cache::result_key("bake irradiance", {source_, pixels, irradiance, shared_key(plan)})};
     }
   }
 
@@ -236,6 +231,18 @@ class BakeEntries final : public baking::ArtefactStore {
                                                                              int levels, memory_resource* memory) {
     return store_.find(name, cache::cubemap_bytes(size, levels),
                        [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
+  }
+
+  [[nodiscard]] std::optional<cache::FoundResult<reflections::IrradianceMap>> find_irradiance(int size) {
+    return store_.find(
+        irradiance_, cache::mip_bytes(size), [=](cache::ByteSpan bytes) -> std::optional<reflections::IrradianceMap> {
+          const auto edge = static_cast<std::size_t>(size);
+          reflections::IrradianceMap map{{size, std::vector<float>(18 * edge * edge)}, {}};
+          const std::optional<MipRecord> record = cache::decode_mip(bytes, size, map.cubemap.pixels.data());
+          if (!record) return std::nullopt;
+          map.record = *record;
+          return map;
+        });
   }
 
   cache::ResultStore& store_;

@@ -12,7 +12,6 @@
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
-#include "reflections/kernel_lights.h"
 #include "reflections/light_field.h"
 #include "reflections/lobe.h"
 
@@ -25,10 +24,6 @@ constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the squar
 constexpr double kTableHorizon = 0.1 / 16.0;  ///< the same by a table, where a part is looked at in 16 places
 constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
-
-double norm(const std::array<double, 3>& colour) {
-  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
-}
 
 /// What `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for 1 / (1 +
 /// x^2)^2.
@@ -61,7 +56,8 @@ double BrightLights::ggx_error(double alpha, double rms) const {
 double BrightLights::error(const Lobe& lobe, double rms) const {
   if (nodes_.empty()) return 0.0;
   if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha(), rms);
-  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * norm(cut_);
+  // A light errs by its size times the slope, on a share of the sphere that is as wide. One does not know of another.
+  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * std::sqrt(cut_square_);
   const double field = norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
   const double merged = (kLost + kMerged) * std::min(field, rms);
   return std::sqrt(horizon * horizon + merged * merged);
@@ -207,8 +203,7 @@ void BrightLights::make_rooms() {
 }
 
 BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLobe& lobe) const {
-  constexpr double kOfScale = 0.8;  // four Gauss points over a bell of 1.3 standard deviations each side: 3e-4
-  constexpr double kFieldOfScale = 0.4;
+  constexpr double kFieldOfSmooth = 0.5;
   constexpr double kWidestField = 0.2;  // of directions over a face
   constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   Block block;
@@ -228,8 +223,8 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   block.by_table = alpha == 0.0;
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
-  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * lobe.lobe.scale());
-  block.most_merged = kOfScale * lobe.lobe.scale();
+  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfSmooth * lobe.lobe.smooth());
+  block.most_merged = 0.8 * lobe.lobe.scale();  // 3e-4 over a bell of 1.3 standard deviations each side
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
   block.farthest = 2.0 * lobe.lobe.farthest();
@@ -266,37 +261,35 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
 /// them.
 void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const {
   const image::Frame& frame = image::face_frame(face);
-  const double alpha = lobe.lobe.alpha();
-  if (alpha == 0.0) {
-    for (int k = 0; k < count; ++k) {
-      const auto place = static_cast<std::size_t>(k);
-      KernelSums sums(lobe.lobe, glm::normalize(frame.normal + static_cast<double>(room.u[place]) * frame.u +
-                                                static_cast<double>(room.v[place]) * frame.v));
-      sums.add(lights_.data(), room.runs);
-      sums.add(cut_lights_.data(), room.parts);
-      sums.add_to(room.sums.data() + k, count);
-    }
-  } else {
-    const double square = alpha * alpha;
-    LobeBlock of{{},
-                 {},
-                 {},
-                 room.u.data(),
-                 room.v.data(),
-                 count,
-                 static_cast<float>(square),
-                 static_cast<float>(0.25 * (1.0 - square)),
-                 static_cast<float>(lobe.far_split / (1.0 - square))};
-    for (int axis = 0; axis < 3; ++axis) {
-      of.normal[axis] = static_cast<float>(frame.normal[axis]);
-      of.along[axis] = static_cast<float>(frame.u[axis]);
-      of.down[axis] = static_cast<float>(frame.v[axis]);
-    }
-    const LobeKernels& kernels = lobe_kernels();
-    kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
-    kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
-                          room.sums.data());
+  const Lobe& shape = lobe.lobe;
+  const double square = shape.alpha() * shape.alpha();
+  LobeBlock of{{},
+               {},
+               {},
+               room.u.data(),
+               room.v.data(),
+               count,
+               static_cast<float>(square),
+               static_cast<float>(0.25 * (1.0 - square)),
+               static_cast<float>(lobe.far_split / (1.0 - square))};
+  for (int axis = 0; axis < 3; ++axis) {
+    of.normal[axis] = static_cast<float>(frame.normal[axis]);
+    of.along[axis] = static_cast<float>(frame.u[axis]);
+    of.down[axis] = static_cast<float>(frame.v[axis]);
   }
+  if (shape.alpha() == 0.0) {
+    constexpr double kSteady = 3.0;  // sizes of a light, which are 50 times its `least`
+    of.lines = shape.table().lines.data();
+    of.cells = shape.table().cells();
+    of.cells_of_s = static_cast<float>(shape.table().cells_of_s);
+    of.nearest = static_cast<float>(4.0 * shape.nearest() * shape.nearest());
+    of.farthest = static_cast<float>(4.0 * shape.farthest() * shape.farthest());
+    if (shape.steady_horizon()) of.steady = static_cast<float>(shape.scale() / (50.0 * kSteady));
+  }
+  const LobeKernels& kernels = lobe_kernels();
+  kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
+  kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
+                        room.sums.data());
   room.runs.clear();
   room.parts.clear();
 }

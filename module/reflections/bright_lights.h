@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -25,6 +26,10 @@ struct PictureShape {
     return {source.cubemap(), source.columns(), source.cubemap() ? source.columns() : source.rows()};
   }
 };
+
+[[nodiscard]] inline double norm(const std::array<double, 3>& colour) noexcept {
+  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
+}
 
 /// What blurs lights.
 struct LightsLobe {
@@ -124,6 +129,7 @@ class BrightLights {
   std::vector<Rectangle> rectangles_;
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
+  double cut_square_ = 0.0;      ///< sizes^3 times squares of colours
 };
 
 }  // namespace welkin::reflections

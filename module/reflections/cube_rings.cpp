@@ -5,6 +5,7 @@
 
 #include "image/pixels.h"
 #include "reflections/ring_table.h"
+#include "welkin/resampling.h"
 
 namespace welkin::reflections {
 
@@ -42,11 +43,14 @@ Rings lat_long_without(const std::vector<BrightTexel>& bright, const projection:
 }  // namespace
 
 Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
-               const Control& control) {
+               const Control& control, int face_size) {
   if (!source.cubemap()) return lat_long_without(bright, source);
-  if (bright.empty()) return rings_of_cubemap(source.cube(), rows, control);
-  const platform::AlignedBuffer<float> rest = pixels_without(bright, source);
-  return rings_of_cubemap(image::packed_cubemap(rest.data(), source.columns()), rows, control);
+  platform::AlignedBuffer<float> rest;
+  if (!bright.empty()) rest = pixels_without(bright, source);
+  const CubemapView whole = bright.empty() ? source.cube() : image::packed_cubemap(rest.data(), source.columns());
+  if (face_size == 0 || face_size == source.columns()) return rings_of_cubemap(whole, rows, control);
+  const CubemapImage smaller = to_cubemap(whole, face_size, glm::dmat3(1.0), {control.stop, {}});
+  return rings_of_cubemap(smaller.view(), rows, control);
 }
 
 std::size_t cube_rings_bytes(int face_size, int rows) {

@@ -26,9 +26,9 @@ struct Rings {
 [[nodiscard]] Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
 
 /// `source` without `bright`, which go by rows: of a lat-long the caller's own rows but for those with bright texels; a
-/// cubemap on `rows` rings.
+/// cubemap on `rows` rings, its faces reduced to `face_size` first unless that is 0.
 [[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
-                             int rows, const Control& control);
+                             int rows, const Control& control, int face_size = 0);
 
 /// A bound on what a cubemap's rings take in addition to themselves, a `RingTable` that has yet to be made included.
 [[nodiscard]] std::size_t cube_rings_bytes(int face_size, int rows);

@@ -54,7 +54,7 @@ bool is_coarse(const PictureShape& shape, LightsOf use) {
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
 int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::size_t texels) {
-  constexpr double kOfWidth = 0.3;
+  const double kOfWidth = use == LightsOf::ggx ? 0.3 : 0.08;  // a kernel may be steep at its horizon
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
@@ -392,6 +392,9 @@ class LightTree {
   void count_cut(const LobeRun& parts, double size) {
     for (int k = parts.first; k < parts.first + parts.count; ++k) {
       const LobeLight& light = lights_.cut_lights_[static_cast<std::size_t>(k)].light;
+      const double own =
+          norm({static_cast<double>(light.red), static_cast<double>(light.green), static_cast<double>(light.blue)});
+      lights_.cut_square_ += own * own * size * size * size;
       lights_.cut_[0] += static_cast<double>(light.red) * size * size;
       lights_.cut_[1] += static_cast<double>(light.green) * size * size;
       lights_.cut_[2] += static_cast<double>(light.blue) * size * size;
@@ -561,7 +564,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
+                       use == LightsOf::any ? std::min(most_cut, 0.1 * least_alpha) : most_cut, *this);
   make_rooms();
 }
 

@@ -34,39 +34,13 @@ inline constexpr double kGaussianStep = 0.8;
 /// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal kernel gives.
 [[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
 
-/// A kernel by even steps of s = sin(theta / 2), theta the angle to the axis: cubic polynomials through the kernel's
-/// values. A step is a hundred-and-twenty-eighth of the kernel's scale, so the cubics err by some 1e-8 of its largest
-/// value.
-class KernelTable {
- public:
-  /// The kernel at s from 0 to 1.
-  [[nodiscard]] double at(double s) const noexcept {
-    const Run* run = runs_.data();
-    while (s >= run->end && run->next) ++run;
-    double place = (s - run->begin) * run->cells_of_s;
-    if (!(place > 0.0)) place = 0.0;
-    auto cell = static_cast<int>(place);
-    if (cell >= run->cells) cell = run->cells - 1;
-    const double t = place - cell;
-    const double* const k = cubics_.data() + 4 * static_cast<std::ptrdiff_t>(run->first + cell);
-    return k[0] + t * (k[1] + t * (k[2] + t * k[3]));
-  }
+/// A kernel by even steps of s = sin(theta / 2), theta the angle to the axis: a line in each cell. The horizon lies
+/// between two of them. A cell is a hundred-and-twenty-eighth of the kernel's scale, so a line errs by 8e-6 of a value.
+struct KernelTable {
+  std::vector<float> lines;  ///< of each cell from s = 0 to 1: the value at its beginning, and what it rises by
+  double cells_of_s = 0.0;
 
- private:
-  friend class Lobe;
-
-  /// Cells between two breaks.
-  struct Run {
-    double begin;
-    double end;
-    double cells_of_s;
-    int first;
-    int cells;
-    bool next;  ///< whether another run follows
-  };
-
-  std::vector<Run> runs_;
-  std::vector<double> cubics_;  ///< four coefficients a cell
+  [[nodiscard]] int cells() const noexcept { return static_cast<int>(lines.size() / 2); }
 };
 
 /// How much light counts, by its angle from an axis; the integral over the sphere is 1. GGX has closed forms. Any other
@@ -93,7 +67,10 @@ class Lobe {
   [[nodiscard]] double peak() const noexcept { return peak_; }  ///< the largest magnitude
   /// Radians: the largest magnitude over the steepest slope, at most pi.
   [[nodiscard]] double scale() const noexcept { return scale_; }
-  /// Returns alpha of the GGX lobe that is as narrow as the finest detail.
+  /// Returns the radians from a middle over which four Gauss points integrate a kernel to 3e-5 of its peak, wherever no
+  /// horizon cuts it; for GGX 0.
+  [[nodiscard]] double smooth() const noexcept { return smooth_; }
+  /// Returns alpha of the GGX lobe that is as smooth.
   [[nodiscard]] double width_alpha() const noexcept;
   /// Returns alpha of the GGX lobe through which a light is as bright; at most 0.1 unless the lobe is GGX: every texel
   /// above 25 times the mean is then a light, however wide the lobe.
@@ -126,7 +103,7 @@ class Lobe {
   void normalise();
   void measure();
   void make_table();
-  void find_ends();
+  void measure_smooth();
   [[nodiscard]] std::vector<double> find_spectrum(int bands) const;
 
   double alpha_ = 0.0;
@@ -136,6 +113,7 @@ class Lobe {
   double square_ = 0.0;
   double peak_ = 0.0;
   double scale_ = 0.0;
+  double smooth_ = 0.0;
   double nearest_ = 0.0;
   double farthest_ = 1.0;
   bool negative_ = false;

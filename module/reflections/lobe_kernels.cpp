@@ -1,4 +1,4 @@
-// GGX lobes of single lights, and the quadrature of spectra.
+// Lobes of single lights, and the quadrature of spectra.
 #include "reflections/lobe_kernels.h"
 
 #include "simd/decay.h"
@@ -8,6 +8,8 @@ namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
 using simd::DoubleLanes, simd::kDoubleWidth, simd::kWidth, simd::Lanes;
+
+constexpr float kLeastCosine = 1e-3F;  ///< of a light at the horizon, by which a kernel is divided
 
 /// Lights added to one register of texels.
 struct Sums {
@@ -51,38 +53,70 @@ WELKIN_INLINE Lanes far_share(Lanes u) {
   return xsimd::select(u < Lanes(end), sum, Lanes(1.0F));
 }
 
-WELKIN_INLINE void add_light(const LobeLight& light, Lanes cosine, Lanes chord, const LobeBlock& texels, Sums& sums) {
-  const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
-  const Lanes value = cosine / (width * width);
-  sums.red = sums.red + value * Lanes(light.red);
-  sums.green = sums.green + value * Lanes(light.green);
-  sums.blue = sums.blue + value * Lanes(light.blue);
-}
-
 WELKIN_INLINE void store(const Sums& all, float* sums, int count) {
   (Lanes::load_unaligned(sums) + all.red).store_unaligned(sums);
   (Lanes::load_unaligned(sums + count) + all.green).store_unaligned(sums + count);
   (Lanes::load_unaligned(sums + 2 * count) + all.blue).store_unaligned(sums + 2 * count);
 }
 
-void sum_lobes(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count, float* sums) {
+/// Calls `value` with texels' directions and each light, adds that times its colour.
+template <class Light, class Value>
+WELKIN_INLINE void sum_each(const LobeBlock& texels, const Light* lights, const LobeRun* runs, int run_count,
+                            float* sums, const Value& value) {
   for (int first = 0; first < texels.count; first += kWidth) {
     const Directions texel = directions_of(texels, first);
     Sums all;
     for (int run = 0; run < run_count; ++run) {
-      const LobeLight* const end = lights + runs[run].first + runs[run].count;
-      for (const LobeLight* light = lights + runs[run].first; light != end; ++light) {
-        const Lanes chord = chord_of(texel, *light);
-        Lanes cosine = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord, Lanes(0.0F));
-        if (texels.far_scale > 0.0F) {
-          const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
-          cosine = cosine * far_share(width * Lanes(texels.far_scale));
-        }
-        add_light(*light, cosine, chord, texels, all);
-      }
+      const Light* const end = lights + runs[run].first + runs[run].count;
+      for (const Light* light = lights + runs[run].first; light != end; ++light) value(texel, *light, all);
     }
     store(all, sums + first, texels.count);
   }
+}
+
+WELKIN_INLINE void add_light(const LobeLight& light, Lanes value, Sums& sums) {
+  sums.red = sums.red + value * Lanes(light.red);
+  sums.green = sums.green + value * Lanes(light.green);
+  sums.blue = sums.blue + value * Lanes(light.blue);
+}
+
+/// GGX over its cosine.
+WELKIN_INLINE Lanes ggx(const LobeBlock& texels, Lanes cosine, Lanes chord) {
+  const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
+  return cosine / (width * width);
+}
+
+WELKIN_INLINE auto is_seen(const LobeBlock& texels, Lanes chord) {
+  return (chord >= Lanes(texels.nearest)) & (chord <= Lanes(texels.farthest));
+}
+
+/// The kernel of a table.
+WELKIN_INLINE Lanes looked_up(const LobeBlock& texels, Lanes chord) {
+  const Lanes place = Lanes(0.5F * texels.cells_of_s) * xsimd::sqrt(chord);
+  const simd::Integers cell = xsimd::min(xsimd::to_int(place), simd::Integers(texels.cells - 1));
+  const simd::Pairs line = simd::load_pairs(texels.lines, cell);
+  return xsimd::select(is_seen(texels, chord), line.first + (place - xsimd::to_float(cell)) * line.second, Lanes(0.0F));
+}
+
+void sum_lobes(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count, float* sums) {
+  if (texels.lines != nullptr) {
+    sum_each(texels, lights, runs, run_count, sums,
+             [&](const Directions& texel, const LobeLight& light, Sums& all) WELKIN_INLINE_LAMBDA {
+               const Lanes chord = chord_of(texel, light);
+               if (xsimd::any(is_seen(texels, chord))) add_light(light, looked_up(texels, chord), all);
+             });
+    return;
+  }
+  sum_each(texels, lights, runs, run_count, sums,
+           [&](const Directions& texel, const LobeLight& light, Sums& all) WELKIN_INLINE_LAMBDA {
+             const Lanes chord = chord_of(texel, light);
+             Lanes cosine = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord, Lanes(0.0F));
+             if (texels.far_scale > 0.0F) {
+               const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
+               cosine = cosine * far_share(width * Lanes(texels.far_scale));
+             }
+             add_light(light, ggx(texels, cosine, chord), all);
+           });
 }
 
 WELKIN_INLINE Lanes along(const Directions& texel, const float* axis) {
@@ -108,21 +142,48 @@ WELKIN_INLINE Lanes mean_above(Lanes c, Lanes a, Lanes b, Lanes least) {
   return xsimd::select(c > both, c, xsimd::select(c > Lanes(0.0F) - both, cut, Lanes(0.0F)));
 }
 
-void sum_cut_lobes(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count, float* sums) {
-  for (int first = 0; first < texels.count; first += kWidth) {
-    const Directions texel = directions_of(texels, first);
-    Sums all;
-    for (int run = 0; run < run_count; ++run) {
-      const CutLight* const end = lights + runs[run].first + runs[run].count;
-      for (const CutLight* light = lights + runs[run].first; light != end; ++light) {
-        const Lanes chord = chord_of(texel, light->light);
-        const Lanes cosine = mean_above(Lanes(1.0F) - Lanes(0.5F) * chord, along(texel, light->along),
-                                        along(texel, light->down), Lanes(light->least));
-        add_light(light->light, cosine, chord, texels, all);
-      }
-    }
-    store(all, sums + first, texels.count);
+WELKIN_INLINE Lanes mean_cosine(const Directions& texel, const CutLight& light, Lanes chord) {
+  return mean_above(Lanes(1.0F) - Lanes(0.5F) * chord, along(texel, light.along), along(texel, light.down),
+                    Lanes(light.least));
+}
+
+/// Mean of a table's kernel over 4 x 4 places of a light.
+WELKIN_INLINE Lanes mean_looked_up(const LobeBlock& texels, const Directions& texel, const CutLight& light) {
+  constexpr int kPlaces = 4;
+  Lanes sum(0.0F);
+  for (int look = 0; look < kPlaces * kPlaces; ++look) {
+    const float s = (2.0F * static_cast<float>(look % kPlaces) + 1.0F) / kPlaces - 1.0F;
+    const float t = (2.0F * static_cast<float>(look / kPlaces) + 1.0F) / kPlaces - 1.0F;
+    const LobeLight at{light.light.x + s * light.along[0] + t * light.down[0],
+                       light.light.y + s * light.along[1] + t * light.down[1],
+                       light.light.z + s * light.along[2] + t * light.down[2],
+                       0.0F,
+                       0.0F,
+                       0.0F};
+    sum = sum + looked_up(texels, chord_of(texel, at));
   }
+  return sum * Lanes(1.0F / (kPlaces * kPlaces));
+}
+
+void sum_cut_lobes(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count, float* sums) {
+  if (texels.lines != nullptr) {
+    sum_each(texels, lights, runs, run_count, sums,
+             [&](const Directions& texel, const CutLight& light, Sums& all) WELKIN_INLINE_LAMBDA {
+               if (light.least > texels.steady)
+                 return add_light(light.light, mean_looked_up(texels, texel, light), all);
+               const Lanes chord = chord_of(texel, light.light);
+               const Lanes cosine = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord, Lanes(kLeastCosine));
+               const Lanes over_cosine =
+                   looked_up(texels, xsimd::min(chord, Lanes(2.0F - 2.0F * kLeastCosine))) / cosine;
+               add_light(light.light, mean_cosine(texel, light, chord) * over_cosine, all);
+             });
+    return;
+  }
+  sum_each(texels, lights, runs, run_count, sums,
+           [&](const Directions& texel, const CutLight& light, Sums& all) WELKIN_INLINE_LAMBDA {
+             const Lanes chord = chord_of(texel, light.light);
+             add_light(light.light, ggx(texels, mean_cosine(texel, light, chord), chord), all);
+           });
 }
 
 /// Blocks `first` to `first` + count - 1, side by side: one's additions wait for nothing of another's.

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/text.h"
 #include "reflections/lobe.h"
@@ -20,7 +21,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kFollowed = 1e-12;    ///< what the last coefficients of a panel may be, over the largest value
 constexpr std::size_t kPanels = 2000;  ///< at most
 constexpr double kCellsOfScale = 128.0;
-constexpr int kMostCells = 1 << 16;
+constexpr int kMostCells = 1 << 17;
+constexpr double kSeen = 1e-9;  ///< of the largest magnitude: what is less is dark
+
 constexpr double kMostLightAlpha = 0.1;
 constexpr double kScaleOfAlpha = 1.93;  ///< of narrow GGX lobes, 1 / (1 + (theta / 2 alpha)^2)^2
 
@@ -189,56 +192,48 @@ void Lobe::measure() {
   steady_horizon_ = hemisphere_ && std::abs(value(1e-6)) < 1e-4 * peak_;
 }
 
-/// By the cells of the table: one that is dark at its ends and in between is.
-void Lobe::find_ends() {
-  constexpr double kSeen = 1e-9;
-  double first = 1.0;
+void Lobe::make_table() {
+  const double horizon = std::sqrt(0.5);
+  const double wanted = horizon * kCellsOfScale / (0.5 * scale_);
+  const int above = std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e9))), 64, kMostCells);
+  table_.cells_of_s = above / horizon;
+  const auto cells = static_cast<int>(std::ceil(table_.cells_of_s));
+  double first = 1.0;  // of all cells that are not dark at their ends and in between
   double last = 0.0;
-  for (const KernelTable::Run& run : table_.runs_) {
-    for (int cell = 0; cell < run.cells; ++cell) {
-      const double from = run.begin + cell / run.cells_of_s;
-      const double width = 1.0 / run.cells_of_s;
-      double largest = 0.0;
-      for (const double share : {0.001, 0.5, 0.999})
-        largest = std::max(largest, std::abs(table_.at(from + share * width)));
-      if (largest < kSeen * peak_) continue;
-      first = std::min(first, from);
-      last = std::max(last, from + width);
-    }
+  for (int cell = 0; cell < cells; ++cell) {
+    const auto at = [&](double share) { return value_at(std::min(1.0, (cell + share) / table_.cells_of_s)); };
+    const double begin = at(1e-6);  // within the cell: at a break the kernel jumps
+    const double end = at(1.0 - 1e-6);
+    table_.lines.push_back(static_cast<float>(begin));
+    table_.lines.push_back(static_cast<float>(end - begin));
+    if (std::max({std::abs(begin), std::abs(at(0.5)), std::abs(end)}) < kSeen * peak_) continue;
+    first = std::min(first, cell / table_.cells_of_s);
+    last = (cell + 1) / table_.cells_of_s;
   }
   nearest_ = first;
-  farthest_ = last;
+  farthest_ = std::min(1.0, last);
 }
 
-void Lobe::make_table() {
-  std::vector<double> ends = breaks_;
-  ends.push_back(1.0);
-  double begin = 0.0;
-  const auto panel_of = [this](double s) -> const Panel& {
-    return *std::upper_bound(panels_.begin(), panels_.end() - 1, s,
-                             [](double place, const Panel& panel) { return place < panel.end; });
+void Lobe::measure_smooth() {
+  constexpr double kStep = 1.25;
+  constexpr double kWidest = 0.25;
+  constexpr double kMostLost = 3e-5;
+  const math::GaussRule few = math::gauss_legendre(4);
+  const math::GaussRule many = math::gauss_legendre(10);
+  const auto s_of = [](double angle) { return math::sine_cosine_of_turns(angle / (4.0 * kPi)).sine; };
+  const auto mean = [&](const math::GaussRule& rule, double middle, double half) {
+    double sum = 0.0;
+    for (int i = 0; i < rule.order; ++i)
+      sum += 0.5 * rule.weights[i] * value_at(std::abs(s_of(middle + half * rule.nodes[i])));
+    return sum;
   };
-  for (const double end : ends) {
-    const double wanted = (end - begin) * kCellsOfScale / (0.5 * scale_);
-    const int cells = std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e9))), 64, kMostCells);
-    table_.runs_.push_back(
-        {begin, end, cells / (end - begin), static_cast<int>(table_.cubics_.size() / 4), cells, end < 1.0});
-    const double width = (end - begin) / cells;
-    for (int cell = 0; cell < cells; ++cell) {
-      double at[4];
-      for (int k = 0; k < 4; ++k) {
-        // within the run: beyond a break the kernel is another function
-        const double s = begin + width * (cell + std::clamp(k / 3.0, 1e-9, 1.0 - 1e-9));
-        at[k] = evaluate(panel_of(s), s);
-      }
-      // Newton's form of the cubic through t = 0, 1/3, 2/3, 1, multiplied out
-      const double first = at[1] - at[0];
-      const double second = 0.5 * (at[2] - 2.0 * at[1] + at[0]);
-      const double third = (at[3] - 3.0 * at[2] + 3.0 * at[1] - at[0]) / 6.0;
-      table_.cubics_.insert(table_.cubics_.end(),
-                            {at[0], 3.0 * (first - second + 2.0 * third), 9.0 * (second - 3.0 * third), 27.0 * third});
+  const double end = hemisphere_ ? 0.5 * kPi : kPi;
+  for (double half = 0.1 * scale_; half <= kWidest; half *= kStep) {
+    for (double middle = 0.0; middle + half <= end; middle += 0.5 * half) {
+      if (s_of(middle + half) < nearest_ || s_of(middle - half) > farthest_) continue;
+      if (std::abs(mean(few, middle, half) - mean(many, middle, half)) > kMostLost * peak_) return;
     }
-    begin = end;
+    smooth_ = half;
   }
 }
 
@@ -262,7 +257,7 @@ Lobe::Lobe(const std::function<double(double)>& value, std::vector<double> break
   normalise();
   measure();
   make_table();
-  find_ends();
+  measure_smooth();
 }
 
 Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
@@ -270,10 +265,13 @@ Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
   normalise();
   measure();
   make_table();
-  find_ends();
+  measure_smooth();
 }
 
-double Lobe::width_alpha() const noexcept { return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0); }
+double Lobe::width_alpha() const noexcept {
+  constexpr double kSmoothOfAlpha = 0.6;  // four points integrate GGX over so many alpha each side as exactly
+  return alpha_ > 0.0 ? alpha_ : std::clamp(smooth_ / kSmoothOfAlpha, 1e-4, 1.0);
+}
 
 double Lobe::light_alpha() const noexcept {
   if (alpha_ > 0.0) return alpha_;

@@ -64,6 +64,7 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
   return source.cubemap() ? plan.rows_for_cubemap() : 0;
 }
 
+constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 
 using Faces = std::array<float*, 6>;
@@ -105,6 +106,24 @@ void make_not_negative(int size, const Faces& faces) {
     std::transform(values, values + count, values, [](float value) { return std::max(value, 0.0F); });
 }
 
+/// A level of a chain that is being made.
+struct Target {
+  CubemapChain& chain;
+  int level;
+  MipRecord& record;
+  std::string name;    ///< in passes
+  ErrorBounds bounds;  ///< asked for
+  int tightenings;     ///< that the level's bands are chosen for
+
+  [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
+  /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.
+  [[nodiscard]] double rms(const Lobe& lobe) const {
+    constexpr double kSamplesOfWidth = 12.0;
+    const double samples = std::clamp(kSamplesOfWidth / lobe.width_alpha(), 12.0, 128.0);
+    return rms_of_level(chain, level, static_cast<int>(samples));
+  }
+};
+
 /// Returns the smallest channel of a level's texels.
 double least_of(const CubemapChain& chain, int level, const Control& control) {
   constexpr int kTileRows = 96;
@@ -132,11 +151,13 @@ class LobeChain {
             memory_resource* memory)
       : source_(source), plan_(plan), spectral_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
-    result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
+    if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
+    if (plan_.irradiance) irradiance_ = CubemapChain(plan_.irradiance->size, 1);
     result_.mips.resize(plan_.mips.size());
   }
 
-  PrefilteredSpecular run(const Control& control) {
+  /// `scale`: what the source was multiplied by.
+  PrefilteredSpecular run(const Control& control, float scale, IrradianceMap* irradiance) {
     jobs::TaskGraph graph;
     if (plan_.bands > 0) graph.add(2.0, [this](const Control& part) { run_spectral(part); });
     if (plan_.uses(MipMethod::narrow)) graph.add(50.0, [this](const Control& part) { run_narrow(part); });
@@ -144,16 +165,24 @@ class LobeChain {
       const MipMethod method = plan_.mips[level].method;
       if (method == MipMethod::copy) graph.add(1.0, [this, level](const Control& part) { copy_mip(level, part); });
       if (method == MipMethod::reference)
-        graph.add(1000.0, [this, level](const Control& part) { integrate_mip(level, part); });
+        graph.add(1000.0,
+                  [this, level](const Control& part) { integrate_mip(target(level), plan_.mips[level], part); });
     }
     graph.run(control);
     result_.pixels.passes = std::move(passes_);
     result_.peak_bytes = memory_.peak();
+    if (plan_.irradiance) *irradiance = irradiance_times(kPi / static_cast<double>(scale));
+    if (scale != 1.0F) undo_scale(result_, scale);
     return std::move(result_);
   }
 
  private:
   [[nodiscard]] MipRecord& record(std::size_t level) { return result_.mips[level]; }
+  [[nodiscard]] Target target(std::size_t level) {
+    return {result_.cubemap, static_cast<int>(level),
+            record(level),   "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)),
+            plan_.bounds,    spectral_.tightenings};
+  }
 
   [[nodiscard]] SpectralSource source_on(int rows) const {
     const int texels = source_.cubemap() ? 2 * source_.columns() : rows;  // along a meridian
@@ -170,22 +199,25 @@ class LobeChain {
                                   const Control& control);
   [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
-  void blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
-  [[nodiscard]] bool shows_dark(std::size_t level, const MipPlan& mip, const Control& control) const;
-  void spectral_mip(std::size_t level, const std::vector<BrightTexel>& texels, const transforms::Spectrum& spectrum,
-                    int rows, const Control& control);
+  void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
+  [[nodiscard]] bool shows_dark(const Target& target, const MipPlan& mip, const Control& control) const;
+  void spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
+                    const transforms::Spectrum& spectrum, int rows, const Control& control);
+  [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
   void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
-  [[nodiscard]] bool may_integrate(const MipPlan& mip) const;
+  [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
   void copy_mip(std::size_t level, const Control& control);
-  void integrate_mip(std::size_t level, const Control& control);
-  void note_darkness(std::size_t level, double field, const Control& control);
-  void end_mip(std::size_t level, const Stopwatch& watch, const Control& control);
+  void integrate_mip(const Target& target, const MipPlan& mip, const Control& control);
+  void note_darkness(const Target& target, double field, const Control& control);
+  static void end_mip(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
 
   const projection::SanitizedSource& source_;
   const PrefilterPlan& plan_;
   PrefilterPlan spectral_;  ///< by which spectral mips are made: `plan_`, or with more bands
   PrefilteredSpecular result_;
+  CubemapChain irradiance_;  ///< over pi
+  MipRecord irradiance_record_;
   BrightLights bright_;
   std::size_t extracted_ = 0;
   std::vector<double> energies_;  ///< of the harmonics, degree by degree
@@ -196,22 +228,21 @@ class LobeChain {
 
 /// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
 /// floats, for the bound on its error.
-void LobeChain::note_darkness(std::size_t level, double field, const Control& control) {
+void LobeChain::note_darkness(const Target& target, double field, const Control& control) {
   constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
-  const double share = kFloatNoise / plan_.bounds.maximum;
-  if (least_of(result_.cubemap, static_cast<int>(level), control) >= share * field) return;
-  note("mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)) + ": dark channels",
+  const double share = kFloatNoise / target.bounds.maximum;
+  if (least_of(target.chain, target.level, control) >= share * field) return;
+  note(target.name + ": dark channels",
        "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
 }
 
-void LobeChain::end_mip(std::size_t level, const Stopwatch& watch, const Control& control) {
-  MipRecord& mip = record(level);
-  mip.size = plan_.mips[level].size;
-  mip.roughness = plan_.mips[level].roughness;
-  mip.method = plan_.mips[level].method;
-  const CubemapView whole = result_.cubemap.view(static_cast<int>(level));
-  mip.mean = mean_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
-  mip.milliseconds = watch.milliseconds();
+void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control) {
+  target.record.size = mip.size;
+  target.record.roughness = mip.roughness;
+  target.record.method = mip.method;
+  const CubemapView whole = target.chain.view(target.level);
+  target.record.mean = mean_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
+  target.record.milliseconds = watch.milliseconds();
 }
 
 void LobeChain::run_spectral(const Control& control) {
@@ -230,9 +261,10 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
                              const Control& control) {
   const Stopwatch watch;
   const int wanted = rows_of(spectral_, source_);
-  const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), wanted) : 0;
+  const std::size_t bringing =
+      source_.cubemap() ? cube_rings_bytes(plan_.face_size > 0 ? plan_.face_size : source_.columns(), wanted) : 0;
   memory_.take(bringing);
-  const Rings rings = rings_of(source_, texels, wanted, {control.stop, {}});
+  const Rings rings = rings_of(source_, texels, wanted, {control.stop, {}}, plan_.face_size);
   memory_.give_back(bringing);
   memory_.take(rings.bytes());
   note("rings", std::to_string(rings.view.height) + " of them", watch.milliseconds());
@@ -270,83 +302,96 @@ void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
   }
 
   jobs::TaskGraph graph;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = spectral_.mips[level];
-    if (mip.method != MipMethod::spectral) continue;
+  const auto add = [&](const Target& target, const MipPlan& mip) {
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
-              [this, level, &texels, &spectrum, rows](const Control& part) {
-                spectral_mip(level, texels, spectrum, rows, part);
+              [this, target, &mip, &texels, &spectrum, rows](const Control& part) {
+                spectral_mip(target, mip, texels, spectrum, rows, part);
               });
+  };
+  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+    if (spectral_.mips[level].method == MipMethod::spectral) add(target(level), spectral_.mips[level]);
   }
+  if (plan_.irradiance)
+    add({irradiance_, 0, irradiance_record_, "irradiance", plan_.irradiance_bounds, 0}, *plan_.irradiance);
   graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
 }
 
 /// Writes a mip's faces without the extracted light.
-void LobeChain::blur(std::size_t level, const MipPlan& mip, const transforms::Spectrum& spectrum,
+void LobeChain::blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum,
                      const Control& control) {
   const Stopwatch watch;
   const transforms::GridSize grid_size = mip.grid();
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
   transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.6));
-  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
-  note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
+  note(target.name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
-  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
+  const Faces faces = target.faces();
   const bool not_negative = !source_.has_negatives() && !mip.lobe->negative();
   image::sample_faces(grid, mip.size, faces, {.not_negative = not_negative}, jobs::part_of(control, 0.6, 1.0));
   memory_.give_back(grid.bytes());
-  note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
+  note(target.name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
 }
 
 /// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
-bool LobeChain::shows_dark(std::size_t level, const MipPlan& mip, const Control& control) const {
+bool LobeChain::shows_dark(const Target& target, const MipPlan& mip, const Control& control) const {
   constexpr double kOfTruncated = 6.0;  // over the root mean square: the largest error that wide lobes' bands leave
-  const double least = least_of(result_.cubemap, static_cast<int>(level), control);
-  return kOfTruncated * truncated_rms(mip, energies_) <= plan_.bounds.maximum * least;
+  const double least = least_of(target.chain, target.level, control);
+  return kOfTruncated * truncated_rms(mip, energies_) <= target.bounds.maximum * least;
 }
 
-void LobeChain::spectral_mip(std::size_t level, const std::vector<BrightTexel>& texels,
+void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
                              const transforms::Spectrum& spectrum, int rows, const Control& control) {
   const Stopwatch watch;
-  MipPlan mip = spectral_.mips[level];
-  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  for (int k = spectral_.tightenings + 1; mip.alpha > 0.0 && k <= kMostTightenings; ++k) {
-    if (keeps_rms_error(mip, plan_.bounds.rms, source_on(rows), texels)) break;
-    mip.bands = choose_bands(mip.alpha, plan_.bounds.tightened(k), spectrum.bands());
+  for (int k = target.tightenings + 1; mip.alpha > 0.0 && k <= kMostTightenings; ++k) {
+    if (keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)) break;
+    mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), spectrum.bands());
   }
-  blur(level, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
-  const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(spectral_.tight())) : 0;
-  if (mip.bands.bands() < of_dark && !shows_dark(level, mip, control)) {
+  blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
+  const ErrorBounds tight = target.bounds.tightened(target.tightenings);
+  const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
+  if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {
     mip.bands = tapered_lobe(mip.alpha, of_dark);
-    blur(level, mip, spectrum, {control.stop, {}});
+    blur(target, mip, spectrum, {control.stop, {}});
   }
-  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   const Stopwatch splatting;
-  bright_.add({*mip.lobe}, mip.size, faces, jobs::part_of(control, 0.7, 1.0));
-  note_darkness(level, blurred_rms(energies_, mip.bands.zonal), control);
-  note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
-  record(level).bands = mip.bands.bands();
-  record(level).bright_texels = static_cast<int>(extracted_);
-  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
-  record(level).error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
-  if (mip.alpha == 0.0 || *record(level).error_estimate <= plan_.bounds.rms) {
-    end_mip(level, watch, control);
-  } else if (may_integrate(mip)) {
-    integrate_mip(level, {control.stop, {}});
-    record(level).bands = 0;
-    record(level).bright_texels = 0;
+  bright_.add({*mip.lobe}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
+  note_darkness(target, blurred_rms(energies_, mip.bands.zonal), control);
+  note(target.name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
+  target.record.bands = mip.bands.bands();
+  target.record.bright_texels = static_cast<int>(extracted_);
+  const double rms = target.rms(*mip.lobe);
+  const double estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
+  target.record.error_estimate = estimate;
+  if (mip.lobe->last_band() > 0 || estimate <= target.bounds.rms) {
+    end_mip(target, mip, watch, control);
+  } else if (may_integrate(target, mip)) {
+    integrate_mip(target, mip, {control.stop, {}});
+    target.record.bands = 0;
+    target.record.bright_texels = 0;
   } else {
-    refuse_rms_error(*record(level).error_estimate, plan_.bounds.rms, mip.roughness);
+    refuse_rms_error(estimate, target.bounds.rms, target.name);
   }
 }
 
 /// Returns whether the integral itself, texel by texel, keeps the bound within about a second.
-bool LobeChain::may_integrate(const MipPlan& mip) const {
+bool LobeChain::may_integrate(const Target& target, const MipPlan& mip) const {
   constexpr double kMostPairs = 1e8;  // of texels, 10 ns each
   const double pairs = 6.0 * mip.size * mip.size * source_.columns() * source_.rows();
-  return plan_.may_integrate && kReferenceError <= plan_.bounds.rms && pairs <= kMostPairs;
+  return plan_.may_integrate && kReferenceError <= target.bounds.rms && pairs <= kMostPairs;
+}
+
+IrradianceMap LobeChain::irradiance_times(double factor) {
+  static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+  const float* const first = irradiance_.face(0, 0);
+  const std::size_t values = irradiance_.bytes() / sizeof(float);
+  IrradianceMap map{{irradiance_.size(), std::vector<float>(values)}, irradiance_record_};
+  std::transform(first, first + values, map.cubemap.pixels.begin(), [factor](float value) {
+    return static_cast<float>(std::clamp(factor * static_cast<double>(value), -most, most));
+  });
+  map.record.mean *= factor;
+  return map;
 }
 
 void LobeChain::run_narrow(const Control& control) {
@@ -405,37 +450,37 @@ void LobeChain::run_narrow(const Control& control) {
 void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
-  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
+  const Target target = this->target(level);
+  const Faces faces = target.faces();
   const std::vector<double> zonal = far_part(source_.cubemap(), split, mip.alpha, split.bands);
   const double far_energy = zonal.front();
   far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
-  const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
+  const double field = rms_of_level(target.chain, target.level);
   far.bright.add({*mip.lobe, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
-  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
-  note(name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
+  note(target.name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
   const Stopwatch near;
   add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
   if (source_.cubemap() && !source_.has_negatives()) make_not_negative(mip.size, faces);
-  note_darkness(level, field, control);
-  note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
+  note_darkness(target, field, control);
+  note(target.name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
   record(level).bright_texels = far.bright_texels;
-  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level), mip.size);
+  const double rms = rms_of_level(target.chain, target.level, mip.size);
   record(level).error_estimate =
       narrow_error(source_, {mip.size, mip.alpha, rms, blurred_rms(far.spectrum, zonal)}, far.contrast);
-  end_mip(level, watch, control);
+  end_mip(target, mip, watch, control);
 }
 
 void LobeChain::copy_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
   fill_level(source_, result_.cubemap, static_cast<int>(level), control);
   record(level).error_estimate = 0.0;
-  end_mip(level, watch, control);
+  end_mip(target(level), plan_.mips[level], watch, control);
 }
 
-void LobeChain::integrate_mip(std::size_t level, const Control& control) {
+void LobeChain::integrate_mip(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const int size = plan_.mips[level].size;
+  const int size = mip.size;
   std::vector<glm::dvec3> directions;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
@@ -443,14 +488,14 @@ void LobeChain::integrate_mip(std::size_t level, const Control& control) {
         directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
     }
   }
-  const std::vector<glm::dvec3> values = integrate_lobe(source_, *plan_.mips[level].lobe, directions, control);
-  float* const rgb = result_.cubemap.face(static_cast<int>(level), 0);
+  const std::vector<glm::dvec3> values = integrate_lobe(source_, *mip.lobe, directions, control);
+  float* const rgb = target.chain.face(target.level, 0);
   for (std::size_t k = 0; k < values.size(); ++k) {
     for (int c = 0; c < 3; ++c) rgb[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(values[k][c]);
   }
-  record(level).error_estimate = kReferenceError;
-  end_mip(level, watch, control);
-  record(level).method = MipMethod::reference;
+  target.record.error_estimate = kReferenceError;
+  end_mip(target, mip, watch, control);
+  target.record.method = MipMethod::reference;
 }
 
 }  // namespace
@@ -469,13 +514,11 @@ void make_tables(const PrefilterPlan& plan, int face_size, const Control& contro
 }
 
 PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
-                              const Control& control) {
+                              const Control& control, IrradianceMap* irradiance) {
   const float scale = safe_scale(source);
-  if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control);
+  if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control, scale, irradiance);
   const ScaledSource scaled(source, scale, {control.stop, {}});
-  PrefilteredSpecular result = LobeChain(scaled.source(), plan, std::move(room), control.memory).run(control);
-  undo_scale(result, scale);
-  return result;
+  return LobeChain(scaled.source(), plan, std::move(room), control.memory).run(control, scale, irradiance);
 }
 
 namespace {

@@ -13,10 +13,18 @@
 
 namespace welkin::reflections {
 
+/// An irradiance cubemap, W/m2 for W/m2/sr, and how it was made: as a mip of roughness 1 times pi.
+struct IrradianceMap {
+  CubemapImage cubemap;
+  MipRecord record;
+};
+
 /// Blurs a sanitized source by the lobes of a plan. The result is put into `room` if that has its shape. `pixels` of it
-/// is empty but for the passes: see `describe_pixels`. Throws `Error` (cancelled).
+/// is empty but for the passes: see `describe_pixels`. `irradiance` takes that of the plan, and may be null without
+/// one. Throws `Error` (cancelled, limit_exceeded).
 [[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
-                                            CubemapChain room, const Control& control);
+                                            CubemapChain room, const Control& control,
+                                            IrradianceMap* irradiance = nullptr);
 
 /// Sanitizes a view, then does the same, and describes its pixels. Throws `Error` (rejected_pixel) as well.
 [[nodiscard]] PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan,

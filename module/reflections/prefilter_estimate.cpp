@@ -221,11 +221,10 @@ double truncated_rms(const MipPlan& mip, std::span<const double> energies) {
   return std::sqrt(sum / (4.0 * kPi));
 }
 
-void refuse_rms_error(double estimate, double rms_error, double roughness) {
+void refuse_rms_error(double estimate, double rms_error, const std::string& what) {
   throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
-                                             " cannot be kept on this picture: the mip of roughness " +
-                                             platform::number_text(roughness) + " would err by an estimated " +
-                                             platform::number_text(estimate) +
+                                             " cannot be kept on this picture: " + what +
+                                             " would err by an estimated " + platform::number_text(estimate) +
                                              "; raise rms_error to that, or take the reference method");
 }
 

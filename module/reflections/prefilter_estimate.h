@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "reflections/bright_texels.h"
@@ -48,8 +49,8 @@ struct SpectralSource {
 /// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
 [[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);
 
-/// Throws `Error` (limit_exceeded): a spectral mip's estimate is above the bound that was asked for.
-[[noreturn]] void refuse_rms_error(double estimate, double rms_error, double roughness);
+/// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the bound that was asked for.
+[[noreturn]] void refuse_rms_error(double estimate, double rms_error, const std::string& what);
 
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);

@@ -117,7 +117,7 @@ PrefilterPlan PrefilterPlan::without(int sharp, int rough) const {
   PrefilterPlan rest = *this;
   rest.first_mip += sharp;
   rest.mips.assign(mips.begin() + sharp, mips.end() - rough);
-  if (!rest.uses(MipMethod::spectral)) rest.bands = 0;
+  if (!rest.uses(MipMethod::spectral) && !rest.irradiance) rest.bands = 0;
   return rest;
 }
 
@@ -323,6 +323,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   plan.chain_mips = static_cast<int>(options.kernels.size());
   const PrefilterOptions usual;
   plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
+  plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);
   return plan;
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "reflections/band_choice.h"
@@ -54,6 +55,13 @@ struct PrefilterPlan {
 
   /// Of the whole chain's spectral mips, as all of them decide how many bands this picture takes.
   std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
+
+  /// An irradiance cubemap over pi that is made of the same harmonics: a mip of roughness 1, which is the cosine. No
+  /// mip's bits depend on it.
+  std::optional<MipPlan> irradiance;
+  ErrorBounds irradiance_bounds;
+
+  int face_size = 0;  ///< texels along an edge of the faces that a cubemap is reduced to first; 0: its own
 
   /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
   std::vector<double> narrow_alphas;

@@ -34,6 +34,7 @@
 //   Integers, IntegerGroup  a register of whole numbers as wide as Lanes; as many as make 16 lanes
 //   Bytes                 16 bytes; load_bytes(p); interleave(from, to): four planes of bytes to texels of four
 //   widened(bytes)        16 bytes as an IntegerGroup; last_of_each_four(integers): in each four lanes their last
+//   Pairs, load_pairs(p, numbers)  pairs of floats, their first ones and their second ones; or what is below
 //   detail::load(p)       kWidth floats, or as many binary16 as floats
 //   detail::rgb_from_...  what load_rgb and load_rgba below call, or (WELKIN_VEC_LOADS_CHANNELS) these two themselves
 #pragma once
@@ -73,6 +74,22 @@ template <bool reversed, class Channel>
 WELKIN_INLINE Rgb load_rgba(const Channel* first) {
   return detail::rgb_from_rgba<reversed>(detail::load(first), detail::load(first + kWidth),
                                          detail::load(first + 2 * kWidth), detail::load(first + 3 * kWidth));
+}
+
+#endif
+
+#ifndef WELKIN_VEC_LOADS_PAIRS
+
+/// The pairs of floats with these numbers, their first ones and their second ones.
+WELKIN_INLINE Pairs load_pairs(const float* pairs, Integers index) {
+  alignas(Lanes) std::int32_t at[kWidth];
+  alignas(Lanes) float values[2][kWidth];
+  index.store_aligned(at);
+  for (int k = 0; k < kWidth; ++k) {
+    values[0][k] = pairs[2 * at[k]];
+    values[1][k] = pairs[2 * at[k] + 1];
+  }
+  return {Lanes::load_aligned(values[0]), Lanes::load_aligned(values[1])};
 }
 
 #endif

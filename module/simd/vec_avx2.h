@@ -15,6 +15,7 @@ using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
 using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
 using IntegerGroup = IntegersOf<Integers>;
+using Pairs = PairsOf<Lanes>;
 
 namespace detail {
 
@@ -124,6 +125,21 @@ WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
 /// 16 bytes as whole numbers.
 WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
   return {Integers(_mm256_cvtepu8_epi32(bytes)), Integers(_mm256_cvtepu8_epi32(_mm_srli_si128(bytes, 8)))};
+}
+
+#define WELKIN_VEC_LOADS_PAIRS
+
+/// See vec.h.
+WELKIN_INLINE Pairs load_pairs(const float* pairs, Integers index) {
+  alignas(32) std::int32_t at[8];
+  _mm256_store_si256(reinterpret_cast<__m256i*>(at), index);
+  const auto two = [&](int a, int b) WELKIN_INLINE_LAMBDA {
+    const __m128d low = _mm_load_sd(reinterpret_cast<const double*>(pairs + 2 * at[a]));
+    return _mm_castpd_ps(_mm_loadh_pd(low, reinterpret_cast<const double*>(pairs + 2 * at[b])));
+  };
+  const __m256 even = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0, 1)), two(4, 5), 1);
+  const __m256 odd = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2, 3)), two(6, 7), 1);
+  return {Lanes(_mm256_shuffle_ps(even, odd, 0x88)), Lanes(_mm256_shuffle_ps(even, odd, 0xDD))};
 }
 
 /// In each four lanes their last.

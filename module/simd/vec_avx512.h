@@ -15,6 +15,7 @@ using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
 using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
 using IntegerGroup = IntegersOf<Integers>;
+using Pairs = PairsOf<Lanes>;
 
 namespace detail {
 
@@ -288,6 +289,13 @@ WELKIN_INLINE void sum_rows(const float* rows, Lanes& sums) {
 
 /// 16 bytes as whole numbers.
 WELKIN_INLINE IntegerGroup widened(Bytes bytes) { return {Integers(_mm512_cvtepu8_epi32(bytes))}; }
+
+#define WELKIN_VEC_LOADS_PAIRS
+
+/// See vec.h.
+WELKIN_INLINE Pairs load_pairs(const float* pairs, Integers index) {
+  return {Lanes(_mm512_i32gather_ps(index, pairs, 8)), Lanes(_mm512_i32gather_ps(index, pairs + 1, 8))};
+}
 
 /// In each four lanes their last.
 WELKIN_INLINE Integers last_of_each_four(Integers values) {

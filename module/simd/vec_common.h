@@ -23,6 +23,11 @@ struct TexelsOf {
   Register part[static_cast<std::size_t>(kLanes) / Register::size];
 };
 
+template <class Lanes>
+struct PairsOf {
+  Lanes first, second;
+};
+
 /// Whole numbers in the 16 logical lanes.
 template <class Register>
 struct IntegersOf {

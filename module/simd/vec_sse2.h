@@ -15,6 +15,7 @@ using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
 using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
 using IntegerGroup = IntegersOf<Integers>;
+using Pairs = PairsOf<Lanes>;
 
 namespace detail {
 

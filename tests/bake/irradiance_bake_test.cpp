@@ -15,6 +15,7 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/irradiance.h"
+#include "welkin/result_cache.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
@@ -224,6 +225,86 @@ TEST_CASE("Irradiance does not depend on bands, unless it is asked for from them
   options.irradiance->method = IrradianceMethod::harmonics;
   CHECK(same_bits(*bake(picture.view(), options).irradiance,
                   irradiance_cubemap(irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance), 5)));
+}
+
+namespace {
+
+BakeOptions beside_chain(int size, double chain_error = 1e-3) {
+  BakeOptions options = irradiance_alone(size);
+  options.specular = PrefilterOptions{.size = 16, .rms_error = chain_error};
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("Irradiance beside a chain is within its bound, and its estimate is no less than its error",
+          "[irradiance_bake]") {
+  const auto check = [](const auto& view, int size) {
+    const CubemapImage truth = direct_irradiance_cubemap(view, size);
+    for (const BakeOptions& options : {irradiance_alone(size), beside_chain(size)}) {
+      const BakeResult made = bake(view, options);
+      const Off found = off(*made.irradiance, truth);
+      CAPTURE(options.specular.has_value(), found.rms, found.largest, *made.irradiance_record->error_estimate);
+      CHECK(found.rms < 1e-4);
+      CHECK(found.largest < 5e-3);
+      CHECK(found.rms <= *made.irradiance_record->error_estimate);
+      CHECK(*made.irradiance_record->error_estimate <= 1e-3);
+      CHECK(made.irradiance_record->size == size);
+    }
+  };
+  for (const Content content :
+       {Content::sun_disc, Content::one_texel_sun, Content::high_range, Content::blocks, Content::random}) {
+    CAPTURE(name(content));
+    check(make_lat_long(content, 128, 64, 5).view(), 10);
+    check(make_cubemap(content, 48, 3, 5).view(), 10);
+  }
+  // a studio: panels and a dark room
+  LatLongImage studio = grey(128, 1e-3F);
+  for (int row = 8; row < 16; ++row) {
+    for (int column = 20; column < 30; ++column) set(studio, column, row, 60.0F);
+  }
+  set(studio, 90, 30, 4e3F);
+  check(studio.view(), 10);
+}
+
+TEST_CASE("A chain's mips do not depend on irradiance beside it, nor irradiance on the mips that are left out",
+          "[irradiance_bake]") {
+  const TestCubemap picture = make_cubemap(Content::sun_disc, 32, 3, 5);
+  BakeOptions options = beside_chain(6);
+  const BakeResult both = bake(picture.view(), options);
+  REQUIRE(both.irradiance_record->method == MipMethod::spectral);
+  const PrefilteredSpecular alone = prefilter_specular(picture.view(), *options.specular);
+  CHECK(same_bits(both.specular->cubemap, alone.cubemap));
+  options.irradiance->rms_error = 1e-4;  // the chain's harmonics do not do for that
+  const BakeResult tighter = bake(picture.view(), options);
+  CHECK(same_bits(tighter.specular->cubemap, alone.cubemap));
+  CHECK(same_bits(*tighter.irradiance, irradiance_of(picture.view(), 6, 1e-4)));
+}
+
+TEST_CASE("Irradiance beside a chain has the same bits whatever a cache holds", "[irradiance_bake]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 5);
+  const BakeOptions options = beside_chain(6);
+  const BakeResult whole = bake(picture.view(), options);
+  BakeOptions chain = options;
+  chain.irradiance.reset();
+  ResultCache cache;
+  static_cast<void>(cache.bake(picture.view(), irradiance_alone(6)));
+  static_cast<void>(cache.bake(picture.view(), chain));
+  for (int k = 0; k < 2; ++k) {  // mips are found, irradiance at first is not
+    const BakeResult found = cache.bake(picture.view(), options);
+    CHECK(same_bits(*found.irradiance, *whole.irradiance));
+    CHECK(same_bits(found.specular->cubemap, whole.specular->cubemap));
+    CHECK(found.irradiance_record->error_estimate == whole.irradiance_record->error_estimate);
+  }
+}
+
+TEST_CASE("Irradiance whose estimate exceeds its bound is integrated, or refused", "[irradiance_bake]") {
+  // stripes of the harmonics' own degrees
+  LatLongImage lamps = grey(64, 0.0F);
+  set(lamps, 3, 0, 1e6F);
+  const BakeResult made = bake(lamps.view(), irradiance_alone(4, 2e-5));
+  CHECK(off(*made.irradiance, direct_irradiance_cubemap(lamps.view(), 4)).rms <= 2e-5);
+  CHECK(*made.irradiance_record->error_estimate <= 2e-5);
 }
 
 }  // namespace welkin::test

@@ -69,13 +69,17 @@ struct Baked {
   std::optional<Reflections> specular;
   std::optional<SharedOctahedral> octahedral;
   py::object irradiance;
+  std::optional<MipRecord> irradiance_record;
   std::optional<SphericalHarmonics> radiance;
   std::optional<SharedBrdf> brdf;
   ProjectionDiagnostics diagnostics;
   std::uint64_t peak_bytes;
 
   explicit Baked(BakeResult made)
-      : radiance(std::move(made.radiance)), diagnostics(std::move(made.diagnostics)), peak_bytes(made.peak_bytes) {
+      : irradiance_record(made.irradiance_record),
+        radiance(std::move(made.radiance)),
+        diagnostics(std::move(made.diagnostics)),
+        peak_bytes(made.peak_bytes) {
     if (made.background) background.emplace(std::move(*made.background));
     if (made.specular) specular.emplace(std::move(*made.specular));
     if (made.octahedral) octahedral = shared(std::move(*made.octahedral));
@@ -169,6 +173,8 @@ void bind_bake(py::module_& module) {
           "Mean radiance in GGX lobes, W/m2/sr: `Reflections`, a level (6, n, n, 3) float32 for each roughness.")
       .def_readonly("octahedral", &Baked::octahedral, "`specular` as an `OctahedralMap` as well.")
       .def_readonly("irradiance", &Baked::irradiance, "(6, n, n, 3) float32: W/m2 where radiance is W/m2/sr.")
+      .def_readonly("irradiance_record", &Baked::irradiance_record,
+                    "`MipRecord` of how irradiance was made, with its estimated error.")
       .def_readonly("radiance", &Baked::radiance, "`SphericalHarmonics` of radiance, W/m2/sr: bands^2 coefficients.")
       .def_readonly("brdf", &Baked::brdf, "`BrdfTable`: (64, 64, 3) float32 by default.")
       .def_readonly("diagnostics", &Baked::diagnostics, "Counts, total radiance, and each pass with its time.")
