@@ -286,7 +286,7 @@ void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& r
                  count,
                  static_cast<float>(square),
                  static_cast<float>(0.25 * (1.0 - square)),
-                 static_cast<float>(lobe.far_split / (1.0 - square))};
+                 static_cast<float>(lobe.far_end > 0.0 ? 1.0 / (lobe.far_end * (1.0 - square)) : 0.0)};
     for (int axis = 0; axis < 3; ++axis) {
       of.normal[axis] = static_cast<float>(frame.normal[axis]);
       of.along[axis] = static_cast<float>(frame.u[axis]);

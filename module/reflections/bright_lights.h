@@ -29,7 +29,7 @@ struct PictureShape {
 /// What blurs lights.
 struct LightsLobe {
   const Lobe& lobe;
-  double far_split = 0.0;  ///< above 0: only GGX's Gaussians below that t do, see `gaussian_spectrum`
+  double far_end = 0.0;  ///< above 0: only GGX's far part, which this is the end of: see `kFarPart`
 };
 
 /// The lobes that will blur lights.
