@@ -18,7 +18,6 @@
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
-#include "reflections/far_parts.h"
 #include "reflections/irradiance.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter.h"
@@ -110,39 +109,37 @@ std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
                                                 static_cast<std::uint64_t>(grid.columns + border);
 }
 
-reflections::NarrowSplit split_of(const SourceShape& source) {
-  return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows);
+reflections::NarrowSplit split_of(const SourceShape& source, int size) {
+  return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows, size);
 }
 
 reflections::PictureShape picture_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Of narrow mips: a spectrum of its own, some grids, and of lat-longs lights, a copy without them and whole rows of
-/// weights beside the poles.
+/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, grids.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const reflections::NarrowSplit split = split_of(source);
-  const int rings = source.cubemap ? reflections::rows_for_far_part(split) : source.rows;
-  std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
-  if (source.cubemap) {
-    bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, rings);
-  } else {
-    const double sharpest = reflections::sharpest_far_lobe(split);
-    const reflections::BrightSearch search = reflections::search_for_bright_texels(
-        false, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
-    const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
-    const auto mips =
-        static_cast<std::size_t>(platform::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method));
-    if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
-    bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
-                                                   reflections::kFarLights * sharpest, workers);
-    bytes += std::min(mips, workers) * workers * reflections::lat_long_room_bytes(split);
-  }
-  const std::size_t far_parts = reflections::far_alphas(split, plan.narrow_alphas).size();
+  const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
+  const int rings = source.cubemap ? finest.rows_for_cubemap() : source.rows;
+  std::uint64_t bytes = columns_bytes(finest.bands, rings) + squared(finest.bands) * transforms::kHarmonicFloats * 4;
+  if (source.cubemap) bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, rings);
+  const double sharpest = finest.sharpest_lobe();
+  const reflections::BrightSearch search = reflections::search_for_bright_texels(
+      source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
+  if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
+  bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source), reflections::kFarLights * sharpest,
+                                                 jobs::worker_count(jobs::Placement::arena));
+  double reach = 0.0;
   for (const reflections::MipPlan& mip : plan.mips) {
-    if (mip.method == MipMethod::narrow && far_parts > 1) bytes += kTexelBytes * 6 * squared(mip.size);
+    if (mip.method != MipMethod::narrow) continue;
+    const reflections::NarrowSplit split = split_of(source, mip.size);
+    reach = std::max(reach, split.reach);
+    bytes += grid_bytes(split.bands, split.grid());
   }
-  return bytes + far_parts * grid_bytes(split.bands, reflections::grid_of_far_part(source.cubemap, split));
+  const int rows = source.cubemap ? source.columns : source.rows;
+  const reflections::TexelParts parts = reflections::parts_for(source.cubemap, source.columns, rows);
+  return bytes +
+         reflections::TexelImages::bytes_for(source.cubemap, source.columns * parts.columns, rows * parts.rows, reach);
 }
 
 /// Of the transform that spectral mips share, and of the lights beside it.
@@ -162,7 +159,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
          reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.least_alpha,
-                                               jobs::worker_count(jobs::Placement::arena));
+                                               jobs::worker_count(jobs::Placement::arena), plan.lights);
 }
 
 /// What the prefilter holds when all of its mips are being made.
@@ -238,21 +235,13 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     if (source.cubemap) cost += costs.ring_texel * rings * columns;
     cost += transforming(rings, columns, plan.bands, costs);
   }
-  const reflections::NarrowSplit split = split_of(source);
-  // Of the time that a texel takes of a cubemap, a lat-long's sums of Gaussians take, with and without quarter turns:
-  // measured on Zen 4 (AVX-512, one thread, other programs at work) in mips of 128 and 256, 53 to 58 ns from 1024 x 512
-  // and 125 to 171 from 1022, 1023 and 1025 x 512, against 905 to 1109 from cubemaps of 256 and 512.
-  const double gaussians = source.columns % 4 == 0 ? 0.055 : 0.145;
-  const double near_texel = source.cubemap ? costs.near_texel : gaussians * costs.near_texel;
-  const auto far_parts = static_cast<double>(reflections::far_alphas(split, plan.narrow_alphas).size());
   if (plan.uses(MipMethod::narrow)) {
-    const transforms::GridSize grid = reflections::grid_of_far_part(source.cubemap, split);
-    const double far_rings = source.cubemap ? reflections::rows_for_far_part(split) : rings;
+    const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
+    const double far_rings = source.cubemap ? finest.rows_for_cubemap() : rings;
     const double far_columns = source.cubemap ? 2.0 * far_rings : columns;
-    cost += source.cubemap ? costs.ring_texel * far_rings * far_columns
-                           : costs.bright_texel * static_cast<double>(source.texels());
-    cost += transforming(far_rings, far_columns, split.bands, costs) +
-            far_parts * transforming(grid.rings, grid.columns, split.bands, costs);
+    cost += costs.bright_texel * static_cast<double>(source.texels());
+    if (source.cubemap) cost += costs.ring_texel * far_rings * far_columns;
+    cost += transforming(far_rings, far_columns, finest.bands, costs);
   }
   for (const reflections::MipPlan& mip : plan.mips) {
     const double texels = cube_texels(mip.size);
@@ -260,7 +249,12 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     if (mip.method == MipMethod::copy) {
       cost += resampling(source, mip.size, costs);
     } else if (mip.method == MipMethod::narrow) {
-      cost += (std::min(far_parts, 2.0) * costs.face_texel + near_texel) * texels;
+      const reflections::NarrowSplit split = split_of(source, mip.size);
+      // Of `near_texel`, for the texels within the reach: measured on Zen 5 in mips of 256 and 512, 0.25 ns for each.
+      constexpr double kShare = 2.5e-4;
+      const double near = kShare * split.reach * split.reach * static_cast<double>(source.texels());
+      cost += transforming(split.grid().rings, split.grid().columns, split.bands, costs) +
+              (costs.face_texel + costs.near_texel * near) * texels;
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {

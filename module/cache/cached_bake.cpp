@@ -40,10 +40,10 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(plan.least_alpha);
   }
   if (mip.method == MipMethod::narrow) {
-    writer.put(2);  // the version of its bits
-    // All narrow mips of a chain share some far parts; the reach decides which lights near by are merged.
+    writer.put(3);  // the version of its bits
+    // All narrow mips of a chain share a transform; the reach decides which lights near by are merged.
     writer.put(reflections::narrow_reach(plan));
-    for (const double alpha : plan.narrow_alphas) writer.put(alpha);
+    writer.put(plan.narrow_size);
   }
   return hash_bytes(writer.bytes().data(), writer.bytes().size());
 }

@@ -159,9 +159,9 @@ struct BrightLights::Room {
 };
 
 std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                     std::size_t workers) noexcept {
-  const std::size_t leaves = most_leaves(texels, shape, least_alpha);
-  return tree_bytes(texels, leaves, shape, least_alpha) + workers * Room::bytes(leaves);
+                                     std::size_t workers, LightsOf use) noexcept {
+  const std::size_t leaves = most_leaves(texels, shape, least_alpha, use);
+  return tree_bytes(texels, leaves, shape, least_alpha, use) + workers * Room::bytes(leaves);
 }
 
 /// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
@@ -203,7 +203,7 @@ void BrightLights::make_rooms() {
 }
 
 BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLobe& lobe) const {
-  constexpr double kFieldOfSmooth = 0.5;
+  constexpr double kFieldOfScale = 0.4;
   constexpr double kWidestField = 0.2;  // of directions over a face
   constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   Block block;
@@ -223,7 +223,7 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   block.by_table = alpha == 0.0;
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
-  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfSmooth * lobe.lobe.smooth());
+  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * lobe.lobe.scale());
   block.most_merged = 0.8 * lobe.lobe.scale();  // 3e-4 over a bell of 1.3 standard deviations each side
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
@@ -271,14 +271,14 @@ void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& r
                count,
                static_cast<float>(square),
                static_cast<float>(0.25 * (1.0 - square)),
-               static_cast<float>(lobe.far_split / (1.0 - square))};
+               static_cast<float>(lobe.far_end > 0.0 ? 1.0 / (lobe.far_end * (1.0 - square)) : 0.0)};
   for (int axis = 0; axis < 3; ++axis) {
     of.normal[axis] = static_cast<float>(frame.normal[axis]);
     of.along[axis] = static_cast<float>(frame.u[axis]);
     of.down[axis] = static_cast<float>(frame.v[axis]);
   }
   if (shape.alpha() == 0.0) {
-    constexpr double kSteady = 3.0;  // sizes of a light, which are 50 times its `least`
+    constexpr double kSteady = 10.0;  // sizes of a light, which are 50 times its `least`
     of.lines = shape.table().lines.data();
     of.cells = shape.table().cells();
     of.cells_of_s = static_cast<float>(shape.table().cells_of_s);

@@ -34,7 +34,7 @@ struct PictureShape {
 /// What blurs lights.
 struct LightsLobe {
   const Lobe& lobe;
-  double far_split = 0.0;  ///< above 0: only GGX's Gaussians below that t do, see `gaussian_spectrum`
+  double far_end = 0.0;  ///< above 0: only GGX's far part, which this is the end of: see `kFarPart`
 };
 
 /// The lobes that will blur lights.
@@ -57,7 +57,7 @@ class BrightLights {
   /// What they take at most, made of up to so many texels by those arguments: the tree while it is made, and what each
   /// of `workers` needs.
   [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                              std::size_t workers) noexcept;
+                                              std::size_t workers, LightsOf use = LightsOf::ggx) noexcept;
 
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
   /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
@@ -94,10 +94,10 @@ class BrightLights {
 
   /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
   /// made.
-  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape,
-                                               double least_alpha) noexcept;
+  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha,
+                                               LightsOf use) noexcept;
   [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
-                                              double least_alpha) noexcept;
+                                              double least_alpha, LightsOf use) noexcept;
 
   void make_rooms();
   [[nodiscard]] Block block_of(const FaceArea& area, const LightsLobe& lobe) const;

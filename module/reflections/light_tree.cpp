@@ -54,7 +54,7 @@ bool is_coarse(const PictureShape& shape, LightsOf use) {
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
 int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::size_t texels) {
-  const double kOfWidth = use == LightsOf::ggx ? 0.3 : 0.08;  // a kernel may be steep at its horizon
+  constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
@@ -564,24 +564,25 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.1 * least_alpha) : most_cut, *this);
+                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
   make_rooms();
 }
 
-std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha) noexcept {
-  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, LightsOf::ggx, 1));
-  const auto needed = static_cast<std::size_t>(cuts_of(shape, least_alpha, LightsOf::ggx, std::size_t{1} << 30U));
+std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha,
+                                      LightsOf use) noexcept {
+  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, 1));
+  const auto needed = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
   const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
   return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
 std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
-                                     double least_alpha) noexcept {
+                                     double least_alpha, LightsOf use) noexcept {
   if (texels == 0) return 0;
-  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, LightsOf::ggx, texels);
+  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, use, texels);
   const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
-  const std::size_t cut = is_coarse(shape, LightsOf::ggx) ? 0 : parts + leaves;
+  const std::size_t cut = is_coarse(shape, use) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +

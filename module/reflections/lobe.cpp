@@ -11,6 +11,7 @@
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "reflections/lobe_kernels.h"
+#include "reflections/narrow_kernels.h"
 
 namespace welkin::reflections {
 namespace {
@@ -42,12 +43,11 @@ void fill_block(Rule& rule) {
   }
 }
 
-/// In s = sqrt(x / 2) = sin(theta / 2), dx = 4 s ds, the lobe has its poles at s = +- i alpha / sqrt(1 - alpha^2) and
-/// P_l oscillates evenly. So panels double in width from alpha on, and none is wider than 28 radians of the highest
-/// band's phase, which moves at most 2.83 l a unit of s: (e 14 / (4 x 20))^40 = 1e-13 of it is lost.
-Rule make_rule(double alpha, int bands) {
+/// Up to s = `end`. In s = sqrt(x / 2) = sin(theta / 2), dx = 4 s ds, the lobe has its poles at s = +- i alpha / sqrt(1
+/// - alpha^2) and P_l oscillates evenly. So panels double in width from alpha on, and none is wider than 28 radians of
+/// the highest band's phase, which moves at most 2.83 l a unit of s: (e 14 / (4 x 20))^40 = 1e-13 of it is lost.
+Rule make_rule(double alpha, int bands, double end = std::numbers::sqrt2 / 2.0) {
   const math::GaussRule gauss = math::gauss_legendre(kOrder);
-  const double end = std::numbers::sqrt2 / 2.0;
   const double widest = 28.0 / (2.83 * bands);
   Rule rule;
   for (double from = 0.0; from < end;) {
@@ -130,36 +130,19 @@ std::vector<double> zonal_moments(std::vector<double> distances, std::vector<dou
   return moments(rule, bands);
 }
 
-std::vector<double> far_spectrum(double alpha, double split, int bands) {
-  Rule rule = make_rule(alpha, std::max(bands, 8));
-  const double whole = lobe_integral(alpha) / (2.0 * kPi);
+// The whole lobe's without the near part's, which a few panels have.
+std::vector<double> far_spectrum(double alpha, double end, int bands) {
   const double q = alpha * alpha / ((1.0 - alpha) * (1.0 + alpha));
-  for (std::size_t i = 0; i < rule.distance.size(); ++i) {
-    const double u = split * (q + 0.5 * rule.distance[i]);
-    // 1 - (1 + u) e^-u; the closed form loses the digits of a small u
-    const double share = u < 0.01 ? u * u * (0.5 - u * (1.0 / 3.0 - u * (0.125 - u * (1.0 / 30.0 - u / 144.0))))
-                                  : 1.0 - (1.0 + u) * math::exponential(-u);
-    rule.weight[i] *= share / whole;
-  }
-  return moments(rule, bands);
-}
-
-std::vector<double> gaussian_spectrum(double alpha, double least, int bands) {
-  constexpr double end = 1e-3;  // t s is below that everywhere: what lies below is 1e-6 of the lobe
-  Rule rule = make_rule(alpha, std::max(bands, 8));
   const double whole = lobe_integral(alpha) / (2.0 * kPi);
-  const double q = alpha * alpha / ((1.0 - alpha) * (1.0 + alpha));
-  const double ratio = math::exponential(kGaussianStep);
+  Rule rule = make_rule(alpha, std::max(bands, 8), std::sqrt(end - q));
   for (std::size_t i = 0; i < rule.distance.size(); ++i) {
-    const double place = q + 0.5 * rule.distance[i];
-    double share = 0.0;
-    for (double t = least / ratio; t > end; t /= ratio) {
-      const double u = t * place;
-      if (u < 40.0) share += kGaussianStep * u * u * math::exponential(-u);
-    }
-    rule.weight[i] *= share / whole;
+    const double x = std::min(1.0, (q + 0.5 * rule.distance[i]) / end);
+    rule.weight[i] *= (1.0 - x * x * far_polynomial(x)) / whole;
   }
-  return moments(rule, bands);
+  const std::vector<double> near = moments(rule, bands);
+  std::vector<double> far = lobe_spectrum(alpha, bands);
+  for (std::size_t l = 0; l < far.size(); ++l) far[l] -= near[l];
+  return far;
 }
 
 double reach_for(double rms_error, double maximum_error) noexcept {

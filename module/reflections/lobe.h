@@ -18,18 +18,9 @@ namespace welkin::reflections {
 /// k_l / k_0 for l < bands, k_l = 2 pi Int k(c) P_l(c) dc: what the prefilter does to band l. In double to 1e-10.
 [[nodiscard]] std::vector<double> lobe_spectrum(double alpha, int bands);
 
-/// The far part of a lobe's spectrum, over k_0 of the whole lobe: of k (1 - (1 + u) e^-u), u = split (q + s),
-/// s = sin^2(theta / 2) = (1 - c) / 2, q = alpha^2 / (1 - alpha^2). It is a mixture of Gaussians exp(-t s) with
-/// t < split, so that band l holds e^(-l^2 / split) or less. In double to 1e-10; not kept.
-[[nodiscard]] std::vector<double> far_spectrum(double alpha, double split, int bands);
-
-/// The lobe as a sum of Gaussians, Int t e^(-t (q + s)) dt by steps of ln t: each 0.8 further, h t^2 e^(-t (q + s)).
-/// The sum's relative error is 2 |Gamma(2 + 2 pi i / h)| = 5e-4 at most, in turns above and below.
-inline constexpr double kGaussianStep = 0.8;
-
-/// As `far_spectrum`, of the Gaussians below t = `least` of that sum (which is the first that is not far). Band l holds
-/// e^(-l^2 / t) of each.
-[[nodiscard]] std::vector<double> gaussian_spectrum(double alpha, double least, int bands);
+/// The far part of a lobe's spectrum (see `kFarPart`), over k_0 of the whole lobe; `end` is q + s where the near part
+/// ends, q = alpha^2 / (1 - alpha^2). In double to 1e-9; not kept.
+[[nodiscard]] std::vector<double> far_spectrum(double alpha, double end, int bands);
 
 /// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal kernel gives.
 [[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
@@ -67,10 +58,7 @@ class Lobe {
   [[nodiscard]] double peak() const noexcept { return peak_; }  ///< the largest magnitude
   /// Radians: the largest magnitude over the steepest slope, at most pi.
   [[nodiscard]] double scale() const noexcept { return scale_; }
-  /// Returns the radians from a middle over which four Gauss points integrate a kernel to 3e-5 of its peak, wherever no
-  /// horizon cuts it; for GGX 0.
-  [[nodiscard]] double smooth() const noexcept { return smooth_; }
-  /// Returns alpha of the GGX lobe that is as smooth.
+  /// Returns alpha of the GGX lobe that is as narrow as the finest detail.
   [[nodiscard]] double width_alpha() const noexcept;
   /// Returns alpha of the GGX lobe through which a light is as bright; at most 0.1 unless the lobe is GGX: every texel
   /// above 25 times the mean is then a light, however wide the lobe.
@@ -103,7 +91,6 @@ class Lobe {
   void normalise();
   void measure();
   void make_table();
-  void measure_smooth();
   [[nodiscard]] std::vector<double> find_spectrum(int bands) const;
 
   double alpha_ = 0.0;
@@ -113,7 +100,6 @@ class Lobe {
   double square_ = 0.0;
   double peak_ = 0.0;
   double scale_ = 0.0;
-  double smooth_ = 0.0;
   double nearest_ = 0.0;
   double farthest_ = 1.0;
   bool negative_ = false;

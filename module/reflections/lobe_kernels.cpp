@@ -1,7 +1,7 @@
 // Lobes of single lights, and the quadrature of spectra.
 #include "reflections/lobe_kernels.h"
 
-#include "simd/decay.h"
+#include "reflections/narrow_kernels.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {
@@ -38,19 +38,12 @@ WELKIN_INLINE Lanes chord_of(const Directions& texel, const LobeLight& light) {
   return x * x + y * y + z * z;
 }
 
-/// The share of the lobe that is in the Gaussians below t, u = t (q + s): the sum of 0.8 v^2 e^-v over v = u e^(-0.8 k)
-/// from k = 1 on. What is left of the others at u = 14 is 1e-4.
-WELKIN_INLINE Lanes far_share(Lanes u) {
-  constexpr float end = 14.0F;
-  if (!xsimd::any(u < Lanes(end))) return Lanes(1.0F);
-  const Lanes start = xsimd::min(u, Lanes(end));
-  Lanes sum(0.0F);
-  Lanes v = start;
-  for (int k = 0; k < 9; ++k) {
-    v = v * Lanes(0.449328964F);  // e^-0.8
-    sum = sum + Lanes(0.8F) * v * v * simd::decay(v);
-  }
-  return xsimd::select(u < Lanes(end), sum, Lanes(1.0F));
+/// The share of the lobe that is in its far part, x = (q + s) / end.
+WELKIN_INLINE Lanes far_share(Lanes x) {
+  const Lanes one(1.0F);
+  if (!xsimd::any(x < one)) return one;
+  const Lanes inside = xsimd::min(x, one);
+  return inside * inside * far_polynomial(inside);
 }
 
 WELKIN_INLINE void store(const Sums& all, float* sums, int count) {

@@ -38,7 +38,7 @@ struct LobeBlock {
   float alpha_squared;
   float half_slope;  ///< (1 - alpha^2) / 4
 
-  /// 0: the whole lobe. Else only its Gaussians below t (see `gaussian_spectrum`), and this is t / (1 - alpha^2).
+  /// 0: the whole lobe. Else only its far part (see `kFarPart`), and this is 1 / (end (1 - alpha^2)).
   float far_scale;
 
   /// A `KernelTable`, by which lights are seen instead; null: GGX.
@@ -52,10 +52,9 @@ struct LobeBlock {
 inline constexpr int kLobeTexels = simd::kLanes;
 
 /// Adds for each texel the sum over the runs' lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2, c
-/// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light, and 5e-4
-/// more where only a part is wanted, as the sum of Gaussians has. Of cut lights max(0, c) is its mean over the
-/// parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of the lobe is in that part. A kernel by
-/// its table is looked at in 4 x 4 places of cut lights that are not steady.
+/// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light. Of cut
+/// lights max(0, c) is its mean over the parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of
+/// the lobe is in that part. A kernel by its table is looked at in 4 x 4 places of cut lights that are not steady.
 using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count,
                           float* sums);
 using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,

@@ -214,29 +214,6 @@ void Lobe::make_table() {
   farthest_ = std::min(1.0, last);
 }
 
-void Lobe::measure_smooth() {
-  constexpr double kStep = 1.25;
-  constexpr double kWidest = 0.25;
-  constexpr double kMostLost = 3e-5;
-  const math::GaussRule few = math::gauss_legendre(4);
-  const math::GaussRule many = math::gauss_legendre(10);
-  const auto s_of = [](double angle) { return math::sine_cosine_of_turns(angle / (4.0 * kPi)).sine; };
-  const auto mean = [&](const math::GaussRule& rule, double middle, double half) {
-    double sum = 0.0;
-    for (int i = 0; i < rule.order; ++i)
-      sum += 0.5 * rule.weights[i] * value_at(std::abs(s_of(middle + half * rule.nodes[i])));
-    return sum;
-  };
-  const double end = hemisphere_ ? 0.5 * kPi : kPi;
-  for (double half = 0.1 * scale_; half <= kWidest; half *= kStep) {
-    for (double middle = 0.0; middle + half <= end; middle += 0.5 * half) {
-      if (s_of(middle + half) < nearest_ || s_of(middle - half) > farthest_) continue;
-      if (std::abs(mean(few, middle, half) - mean(many, middle, half)) > kMostLost * peak_) return;
-    }
-    smooth_ = half;
-  }
-}
-
 Lobe::Lobe(double alpha)
     : alpha_(alpha),
       breaks_{std::sqrt(0.5)},
@@ -257,7 +234,6 @@ Lobe::Lobe(const std::function<double(double)>& value, std::vector<double> break
   normalise();
   measure();
   make_table();
-  measure_smooth();
 }
 
 Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
@@ -265,12 +241,10 @@ Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
   normalise();
   measure();
   make_table();
-  measure_smooth();
 }
 
 double Lobe::width_alpha() const noexcept {
-  constexpr double kSmoothOfAlpha = 0.6;  // four points integrate GGX over so many alpha each side as exactly
-  return alpha_ > 0.0 ? alpha_ : std::clamp(smooth_ / kSmoothOfAlpha, 1e-4, 1.0);
+  return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0);
 }
 
 double Lobe::light_alpha() const noexcept {

@@ -8,64 +8,93 @@
 #include <vector>
 
 #include "math/elementary.h"
-#include "reflections/gaussian_kernels.h"
 #include "reflections/lobe.h"
-#include "reflections/near_parts.h"
 #include "transform/ring_fft.h"
 
 namespace welkin::reflections {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kMostBands = 1536;
-constexpr int kLeastBands = 144;
-constexpr double kBandsPerColumn = 0.75;    ///< of a whole turn's columns
-constexpr double kBandsOfGaussians = 0.65;  ///< the same of lat-longs: the widest near Gaussian ends three texels away
-constexpr double kEnd = 11.0;               ///< bands^2 / split: what lies beyond the last band is e^-11
-constexpr double kEndOfGaussians = 9.5;     ///< the same of lat-longs
-constexpr double kCut = 8.0;                ///< u at the near part's end: (1 + u) e^-u = 3.0e-3
+constexpr int kMostBands = 1024;
+constexpr int kLeastBands = 120;
+constexpr double kBandsTimesReach = 12.0;  ///< what the far part's polynomial was made for
+constexpr double kTaper = 0.3;             ///< and the last share of the bands that are tapered
+constexpr double kTexelsOfReach = 3.0;     ///< at least
+constexpr double kBalance = 5.6;           ///< see `split_for`: measured
 
-int parts_of(int count, double wanted) { return std::max(1, static_cast<int>(std::ceil(wanted / count - 0.01))); }
+/// Texels that would fit a radian, where they are largest.
+double fineness(bool cubemap, int columns, int rows) {
+  return cubemap ? 0.5 * columns : std::min(0.5 * columns, 1.0 * rows) / kPi;
+}
+
+int parts_of(double texels_of_radian) {
+  constexpr double least = kLeastBands * kTexelsOfReach / kBandsTimesReach;
+  return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));
+}
 
 }  // namespace
 
-NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept {
-  NarrowSplit split;
-  // texels that would fit a turn, along the axis on which they are small
-  const double fine = cubemap ? kPi * columns : std::max<double>(columns, 2.0 * rows);
-  const double wanted = fine * (cubemap ? kBandsPerColumn : kBandsOfGaussians);
-  split.bands = std::clamp(8 * static_cast<int>(std::ceil(wanted / 8.0)), kLeastBands, kMostBands);
-  if (!cubemap) {
-    // the first Gaussian that is not far; the last that is holds e^-kEndOfGaussians at the last band
-    split.largest_far = static_cast<double>(split.bands) * split.bands / kEndOfGaussians;
-    split.split = math::exponential(kGaussianStep) * split.largest_far;
-    split.columns = columns;
-    split.rows = rows;
-    return split;
+double NarrowSplit::end(double alpha) const noexcept {
+  const double sine = math::sine_cosine_of_turns(reach / (4.0 * kPi)).sine;
+  return alpha * alpha / ((1.0 - alpha) * (1.0 + alpha)) + sine * sine;
+}
+
+// Rings lose 0.02 (l pi / rows)^4 of band l: 2 % of the middle one, which the far part has a twentieth of.
+int NarrowSplit::rows_for_cubemap() const noexcept {
+  return 2 * transforms::fast_even_length(std::max(64, bands * 3 / 4));
+}
+
+TexelParts parts_for(bool cubemap, int columns, int rows) noexcept {
+  if (cubemap) {
+    const int parts = parts_of(0.5 * columns);
+    return {parts, parts};
   }
-  const double along_face = std::max(fine, kLeastBands / kBandsPerColumn) / kPi;
-  split.columns = columns * parts_of(columns, along_face);
-  split.rows = rows * parts_of(rows, along_face);
-  split.split = static_cast<double>(split.bands) * split.bands / kEnd;
-  split.largest_far = split.split;
-  split.reach = 2.0 * std::sqrt(kCut / split.split);
+  int parts = parts_of(0.5 * columns / kPi);
+  while (columns * parts % 4 != 0) ++parts;
+  return {parts, parts_of(rows / kPi)};
+}
+
+// With t texels in all, a mip's near part takes size^2 t / bands^2, and its far part bands^3.
+NarrowSplit split_for(bool cubemap, int columns, int rows, int size) {
+  const TexelParts parts = parts_for(cubemap, columns, rows);
+  const double across = static_cast<double>(columns) * parts.columns;
+  const double down = static_cast<double>(rows) * parts.rows;
+  const double texels = (cubemap ? 6.0 : 1.0) * across * down;
+  const double wanted = kBalance * math::exponential(0.4 * math::logarithm(size * std::sqrt(texels / (4.0 * kPi))));
+  const double most =
+      kBandsTimesReach / kTexelsOfReach * fineness(cubemap, static_cast<int>(across), static_cast<int>(down));
+  NarrowSplit split;
+  split.bands = std::clamp(8 * static_cast<int>(std::min(wanted, most) / 8.0), kLeastBands, kMostBands);
+  split.reach = kBandsTimesReach / split.bands;
   return split;
 }
 
-double sharpest_far_lobe(const NarrowSplit& split) noexcept { return 1.0 / std::sqrt(split.largest_far); }
-
-std::vector<double> far_part(bool cubemap, const NarrowSplit& split, double alpha, int bands) {
-  return cubemap ? far_spectrum(alpha, split.split, bands) : gaussian_spectrum(alpha, split.split, bands);
+std::vector<double> far_part(const NarrowSplit& split, double alpha) {
+  return far_spectrum(alpha, split.end(alpha), split.bands + split.bands / 4);
 }
 
-transforms::GridSize grid_of_far_part(bool cubemap, const NarrowSplit& split) noexcept {
-  // Gaussians leave little in the last bands for the spline to lose
-  return cubemap ? transforms::grid_for_bands(split.bands) : transforms::grid_for_bands(split.bands, 1.2);
+std::vector<double> tapered(const std::vector<double>& spectrum, int bands) {
+  std::vector<double> taken(spectrum.begin(), spectrum.begin() + bands);
+  for (int l = 0; l < bands; ++l) {
+    const double place = (l + 0.5 - (1.0 - kTaper) * bands) / (kTaper * bands);
+    if (place > 0.0) taken[static_cast<std::size_t>(l)] *= 0.5 + 0.5 * math::sine_cosine_of_turns(0.5 * place).cosine;
+  }
+  return taken;
 }
 
-// Rings lose 0.02 (l pi / rows)^4 of band l, 0.8 % of the middle one at two rows per band, which a narrow lobe has
-// little of.
-int rows_for_far_part(const NarrowSplit& split) noexcept { return 2 * transforms::fast_even_length(split.bands); }
+double lost_of_far(const std::vector<double>& spectrum, const std::vector<double>& taken,
+                   const std::vector<double>& energies) {
+  const std::size_t quarter = energies.size() / 4;
+  double tail = 0.0;
+  for (std::size_t l = energies.size() - quarter; l < energies.size(); ++l)
+    tail += energies[l] / static_cast<double>(quarter);
+  double sum = 0.0;
+  for (std::size_t l = 0; l < spectrum.size(); ++l) {
+    const double lost = spectrum[l] - (l < taken.size() ? taken[l] : 0.0);
+    sum += lost * lost * (l < energies.size() ? energies[l] : tail);
+  }
+  return std::sqrt(sum / (4.0 * kPi));
+}
 
 namespace {
 
@@ -126,64 +155,24 @@ double contrast_of(const projection::SanitizedSource& source) {
 }
 
 double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast) {
-  const bool cubemap = source.cubemap();
-  const double rounding = cubemap ? 4e-7 : 2e-7;
+  constexpr double rounding = 4e-7;
   if (!(mip.rms > 0.0)) return rounding;
+  constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`, and floats
   double edges = 0.0;
-  if (cubemap) {
-    constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`
-    edges = 4.5e-3 * mip.alpha;
-    if (source.columns() % (2 * mip.size) == 0) edges += moved * 0.25 * kPi / source.columns() / mip.alpha;
+  if (source.cubemap()) {
+    const double texel = 0.5 * kPi / source.columns();
+    edges = 1.4e-3 * mip.alpha + moved * std::sqrt(texel / mip.alpha);
+    if (source.columns() % (2 * mip.size) == 0) edges += 0.5 * moved * texel / mip.alpha;
   } else {
-    edges = 1e-4 * std::sqrt(mip.alpha);  // of the step where a lobe is cut by an edge
+    edges = 2.5e-5 * std::sqrt(mip.alpha) + 2.0 * moved * kPi / source.rows() / std::sqrt(mip.alpha);
   }
   // The largest relative error of texels' weights at any distance, which no sum of light exceeds.
-  const double of_weights = cubemap ? 5e-3 : 5e-4;
-  double lost = edges * contrast / mip.rms;
-  if (!source.has_negatives()) lost = std::min(lost, of_weights);
+  constexpr double of_weights = 9e-4;
+  double steps = edges * contrast / mip.rms;
+  if (!source.has_negatives()) steps = std::min(steps, of_weights);
   constexpr double of_far = 1e-6;  // of float harmonics
-  return rounding + of_far * mip.far_rms / mip.rms + lost;
-}
-
-namespace {
-
-/// The Gaussians from the split on: see `kGaussianStep`. Their weights are their integrals over the sphere; t + 2 in
-/// place of t is the lobe's factor 1 - 2 s.
-GaussianLobe gaussians_of(double split, double q) {
-  constexpr double end = 14.0;  // t q: 1e-5 of the lobe lies beyond
-  const double ratio = math::exponential(kGaussianStep);
-  GaussianLobe lobe{};
-  for (double t = split; lobe.count < GaussianLobe::kMost && (lobe.count == 0 || t * q < end); t *= ratio) {
-    const double weight = kGaussianStep * t * t * math::exponential(-t * q) / (t + 2.0);
-    lobe.root[lobe.count] = static_cast<float>(0.5 * std::sqrt(t + 2.0));
-    lobe.weight[lobe.count] = static_cast<float>(0.25 * q * weight);
-    ++lobe.count;
-  }
-  return lobe;
-}
-
-SplitLobe split_lobe(const NarrowSplit& split, double alpha) {
-  const double square = alpha * alpha;
-  const double rest = 1.0 - square;
-  SplitLobe lobe{};
-  lobe.width_squared = static_cast<float>(4.0 * square);
-  lobe.split = static_cast<float>(split.split);
-  lobe.offset = static_cast<float>(split.split * square / rest);
-  lobe.far_scale = static_cast<float>(square * split.split * split.split / (4.0 * std::numbers::pi * rest * rest));
-  return lobe;
-}
-
-}  // namespace
-
-void add_near_parts(const projection::SanitizedSource& source, const NarrowSplit& split, double alpha, int size,
-                    const std::array<float*, 6>& faces, const Control& control) {
-  const double energy = 1.0 - far_part(source.cubemap(), split, alpha, 1).front();
-  const NearPart part{source, split, energy, size, faces};
-  if (source.cubemap()) {
-    add_cubemap_near(part, split_lobe(split, alpha), control);
-  } else {
-    add_lat_long_near(part, gaussians_of(split.split, alpha * alpha / (1.0 - alpha * alpha)), control);
-  }
+  constexpr double safety = 2.0;   // see `spectral_rms_error`
+  return rounding + (of_far * mip.far_rms + safety * mip.lost) / mip.rms + steps;
 }
 
 }  // namespace welkin::reflections

@@ -1,38 +1,15 @@
 // Shares of narrow lobes in texels.
 #include "reflections/narrow_kernels.h"
 
-#include "simd/decay.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
-using simd::kLanes, simd::kWidth, simd::Lanes, simd::Quad;
+using simd::kLanes, simd::kWidth, simd::Lanes;
 
 constexpr float kTiny = 1e-30F;
 constexpr float kPi = 3.14159265F;
-
-WELKIN_INLINE Lanes at(const float* values, int index) { return Lanes::load_aligned(values + index * kLanes); }
-
-/// e^-u for 0 <= u, taken as 16 beyond.
-WELKIN_INLINE Lanes decay_to_sixteen(Lanes u) { return simd::decay(xsimd::min(u, Lanes(16.0F))); }
-
-/// (1 - (1 + u) e^-u) / u^2 = Int_0^1 t e^(-u t) dt = 1/2 - u/3 + u^2/8 - ... + (-u)^n / (n! (n + 2)).
-WELKIN_INLINE Lanes far_density(const SplitLobe& lobe, Lanes square) {
-  const Lanes quarter = square * Lanes(0.25F);
-  const Lanes u = Lanes(lobe.offset) + Lanes(lobe.split) * (quarter / (Lanes(1.0F) + quarter));
-  auto series = Lanes(1.0F / 403200.0F);
-  series = series * u - Lanes(1.0F / 45360.0F);
-  series = series * u + Lanes(1.0F / 5760.0F);
-  series = series * u - Lanes(1.0F / 840.0F);
-  series = series * u + Lanes(1.0F / 144.0F);
-  series = series * u - Lanes(1.0F / 30.0F);
-  series = series * u + Lanes(0.125F);
-  series = series * u - Lanes(1.0F / 3.0F);
-  series = series * u + Lanes(0.5F);
-  const Lanes closed = (Lanes(1.0F) - (Lanes(1.0F) + u) * decay_to_sixteen(u)) / xsimd::max(u * u, Lanes(kTiny));
-  return xsimd::select(u < Lanes(1.0F), series, closed);
-}
 
 /// The angle of (x, y), y of any sign, from -pi to pi. Arc tangent up to 1: Abramowitz and Stegun, Handbook of
 /// Mathematical Functions, 4.4.49, to 2e-8.
@@ -83,7 +60,29 @@ WELKIN_INLINE Edge edge_between(Lanes x0, Lanes y0, Lanes x1, Lanes y1) {
   return {x0 * y1 - y0 * x1, x0 * x1 + y0 * y1, xsimd::sqrt(dx * dx + dy * dy)};
 }
 
-void place_cube(const CubeGroup& group, int first_column, int row, int count, const CornerLine& line) {
+/// What `missed_by` of an edge lacks that is an arc: 2 a^2 Int d(x) / (x^2 + H^2)^2 dx along the chord, where
+/// d(x) = bend / 2 (x - x0) (x1 - x) lies between the two. To first order, which does as d is small beside x and H.
+WELKIN_INLINE Lanes missed_by_bend(const SplitLobe& lobe, Lanes x0, Lanes y0, Lanes x1, Lanes y1, Lanes bend) {
+  const Edge edge = edge_between(x0, y0, x1, y1);
+  const Lanes a2(lobe.width_squared);
+  const Lanes inverse = Lanes(1.0F) / xsimd::max(edge.length, Lanes(kTiny));
+  const Lanes begin = (x0 * (x1 - x0) + y0 * (y1 - y0)) * inverse;
+  const Lanes end = begin + edge.length;
+  const Lanes h = edge.cross * inverse;
+  const Lanes square = h * h + a2;
+  const Lanes hyp = xsimd::sqrt(square);
+  const Lanes angle = angle_of(hyp * edge.length, edge.dot + a2);
+  const Lanes before = Lanes(0.5F) / (begin * begin + square);
+  const Lanes after = Lanes(0.5F) / (end * end + square);
+  const Lanes rise = end * after - begin * before;
+  const Lanes turn = Lanes(0.5F) * angle / hyp;
+  const Lanes zeroth = (rise + turn) / square;
+  const Lanes first = before - after;
+  const Lanes second = turn - rise;
+  return a2 * bend * ((begin + end) * first - second - begin * end * zeroth);
+}
+
+void place_cube(const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
   const Lanes size(group.size);
   const Lanes step(2.0F / group.size);
   for (int k = 0; k < kLanes; k += kWidth) {
@@ -97,15 +96,16 @@ void place_cube(const CubeGroup& group, int first_column, int row, int count, co
     const Lanes v = v0 + dv;
     const Lanes across = Lanes(1.0F) + u0 * u0;
     const Lanes length = xsimd::sqrt(across + v0 * v0);
+    const Lanes inverse = Lanes(1.0F) / length;
     const Lanes first = Lanes(1.0F) / xsimd::sqrt(across);
-    const Lanes second = first / length;
-    for (int i = 0; i < count; ++i) {
-      const Lanes wanted = column0 + Lanes(static_cast<float>(first_column + i));
+    const Lanes second = first * inverse;
+    for (int i = corners.first; i < corners.end; ++i) {
+      const Lanes wanted = column0 + Lanes(static_cast<float>(i));
       const Lanes here = xsimd::min(xsimd::max(wanted, Lanes(0.0F)), size);
       const Lanes du = ((here - column0) - part) * step;
       const Lanes u = u0 + du;
       const Lanes norm = xsimd::sqrt(Lanes(1.0F) + u * u + v * v);
-      const Lanes along = (Lanes(1.0F) + u * u0 + v * v0) / length;
+      const Lanes along = (Lanes(1.0F) + u * u0 + v * v0) * inverse;
       const Lanes scale = Lanes(2.0F) / (norm + along);
       (du * first * scale).store_aligned(line.x + i * kLanes + k);
       ((across * dv - u0 * v0 * du) * second * scale).store_aligned(line.y + i * kLanes + k);
@@ -113,101 +113,122 @@ void place_cube(const CubeGroup& group, int first_column, int row, int count, co
   }
 }
 
-void measure_line(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line) {
+/// sin x and cos x for |x| below 0.3
+WELKIN_INLINE Lanes sine_of(Lanes x) {
+  const Lanes square = x * x;
+  return x * (Lanes(1.0F) -
+              square * (Lanes(1.0F / 6.0F) - square * (Lanes(1.0F / 120.0F) - square * Lanes(1.0F / 5040.0F))));
+}
+WELKIN_INLINE Lanes cosine_of(Lanes x) {
+  const Lanes square = x * x;
+  return Lanes(1.0F) - square * (Lanes(0.5F) - square * (Lanes(1.0F / 24.0F) - square * Lanes(1.0F / 720.0F)));
+}
+
+void place_lat_long(const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
+  const Lanes one(1.0F);
   for (int k = 0; k < kLanes; k += kWidth) {
-    Lanes x0 = at(line.x + k, columns.first);
-    Lanes y0 = at(line.y + k, columns.first);
-    far_density(lobe, x0 * x0 + y0 * y0).store_aligned(line.far + columns.first * kLanes + k);
-    for (int i = columns.first + 1; i <= columns.end; ++i) {
-      const Lanes x1 = at(line.x + k, i);
-      const Lanes y1 = at(line.y + k, i);
-      far_density(lobe, x1 * x1 + y1 * y1).store_aligned(line.far + i * kLanes + k);
-      missed_by(lobe, edge_between(x0, y0, x1, y1)).store_aligned(line.edge + (i - 1) * kLanes + k);
-      x0 = x1;
-      y0 = y1;
+    const Lanes sine0 = Lanes::load_unaligned(group.sine + k);
+    const Lanes cosine0 = Lanes::load_unaligned(group.cosine + k);
+    const Lanes sine_of_part = Lanes::load_unaligned(group.sine_of_part + k);
+    const Lanes cosine_of_part = Lanes::load_unaligned(group.cosine_of_part + k);
+    const Lanes row0 = Lanes::load_unaligned(group.row + k);
+    const Lanes row_here =
+        xsimd::min(xsimd::max(row0 + Lanes(static_cast<float>(row)), Lanes(0.0F)), Lanes(group.rows));
+    const Lanes south = ((row_here - row0) - Lanes::load_unaligned(group.part_row + k)) * Lanes(group.down);
+    const Lanes sine = sine_of(south);
+    const Lanes cosine_here = xsimd::max(cosine0 * cosine_of(south) + sine0 * sine, Lanes(0.0F));
+    const Lanes sine_here = sine0 * cosine_of(south) - cosine0 * sine;
+    (sine_here / xsimd::max(cosine_here, Lanes(1e-6F))).store_aligned(line.bend + k);
+    const Lanes half = sine_of(south * Lanes(0.5F));
+    const Lanes half_square = half * half;
+    for (int i = corners.first; i < corners.end; ++i) {
+      Lanes sine_half(0.0F);
+      Lanes cosine_half(1.0F);
+      if (i != 1) {
+        const float* const table = group.columns + 2 * (i > 1 ? i - 1 : i);
+        sine_half = Lanes(table[0]) * cosine_of_part - Lanes(table[1]) * sine_of_part;
+        cosine_half = Lanes(table[1]) * cosine_of_part + Lanes(table[0]) * sine_of_part;
+      }
+      const Lanes across = cosine_here * sine_half;
+      const Lanes square = half_square + cosine0 * across * sine_half;  // sin^2(theta / 2)
+      const Lanes scale = one / (one - square);
+      (Lanes(2.0F) * across * cosine_half * scale).store_aligned(line.x + i * kLanes + k);
+      ((sine - Lanes(2.0F) * sine0 * across * sine_half) * scale).store_aligned(line.y + i * kLanes + k);
     }
+  }
+}
+
+/// The far part's density at a point of the plane, less the lobe's factor 1 - 2 s; and whether there is a near part.
+struct Density {
+  Lanes far;
+  decltype(Lanes() < Lanes()) near;
+};
+
+WELKIN_INLINE Density density_at(const SplitLobe& lobe, Lanes square) {
+  const Lanes one(1.0F);
+  const Lanes quarter = square * Lanes(0.25F);
+  const Lanes inverse = one / (one + quarter);
+  const Lanes x = (Lanes(lobe.offset) + quarter * inverse) * Lanes(lobe.inverse_end);
+  const Lanes steradians = inverse * inverse;
+  const Lanes width = square + Lanes(lobe.width_squared);
+  const Lanes whole = Lanes(lobe.width_squared / kPi) / (width * width);
+  const auto near = x < one;
+  return {xsimd::select(near, steradians * Lanes(lobe.far_scale) * far_polynomial(xsimd::min(x, one)), whole), near};
+}
+
+void measure_corners(const SplitLobe& lobe, ColumnRange corners, const CornerLine& line) {
+  for (int i = corners.first * kLanes; i < corners.end * kLanes; i += kWidth) {
+    const Lanes x = Lanes::load_aligned(line.x + i);
+    const Lanes y = Lanes::load_aligned(line.y + i);
+    density_at(lobe, x * x + y * y).far.store_aligned(line.far + i);
+  }
+}
+
+void measure_edges(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line) {
+  for (int i = columns.first * kLanes; i < columns.end * kLanes; i += kWidth) {
+    const auto load = [i](const float* values, int step)
+                          WELKIN_INLINE_LAMBDA { return Lanes::load_aligned(values + i + step); };
+    const Lanes x0 = load(line.x, 0);
+    const Lanes y0 = load(line.y, 0);
+    const Lanes x1 = load(line.x, kLanes);
+    const Lanes y1 = load(line.y, kLanes);
+    Lanes missed = missed_by(lobe, edge_between(x0, y0, x1, y1));
+    if (line.bend != nullptr) {
+      const Lanes bend = Lanes::load_aligned(line.bend + (i & (kLanes - 1)));
+      missed = missed + missed_by_bend(lobe, x0, y0, x1, y1, bend);
+    }
+    missed.store_aligned(line.edge + i);
   }
 }
 
 /// Corners above and below at one column.
 struct Side {
-  Lanes x0, y0, far0, x1, y1, far1, edge;
+  Lanes x0, y0, x1, y1;
 };
 
-WELKIN_INLINE Side side_at(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, int place) {
-  Side side;
-  side.x0 = Lanes::load_aligned(above.x + place);
-  side.y0 = Lanes::load_aligned(above.y + place);
-  side.far0 = Lanes::load_aligned(above.far + place);
-  side.x1 = Lanes::load_aligned(below.x + place);
-  side.y1 = Lanes::load_aligned(below.y + place);
-  side.far1 = Lanes::load_aligned(below.far + place);
-  side.edge = missed_by(lobe, edge_between(side.x0, side.y0, side.x1, side.y1));
-  return side;
+WELKIN_INLINE Side side_at(const CornerLine& above, const CornerLine& below, int place) {
+  return {Lanes::load_aligned(above.x + place), Lanes::load_aligned(above.y + place),
+          Lanes::load_aligned(below.x + place), Lanes::load_aligned(below.y + place)};
 }
 
-/// The far part over a texel: its area times the mean density, by a rule that is exact for squares: 8 parts of the
-/// centre's, one of each corner's.
-WELKIN_INLINE Lanes far_share(const SplitLobe& lobe, const Side& left, const Side& right, Lanes square) {
-  const Lanes area = Lanes(0.5F) * xsimd::abs((right.x1 - left.x0) * (right.y0 - left.y1) -
-                                              (right.y1 - left.y0) * (right.x0 - left.x1));
-  const Lanes corners = (left.far0 + left.far1) + (right.far0 + right.far1);
-  const Lanes mean = (Lanes(8.0F) * far_density(lobe, square) + corners) * Lanes(1.0F / 12.0F);
-  const Lanes stretch = Lanes(1.0F) + square * Lanes(0.25F);
-  return Lanes(lobe.far_scale) * mean * area / (stretch * stretch);
-}
-
-void weigh_close(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
-                 float* weights, float* sums) {
-  const Lanes zero(0.0F);
-  for (int k = 0; k < kLanes; k += kWidth) {
-    Lanes sum = Lanes::load_aligned(sums + k);
-    Side left = side_at(lobe, above, below, columns.first * kLanes + k);
-    for (int i = columns.first + 1; i <= columns.end; ++i) {
-      const Side right = side_at(lobe, above, below, i * kLanes + k);
-      const Lanes top = Lanes::load_aligned(above.edge + (i - 1) * kLanes + k);
-      const Lanes bottom = Lanes::load_aligned(below.edge + (i - 1) * kLanes + k);
-      const auto within = top >= zero && right.edge >= zero && bottom < zero && left.edge < zero;
-      const Lanes missed = ((top - bottom) + (right.edge - left.edge)) * Lanes(0.5F / kPi);
-      const Lanes share = xsimd::select(within, Lanes(1.0F), zero) - missed;
-      const Lanes x = ((left.x0 + left.x1) + (right.x0 + right.x1)) * Lanes(0.25F);
-      const Lanes y = ((left.y0 + left.y1) + (right.y0 + right.y1)) * Lanes(0.25F);
-      const Lanes square = x * x + y * y;
-      const Lanes quarter = square * Lanes(0.25F);
-      const Lanes cosine = (Lanes(1.0F) - quarter) / (Lanes(1.0F) + quarter);  // 1 - 2 s
-      const Lanes weight = xsimd::max(cosine * (share - far_share(lobe, left, right, square)), zero);
-      weight.store_aligned(weights + (i - 1) * kLanes + k);
-      sum = sum + weight;
-      left = right;
-    }
-    sum.store_aligned(sums + k);
-  }
-}
-
-/// A texel as a parallelogram about its centre.
+/// A texel as a parallelogram about its centroid.
 struct Cell {
   Lanes square, area;         ///< the centre's distance, squared; the area
   Lanes b1, b2, c1, c2, mix;  ///< products of the centre and the sides e1 and e2: p e1, p e2, e1 e1, e2 e2, e1 e2
 };
 
-WELKIN_INLINE Cell cell_at(const CornerLine& above, const CornerLine& below, int left) {
-  const auto load = [left](const float* values, int step)
-                        WELKIN_INLINE_LAMBDA { return Lanes::load_aligned(values + left + step); };
+WELKIN_INLINE Cell cell_between(const Side& left, const Side& right) {
   const Lanes half(0.5F);
-  const Lanes x00 = load(above.x, 0);
-  const Lanes x10 = load(above.x, kLanes);
-  const Lanes x01 = load(below.x, 0);
-  const Lanes x11 = load(below.x, kLanes);
-  const Lanes y00 = load(above.y, 0);
-  const Lanes y10 = load(above.y, kLanes);
-  const Lanes y01 = load(below.y, 0);
-  const Lanes y11 = load(below.y, kLanes);
-  const Lanes x = ((x00 + x11) + (x10 + x01)) * Lanes(0.25F);
-  const Lanes y = ((y00 + y11) + (y10 + y01)) * Lanes(0.25F);
-  const Lanes dx = x11 - x00;
-  const Lanes dy = y11 - y00;
-  const Lanes ex = x10 - x01;
-  const Lanes ey = y10 - y01;
+  const Lanes dx = right.x1 - left.x0;
+  const Lanes dy = right.y1 - left.y0;
+  const Lanes ex = right.x0 - left.x1;
+  const Lanes ey = right.y0 - left.y1;
+  // The centroid, by the two triangles beside a diagonal: beside a pole a texel's ends are of different lengths.
+  const Lanes above = (right.x0 - left.x0) * dy - (right.y0 - left.y0) * dx;
+  const Lanes below = dx * (left.y1 - left.y0) - dy * (left.x1 - left.x0);
+  const Lanes third = Lanes(1.0F / 3.0F) / (above + below + Lanes(kTiny));
+  const Lanes x = left.x0 + (dx * (above + below) + (right.x0 - left.x0) * above + (left.x1 - left.x0) * below) * third;
+  const Lanes y = left.y0 + (dy * (above + below) + (right.y0 - left.y0) * above + (left.y1 - left.y0) * below) * third;
   const Lanes across_x = (dx + ex) * half;
   const Lanes across_y = (dy + ey) * half;
   const Lanes down_x = (dx - ex) * half;
@@ -239,53 +260,120 @@ WELKIN_INLINE Lanes mean_of_cell(const Cell& cell, Lanes inverse) {
   return Lanes(1.0F) + (second + (fourth + mixed));
 }
 
-/// The near part's factor D = (1 + u) e^-u bends over a cell too: with D' = -u e^-u and D'' = (u - 1) e^-u by u, and
-/// t = du / d(r^2), its own mean and that of its slope times the lobe's add up, for each side, to
-/// e^-u ((u - 1) b^2 t^2 / 6 - u t c / 12 + 2 u t b B / 3).
-void weigh_far(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
-               float* weights, float* sums) {
-  const Lanes one(1.0F);
-  const Lanes density(lobe.width_squared * (1.0F / kPi));
+/// The mean over a texel, by a rule that is exact to third order for parallelograms: 8 parts of the centre's, one of
+/// each corner's.
+WELKIN_INLINE Lanes mean_of(const float* above, const float* below, int left, Lanes centre) {
+  const auto load = [left](const float* values, int step)
+                        WELKIN_INLINE_LAMBDA { return Lanes::load_aligned(values + left + step); };
+  const Lanes corners = (load(above, 0) + load(below, 0)) + (load(above, kLanes) + load(below, kLanes));
+  return (Lanes(8.0F) * centre + corners) * Lanes(1.0F / 12.0F);
+}
+
+/// A row's weights, in parts: floats would lose what many columns beside a pole add.
+class RowSum {
+ public:
+  WELKIN_INLINE void add(Lanes weight, int column) {
+    part_ = part_ + weight;
+    if (column % 32 != 0) return;
+    whole_ = whole_ + part_;
+    part_ = Lanes(0.0F);
+  }
+  [[nodiscard]] WELKIN_INLINE Lanes all() const { return whole_ + part_; }
+
+ private:
+  Lanes whole_ = Lanes(0.0F);
+  Lanes part_ = Lanes(0.0F);
+};
+
+/// 1 - 2 s
+WELKIN_INLINE Lanes cosine_at(Lanes square) {
+  const Lanes quarter = square * Lanes(0.25F);
+  return (Lanes(1.0F) - quarter) / (Lanes(1.0F) + quarter);
+}
+
+void weigh_close(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
+                 float* weights, float* sums) {
+  const Lanes zero(0.0F);
   for (int k = 0; k < kLanes; k += kWidth) {
-    Lanes sum = Lanes::load_aligned(sums + k);
+    RowSum sum;
+    const auto edge_of = [&lobe](const Side& side) WELKIN_INLINE_LAMBDA {
+      return missed_by(lobe, edge_between(side.x0, side.y0, side.x1, side.y1));
+    };
+    Side left = side_at(above, below, columns.first * kLanes + k);
+    Lanes left_edge = edge_of(left);
     for (int i = columns.first; i < columns.end; ++i) {
-      const Cell cell = cell_at(above, below, i * kLanes + k);
-      const Lanes inverse = one / (cell.square + Lanes(lobe.width_squared));
-      const Lanes quarter = cell.square * Lanes(0.25F);
-      const Lanes stretch = one / (one + quarter);
-      const Lanes u = Lanes(lobe.offset) + Lanes(lobe.split) * quarter * stretch;
-      const Lanes t = Lanes(0.25F * lobe.split) * stretch * stretch;
-      const Lanes b = (cell.b1 * cell.b1 + cell.b2 * cell.b2) * t;
-      const Lanes bend = (u - one) * b * t * Lanes(1.0F / 6.0F) +
-                         u * (b * inverse * Lanes(2.0F / 3.0F) - t * (cell.c1 + cell.c2) * Lanes(1.0F / 12.0F));
-      const Lanes shape = (one + u) * mean_of_cell(cell, inverse) + bend;
-      const Lanes cosine = (one - quarter) * stretch;  // 1 - 2 s
-      const Lanes weight =
-          xsimd::max(density * inverse * inverse * cell.area * cosine * decay_to_sixteen(u) * shape, Lanes(0.0F));
-      weight.store_aligned(weights + i * kLanes + k);
-      sum = sum + weight;
+      const int place = i * kLanes + k;
+      const Side right = side_at(above, below, place + kLanes);
+      const Lanes right_edge = edge_of(right);
+      const Lanes top = Lanes::load_aligned(above.edge + place);
+      const Lanes bottom = Lanes::load_aligned(below.edge + place);
+      const auto within = top >= zero && right_edge >= zero && bottom < zero && left_edge < zero;
+      const Lanes missed = ((top - bottom) + (right_edge - left_edge)) * Lanes(0.5F / kPi);
+      const Lanes share = xsimd::select(within, Lanes(1.0F), zero) - missed;
+      const Cell cell = cell_between(left, right);
+      const Density centre = density_at(lobe, cell.square);
+      const Lanes far = cell.area * mean_of(above.far, below.far, place, centre.far);
+      // not clamped at 0: beside a pole thousands of columns' rounding cancels
+      const Lanes all = cosine_at(cell.square) * (share - far);
+      // rows beyond a pole, and columns beyond a face, have no area, and what is left of their edges is rounding
+      const Lanes weight = xsimd::select(centre.near && cell.area > zero, all, zero);
+      weight.store_aligned(weights + place);
+      sum.add(weight, i);
+      left = right;
+      left_edge = right_edge;
     }
-    sum.store_aligned(sums + k);
+    (Lanes::load_aligned(sums + k) + sum.all()).store_aligned(sums + k);
   }
 }
 
-void add_texels(const float* rgb, const float* weights, int count, float* sum) {
-  Quad sums = Quad::load_aligned(sum);
-  for (int i = 0; i + 1 < count; ++i) sums = sums + Quad::load_unaligned(rgb + 3 * i) * Quad(weights[i * kLanes]);
-  alignas(16) float last[4] = {};  // four floats from the last texel on may not all be the picture's
-  for (int c = 0; c < 3; ++c) last[c] = rgb[3 * (count - 1) + c];
-  sums = sums + Quad::load_aligned(last) * Quad(weights[(count - 1) * kLanes]);
-  sums.store_aligned(sum);
+void weigh_far(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
+               float* weights, float* sums) {
+  for (int k = 0; k < kLanes; k += kWidth) {
+    RowSum sum;
+    Side left = side_at(above, below, columns.first * kLanes + k);
+    for (int i = columns.first; i < columns.end; ++i) {
+      const int place = i * kLanes + k;
+      const Side right = side_at(above, below, place + kLanes);
+      const Cell cell = cell_between(left, right);
+      const Density centre = density_at(lobe, cell.square);
+      const Lanes inverse = Lanes(1.0F) / (cell.square + Lanes(lobe.width_squared));
+      const Lanes whole = Lanes(lobe.width_squared / kPi) * inverse * inverse * mean_of_cell(cell, inverse);
+      const Lanes far = mean_of(above.far, below.far, place, centre.far);
+      const Lanes all = cosine_at(cell.square) * cell.area * xsimd::max(whole - far, Lanes(0.0F));
+      const Lanes weight = xsimd::select(centre.near, all, Lanes(0.0F));
+      weight.store_aligned(weights + place);
+      sum.add(weight, i);
+      left = right;
+    }
+    (Lanes::load_aligned(sums + k) + sum.all()).store_aligned(sums + k);
+  }
+}
+
+void sum_runs(const TexelRun* runs, int count, float* sums) {
+  constexpr int kParts = kImageFloats / kWidth;
+  Lanes sum[kParts];
+  for (Lanes& part : sum) part = Lanes(0.0F);
+  for (const TexelRun* run = runs; run != runs + count; ++run) {
+    const float* texel = run->texels;
+    Lanes own[kParts];
+    for (Lanes& part : own) part = Lanes(0.0F);
+    for (int i = 0; i < run->count; ++i, texel += kImageFloats) {
+      const Lanes weight(run->weights[i * kLanes]);
+      for (int p = 0; p < kParts; ++p) own[p] = own[p] + weight * Lanes::load_aligned(texel + p * kWidth);
+    }
+    for (int p = 0; p < kParts; ++p) sum[p] = sum[p] + own[p];
+  }
+  for (int p = 0; p < kParts; ++p) sum[p].store_aligned(sums + p * kWidth);
 }
 
 }  // namespace
 
-const NarrowKernels narrow_kernels_table = {
-    .place_cube = place_cube,
-    .measure_line = measure_line,
-    .weigh_close = weigh_close,
-    .weigh_far = weigh_far,
-    .add_texels = add_texels,
-};
+const NarrowKernels narrow_kernels_table = {.place_cube = place_cube,
+                                            .place_lat_long = place_lat_long,
+                                            .measure_corners = measure_corners,
+                                            .measure_edges = measure_edges,
+                                            .weigh_close = weigh_close,
+                                            .weigh_far = weigh_far,
+                                            .sum_runs = sum_runs};
 
 }  // namespace welkin::reflections::WELKIN_ISA

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
+#include <span>
 #include <string>
 
 #include "image/area_resampling.h"
@@ -28,12 +29,12 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
-#include "reflections/far_parts.h"
 #include "reflections/lobe.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
 #include "reflections/ring_table.h"
+#include "reflections/texel_images.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
 
@@ -144,6 +145,17 @@ double least_of(const CubemapChain& chain, int level, const Control& control) {
   return static_cast<double>(*std::min_element(least.begin(), least.end()));
 }
 
+/// What narrow mips share.
+struct NarrowSource {
+  BrightLights bright;  ///< taken out of the spectrum
+  int bright_texels = 0;
+  double contrast = 0.0;  ///< see `contrast_of`
+  int rings = 0;
+  transforms::Spectrum spectrum;
+  std::vector<double> energies;  ///< by degrees, see `energies_of`
+  std::unique_ptr<TexelImages> images;
+};
+
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
 class LobeChain {
  public:
@@ -199,13 +211,19 @@ class LobeChain {
                                   const Control& control);
   [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
-  void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control);
+  void blur(const Target& target, std::span<const double> zonal, const transforms::GridSize& grid_size,
+            bool not_negative, const transforms::Spectrum& spectrum, const Control& control);
+  void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control) {
+    blur(target, mip.bands.zonal, mip.grid(), !source_.has_negatives() && !mip.lobe->negative(), spectrum, control);
+  }
   [[nodiscard]] bool shows_dark(const Target& target, const MipPlan& mip, const Control& control) const;
   void spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
                     const transforms::Spectrum& spectrum, int rows, const Control& control);
   [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
-  void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
+  [[nodiscard]] NarrowSplit split_of(int size) const;
+  void narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control);
+  void keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
   [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(const Target& target, const MipPlan& mip, const Control& control);
@@ -318,20 +336,18 @@ void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
 }
 
 /// Writes a mip's faces without the extracted light.
-void LobeChain::blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum,
-                     const Control& control) {
+void LobeChain::blur(const Target& target, std::span<const double> zonal, const transforms::GridSize& grid_size,
+                     bool not_negative, const transforms::Spectrum& spectrum, const Control& control) {
   const Stopwatch watch;
-  const transforms::GridSize grid_size = mip.grid();
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
-  transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.6));
+  transforms::synthesise(spectrum, zonal, grid, jobs::part_of(control, 0.0, 0.6));
   note(target.name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
-  const Faces faces = target.faces();
-  const bool not_negative = !source_.has_negatives() && !mip.lobe->negative();
-  image::sample_faces(grid, mip.size, faces, {.not_negative = not_negative}, jobs::part_of(control, 0.6, 1.0));
+  const int size = target.chain.level_size(target.level);
+  image::sample_faces(grid, size, target.faces(), {.not_negative = not_negative}, jobs::part_of(control, 0.6, 1.0));
   memory_.give_back(grid.bytes());
-  note(target.name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
+  note(target.name + ": faces", std::to_string(size) + " texels along an edge", sampling.milliseconds());
 }
 
 /// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
@@ -362,24 +378,33 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   target.record.bands = mip.bands.bands();
   target.record.bright_texels = static_cast<int>(extracted_);
   const double rms = target.rms(*mip.lobe);
-  const double estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
-  target.record.error_estimate = estimate;
+  target.record.error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
+  keep_or_integrate(target, mip, watch, control);
+}
+
+/// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws. Lobes other than GGX are kept
+/// with the estimate that they have: theirs is from above, and too far to refuse a picture by.
+void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch,
+                                  const Control& control) {
+  const double estimate = *target.record.error_estimate;
   if (mip.lobe->last_band() > 0 || estimate <= target.bounds.rms) {
     end_mip(target, mip, watch, control);
   } else if (may_integrate(target, mip)) {
     integrate_mip(target, mip, {control.stop, {}});
     target.record.bands = 0;
     target.record.bright_texels = 0;
-  } else {
+  } else if (mip.alpha > 0.0) {
     refuse_rms_error(estimate, target.bounds.rms, target.name);
+  } else {
+    end_mip(target, mip, watch, control);
   }
 }
 
 /// Returns whether the integral itself, texel by texel, keeps the bound within about a second.
 bool LobeChain::may_integrate(const Target& target, const MipPlan& mip) const {
-  constexpr double kMostPairs = 1e8;  // of texels, 10 ns each
+  const double most_pairs = mip.alpha > 0.0 ? 1e8 : 2.5e5;  // of texels, 10 ns each, of other lobes 4 us
   const double pairs = 6.0 * mip.size * mip.size * source_.columns() * source_.rows();
-  return plan_.may_integrate && kReferenceError <= target.bounds.rms && pairs <= kMostPairs;
+  return plan_.may_integrate && kReferenceError <= target.bounds.rms && pairs <= most_pairs;
 }
 
 IrradianceMap LobeChain::irradiance_times(double factor) {
@@ -394,81 +419,76 @@ IrradianceMap LobeChain::irradiance_times(double factor) {
   return map;
 }
 
+NarrowSplit LobeChain::split_of(int size) const {
+  return split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows(), size);
+}
+
 void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
-  const NarrowSplit split =
-      split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
-  Rings rings;
-  FarParts far;
-  if (source_.cubemap()) {
-    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(split), {control.stop, {}});
-  } else {
-    const double sharpest = sharpest_far_lobe(split);
-    const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
-    rings = rings_of(source_, texels, rows_of(plan_, source_), {control.stop, {}});
-    far.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
-    far.bright_texels = static_cast<int>(texels.size());
+  NarrowSource narrow;
+  const NarrowSplit split = split_of(plan_.narrow_size);
+  double reach = 0.0;
+  for (const MipPlan& mip : plan_.mips) {
+    if (mip.method == MipMethod::narrow) reach = std::max(reach, split_of(mip.size).reach);
   }
-  memory_.take(rings.bytes() + far.bright.bytes());
-  const transforms::Spectrum spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.1));
-  far.spectrum = energies_of(spectrum);
-  note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
-  memory_.take(spectrum.bytes());
+  const double sharpest = split.sharpest_lobe();
+  const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
+  narrow.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
+  narrow.bright_texels = static_cast<int>(texels.size());
+  narrow.contrast = contrast_of(source_);
+  const int rows = source_.cubemap() ? split.rows_for_cubemap() : 0;
+  Rings rings = rings_of(source_, texels, rows, {control.stop, {}});
+  narrow.rings = rings.view.height;
+  memory_.take(rings.bytes() + narrow.bright.bytes());
+  narrow.spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.2));
+  narrow.energies = energies_of(narrow.spectrum);
+  memory_.take(narrow.spectrum.bytes());
   memory_.give_back(rings.bytes());
   rings = {};
+  note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
 
-  const Stopwatch synthesis;
-  far.largest = split.largest_far;
-  far.alphas = far_alphas(split, plan_.narrow_alphas);
-  far.contrast = contrast_of(source_);
-  const transforms::GridSize size = grid_of_far_part(source_.cubemap(), split);
-  for (std::size_t k = 0; k < far.alphas.size(); ++k) {
-    const double from = 0.1 + 0.2 * static_cast<double>(k) / static_cast<double>(far.alphas.size());
-    far.grids.emplace_back(size.rings, size.columns, image::GridContent::spline_coefficients);
-    memory_.take(far.grids.back().bytes());
-    const std::vector<double> zonal = far_part(source_.cubemap(), split, far.alphas[k], split.bands);
-    far.energies.push_back(zonal.front());
-    transforms::synthesise(spectrum, zonal, far.grids.back(),
-                           jobs::part_of(control, from, from + 0.2 / static_cast<double>(far.alphas.size())));
-  }
-  memory_.give_back(spectrum.bytes());
-  note("narrow: far part", std::to_string(far.grids.size()) + " x " + std::to_string(size.rings) + " rings",
-       synthesis.milliseconds());
+  const Stopwatch copying;
+  const TexelParts parts =
+      parts_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
+  narrow.images = std::make_unique<TexelImages>(source_, parts, reach, Control{control.stop, {}});
+  memory_.take(narrow.images->bytes());
+  note("narrow: images", std::to_string(narrow.images->columns()) + " columns", copying.milliseconds());
 
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
     if (mip.method != MipMethod::narrow) continue;
     graph.add(static_cast<double>(mip.size) * mip.size,
-              [this, level, &split, &far](const Control& part) { narrow_mip(level, split, far, part); });
+              [this, level, &narrow](const Control& part) { narrow_mip(level, narrow, part); });
   }
-  graph.run(jobs::part_of(control, 0.3, 1.0));
-  for (const image::SphereGrid& grid : far.grids) memory_.give_back(grid.bytes());
-  memory_.give_back(far.bright.bytes());
+  graph.run(jobs::part_of(control, 0.2, 1.0));
+  memory_.give_back(narrow.spectrum.bytes() + narrow.images->bytes() + narrow.bright.bytes());
 }
 
-void LobeChain::narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control) {
+void LobeChain::narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
+  const NarrowSplit split = split_of(mip.size);
   const Target target = this->target(level);
   const Faces faces = target.faces();
-  const std::vector<double> zonal = far_part(source_.cubemap(), split, mip.alpha, split.bands);
-  const double far_energy = zonal.front();
-  far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
-  const double field = rms_of_level(target.chain, target.level);
-  far.bright.add({*mip.lobe, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
-  note(target.name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
+  const std::vector<double> far = far_part(split, mip.alpha);
+  const std::vector<double> zonal = tapered(far, split.bands);
+  blur(target, zonal, split.grid(), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.2));
+  narrow.bright.add({*mip.lobe, split.end(mip.alpha)}, mip.size, faces, jobs::part_of(control, 0.2, 0.3));
   const Stopwatch near;
-  add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
-  if (source_.cubemap() && !source_.has_negatives()) make_not_negative(mip.size, faces);
-  note_darkness(target, field, control);
-  note(target.name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
+  add_near_part({*narrow.images, split, 1.0 - far.front(), mip.size, faces}, mip.alpha,
+                jobs::part_of(control, 0.3, 1.0));
+  if (!source_.has_negatives()) make_not_negative(mip.size, faces);
+  note_darkness(target, blurred_rms(narrow.energies, zonal), control);
+  note(target.name + ": near part", std::to_string(split.bands) + " bands beside it", near.milliseconds());
   record(level).bands = split.bands;
-  record(level).bright_texels = far.bright_texels;
+  record(level).bright_texels = narrow.bright_texels;
   const double rms = rms_of_level(target.chain, target.level, mip.size);
-  record(level).error_estimate =
-      narrow_error(source_, {mip.size, mip.alpha, rms, blurred_rms(far.spectrum, zonal)}, far.contrast);
-  end_mip(target, mip, watch, control);
+  record(level).error_estimate = narrow_error(
+      source_,
+      {mip.size, mip.alpha, rms, blurred_rms(narrow.energies, zonal), lost_of_far(far, zonal, narrow.energies)},
+      narrow.contrast);
+  keep_or_integrate(target, mip, watch, control);
 }
 
 void LobeChain::copy_mip(std::size_t level, const Control& control) {

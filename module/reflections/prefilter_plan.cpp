@@ -199,7 +199,7 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
       mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
       take_in(mip, std::max(mip.bands.bands(), bands_for_dark(plan.bounds)), plan);
     }
-    if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
+    if (mip.method == MipMethod::narrow) plan.narrow_size = std::max(plan.narrow_size, mip.size);
     plan.mips.push_back(std::move(mip));
   }
 }

@@ -63,8 +63,8 @@ struct PrefilterPlan {
 
   int face_size = 0;  ///< texels along an edge of the faces that a cubemap is reduced to first; 0: its own
 
-  /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
-  std::vector<double> narrow_alphas;
+  /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
+  int narrow_size = 0;
 
   /// The plan without so many mips at either end. The others keep their bits: all that they depend on stays that of the
   /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
