@@ -183,7 +183,7 @@ std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralO
   if (map.size != options.size || levels != static_cast<std::size_t>(options.levels)) return std::nullopt;
   for (int level = 0; level < options.levels; ++level) {
     loader.floats(map.levels.emplace_back());
-    const std::size_t edge = static_cast<std::size_t>(map.level_size(level));
+    const auto edge = static_cast<std::size_t>(map.level_size(level));
     if (map.levels.back().size() != 3 * edge * edge) return std::nullopt;
   }
   return if_complete(loader, std::move(map));

@@ -146,7 +146,8 @@ WELKIN_INLINE Lanes mean_looked_up(const LobeBlock& texels, const Directions& te
   Lanes sum(0.0F);
   for (int look = 0; look < kPlaces * kPlaces; ++look) {
     const float s = (2.0F * static_cast<float>(look % kPlaces) + 1.0F) / kPlaces - 1.0F;
-    const float t = (2.0F * static_cast<float>(look / kPlaces) + 1.0F) / kPlaces - 1.0F;
+    const int down = look / kPlaces;
+    const float t = (2.0F * static_cast<float>(down) + 1.0F) / kPlaces - 1.0F;
     const LobeLight at{light.light.x + s * light.along[0] + t * light.down[0],
                        light.light.y + s * light.along[1] + t * light.down[1],
                        light.light.z + s * light.along[2] + t * light.down[2],

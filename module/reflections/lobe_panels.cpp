@@ -243,9 +243,7 @@ Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
   make_table();
 }
 
-double Lobe::width_alpha() const noexcept {
-  return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0);
-}
+double Lobe::width_alpha() const noexcept { return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0); }
 
 double Lobe::light_alpha() const noexcept {
   if (alpha_ > 0.0) return alpha_;

@@ -387,17 +387,16 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
 void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch,
                                   const Control& control) {
   const double estimate = *target.record.error_estimate;
-  if (mip.lobe->last_band() > 0 || estimate <= target.bounds.rms) {
-    end_mip(target, mip, watch, control);
-  } else if (may_integrate(target, mip)) {
-    integrate_mip(target, mip, {control.stop, {}});
-    target.record.bands = 0;
-    target.record.bright_texels = 0;
-  } else if (mip.alpha > 0.0) {
-    refuse_rms_error(estimate, target.bounds.rms, target.name);
-  } else {
-    end_mip(target, mip, watch, control);
+  if (mip.lobe->last_band() == 0 && estimate > target.bounds.rms) {
+    if (may_integrate(target, mip)) {
+      integrate_mip(target, mip, {control.stop, {}});
+      target.record.bands = 0;
+      target.record.bright_texels = 0;
+      return;
+    }
+    if (mip.alpha > 0.0) refuse_rms_error(estimate, target.bounds.rms, target.name);
   }
+  end_mip(target, mip, watch, control);
 }
 
 /// Returns whether the integral itself, texel by texel, keeps the bound within about a second.

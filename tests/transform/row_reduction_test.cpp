@@ -232,8 +232,7 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
           }
         }
         std::vector<const float*> pointers;
-        for (int row = 0; row <= edges; ++row)
-          pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
+        for (int row = 0; row <= edges; ++row) pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
         transforms::reduction_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats},
                                                        places.data());
         double error = 0.0;
