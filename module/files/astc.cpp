@@ -13,6 +13,7 @@
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
+#include "platform/standard_library.h"
 
 namespace welkin::files {
 namespace {
@@ -297,7 +298,7 @@ class Balancer {
       }
       Picture changed(area.width, area.height);
       const auto values = std::size_t{4} * static_cast<std::size_t>(area.width * area.height);
-      std::ranges::copy(scaled({given.values(), values}, scale), changed.values());
+      platform::ranges::copy(scaled({given.values(), values}, scale), changed.values());
       std::array<std::uint8_t, kBlockBytes> bytes{};
       encode(changed, 1, context_, bytes.data());
       error = error_of(area, given, bytes.data());

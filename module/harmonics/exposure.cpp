@@ -9,6 +9,7 @@
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 
 namespace welkin {
 namespace {
@@ -76,7 +77,7 @@ double mean_luminance(const std::vector<Sample>& samples, double most) {
 
 double exposure_of(std::vector<Sample> samples) {
   // Stable: sums over equal luminances must not depend on whose sort it is.
-  std::ranges::stable_sort(samples, {}, &Sample::luminance);
+  platform::ranges::stable_sort(samples, [](const Sample& a, const Sample& b) { return a.luminance < b.luminance; });
   const double most = percentile(samples, kUnclipped, 0.0);
   // A lamp of less than a hundredth of the sphere before black: only itself can be shown.
   const double mean = mean_luminance(samples, most > 0.0 ? most : samples.back().luminance);

@@ -23,8 +23,8 @@ double largest_median(const std::string& kind) {
   if (kind == "projection, midpoint rule, cubemap") return 8.0;
   // Safe beside the lights of small cubemaps, whose mips meet a lamp's peak or miss it.
   if (kind == "prefilter, spectral, cubemap") return 5.5;
-  // Safe beside the poles, where few texels lie.
-  if (kind == "prefilter, narrow, lat-long") return 9.0;
+  // Safe beside the poles, where few texels lie, and beside lone lamps.
+  if (kind == "prefilter, narrow, lat-long" || kind == "prefilter, narrow, cubemap") return 9.0;
   return 5.0;
 }
 
