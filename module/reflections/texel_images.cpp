@@ -93,6 +93,7 @@ TexelImages::TexelImages(const projection::SanitizedSource& source, const TexelP
       [&](std::size_t tile, std::size_t /*worker*/) { fill(source, parts, places[tile].patch, places[tile].row); });
 }
 
+// NOLINTNEXTLINE(readability-make-member-function-const): the texels that it writes are this object's
 void TexelImages::fill(const projection::SanitizedSource& source, const TexelParts& parts, int patch, int row) {
   const ColumnRange range = this->row(patch, row).columns;
   for (int index = 0; index < kImages; ++index) {
