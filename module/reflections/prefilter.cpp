@@ -382,8 +382,8 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   keep_or_integrate(target, mip, watch, control);
 }
 
-/// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws. Lobes other than GGX are kept
-/// with the estimate that they have: theirs is from above, and too far to refuse a picture by.
+/// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws. Mips of lobes other than GGX
+/// that would take longer than that are kept: their estimates exceed the bound on noise that is within it.
 void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch,
                                   const Control& control) {
   const double estimate = *target.record.error_estimate;
