@@ -122,7 +122,8 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
   const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
   const int rings = source.cubemap ? finest.rows_for_cubemap() : source.rows;
   std::uint64_t bytes = columns_bytes(finest.bands, rings) + squared(finest.bands) * transforms::kHarmonicFloats * 4;
-  if (source.cubemap) bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, rings);
+  if (source.cubemap)
+    bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, source.columns, rings);
   const double sharpest = finest.sharpest_lobe();
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
@@ -146,11 +147,10 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
-  const int face = plan.face_size > 0 ? plan.face_size : source.columns;
   std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
                         squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
-  if (source.cubemap) bytes += reflections::cube_rings_bytes(face, rings);
-  if (source.cubemap && face < source.columns) bytes += kTexelBytes * 6 * squared(face);
+  if (source.cubemap)
+    bytes += reflections::cube_rings_bytes(source.columns, plan.face_for_cubemap(source.columns), rings);
   bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
                                                jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
@@ -372,8 +372,7 @@ class BakePlanner {
                               plan_.background_size == source_.columns &&
                               stored_.background_levels >= plan_.background_levels;
     if (convolves_by_harmonics() && !plan_.irradiance_plan) {
-      plan_.irradiance_plan =
-          reflections::plan_irradiance(picture_of(source_), options_.irradiance->size, options_.irradiance->rms_error);
+      plan_.irradiance_plan = reflections::plan_irradiance(options_.irradiance->size, options_.irradiance->rms_error);
     }
   }
 

@@ -74,7 +74,9 @@ double spectral_error(const PrefilterPlan& plan, const MipPlan& mip, const Sanit
   const double own = kSafety * budget::spectral_mip_error(mip, energies, lights);
   if (!source.cubemap()) return own;
   // the energies are those of finer rings than the plan's
-  const reflections::SpectralSource on_rings{energies.rest, source.columns(), plan.rows_for_cubemap()};
+  const int face = plan.face_for_cubemap(source.columns());
+  const reflections::SpectralSource on_rings{energies.rest, source.columns(), plan.rows_for_cubemap(), false,
+                                             face < source.columns() ? 2.0 / face : 0.0};
   const double rms = budget::blurred_rms(mip.alpha, energies.whole);
   return std::max(own, reflections::spectral_rms_error(mip, on_rings, lights.error(*mip.lobe, rms), rms));
 }

@@ -34,10 +34,15 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(3);  // the version of its bits
+    // All of them decide which are summed near by.
+    writer.put(4);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
-    writer.put(plan.least_alpha);
+    writer.put(plan.may_integrate);
+    for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
+      writer.put(plan.spectral_lobes[k]->alpha());
+      writer.put(plan.spectral_sizes[k]);
+    }
   }
   if (mip.method == MipMethod::narrow) {
     writer.put(3);  // the version of its bits

@@ -32,6 +32,11 @@ constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square err
 constexpr double kLeastRingsOfAlpha = 3.4;
 constexpr double kLeastRings = 128.0;
 
+// What faces lose that are halved to texels of h = 2 / size falls like h^4 too.
+constexpr double kHalvedTexel = 0.6;          // times alpha, at a root mean square error of 1e-3
+constexpr double kHalvedPower = 1.0 / 3.0;    // of the bound
+constexpr double kTexelsOfBands = 2.0 / 3.0;  // at least
+
 double fourth_root(double x) noexcept { return std::sqrt(std::sqrt(x)); }
 
 }  // namespace
@@ -69,6 +74,12 @@ double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
   const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),
                                     kRingsOfRms * fourth_root(1e-3 / bounds.rms), kLeastRingsOfAlpha});
   return std::max(kLeastRings, of_alpha / alpha);
+}
+
+double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
+  const double looser = math::logarithm(std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
+  const double texel = kHalvedTexel * alpha * math::exponential(kHalvedPower * looser);
+  return std::max(2.0 / texel, kTexelsOfBands * bands);
 }
 
 double taper(int l, int bands) noexcept {

@@ -38,6 +38,10 @@ inline constexpr int kMostTightenings = 2;
 /// Returns the fewest rings of latitude that a cubemap is read on where `alpha` is that of the narrowest lobe.
 [[nodiscard]] double rings_within(double alpha, const ErrorBounds& bounds) noexcept;
 
+/// Returns the fewest texels along an edge of a cubemap's faces to which they are halved first (`halved_faces`) where
+/// `alpha` is that of the narrowest lobe and lobes with kinks take `bands`.
+[[nodiscard]] double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept;
+
 /// What one mip's synthesis multiplies bands by.
 struct BandChoice {
   std::vector<double> zonal;  ///< one factor per band: the lobe's spectrum, tapered to nothing at the end

@@ -33,7 +33,7 @@ constexpr double kPart = 0.25;
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;
-constexpr double kMostLookedAt = 16384.0;  ///< texels
+constexpr double kMostLookedAt = 4096.0;  ///< texels
 
 /// A cell is as wide as the lobe: a quarter at least of any light narrower than that lies in one.
 constexpr double kOfCell = 0.25;

@@ -23,11 +23,6 @@ constexpr double kLeastByHarmonics = 1e-5;  ///< below, float sums leave too lit
 constexpr double kLargestOverRms = 10.0;    ///< largest error of a texel over the rms error, of bounds
 constexpr double kIntegralError = 2e-7;     ///< of a sum in double that is rounded to floats
 
-/// A cubemap's harmonics are found from faces no smaller than this, at the default bound: the mean over 2 x 2 texels
-/// moves light by half a texel at most.
-constexpr int kLeastFace = 64;
-constexpr int kBandsOfLeastFace = 96;
-
 void add_irradiance(PrefilterPlan& plan, int size, const ErrorBounds& bounds) {
   MipPlan& mip = plan.irradiance.emplace();
   mip.size = size;
@@ -49,7 +44,7 @@ void check_irradiance_error(double rms_error) {
               "irradiance.rms_error is " + platform::number_text(rms_error) + "; it must be from 1e-6 to 1");
 }
 
-PrefilterPlan plan_irradiance(const PictureShape& source, int size, double rms_error) {
+PrefilterPlan plan_irradiance(int size, double rms_error) {
   PrefilterPlan plan;
   plan.bounds = bounds_of(rms_error);
   add_irradiance(plan, size, plan.bounds);
@@ -58,9 +53,6 @@ PrefilterPlan plan_irradiance(const PictureShape& source, int size, double rms_e
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.light_alpha = kLightAlpha;
   plan.may_integrate = true;
-  plan.face_size = source.cubemap ? source.columns : 0;
-  const int least = kLeastFace * plan.bands / kBandsOfLeastFace;
-  while (plan.face_size % 4 == 0 && plan.face_size / 2 >= least) plan.face_size /= 2;
   return plan;
 }
 

@@ -10,7 +10,7 @@ namespace welkin::reflections {
 
 /// Returns how irradiance alone is made within `rms_error` rms and ten times that at any texel: a chain without mips.
 /// Without bands the bound is so narrow that the integral itself is taken.
-[[nodiscard]] PrefilterPlan plan_irradiance(const PictureShape& source, int size, double rms_error);
+[[nodiscard]] PrefilterPlan plan_irradiance(int size, double rms_error);
 
 /// Makes irradiance one more synthesis of a chain's harmonics if they keep the bound. That follows from sizes and
 /// bounds alone, before mips are left out of the chain. Returns whether it does.

@@ -1,6 +1,7 @@
 #include "reflections/prefilter.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -161,7 +162,7 @@ class LobeChain {
  public:
   LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : source_(source), plan_(plan), spectral_(plan) {
+      : source_(source), plan_(plan), spectral_(source.cubemap() ? plan.with_near_sums(source.columns()) : plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     if (plan_.irradiance) irradiance_ = CubemapChain(plan_.irradiance->size, 1);
@@ -198,7 +199,10 @@ class LobeChain {
 
   [[nodiscard]] SpectralSource source_on(int rows) const {
     const int texels = source_.cubemap() ? 2 * source_.columns() : rows;  // along a meridian
-    return {energies_, source_.cubemap() ? source_.columns() : 0, rows, texels > 2 * spectral_.bands};
+    const int face = spectral_.face_for_cubemap(source_.columns());
+    const bool halved = source_.cubemap() && face < source_.columns();
+    return {energies_, source_.cubemap() ? source_.columns() : 0, rows, texels > 2 * spectral_.bands,
+            halved ? 2.0 / face : 0.0};
   }
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
@@ -210,12 +214,14 @@ class LobeChain {
   [[nodiscard]] int analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
                                   const Control& control);
   [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
-  void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
+  [[nodiscard]] bool run_rings(const std::vector<BrightTexel>& texels, const Control& control);
   void blur(const Target& target, std::span<const double> zonal, const transforms::GridSize& grid_size,
             bool not_negative, const transforms::Spectrum& spectrum, const Control& control);
   void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control) {
-    blur(target, mip.bands.zonal, mip.grid(), !source_.has_negatives() && !mip.lobe->negative(), spectrum, control);
+    const bool negative = source_.has_negatives() || mip.lobe->negative() || mip.near.face > 0;
+    blur(target, mip.bands.zonal, mip.grid(), !negative, spectrum, control);
   }
+  void add_near_sums(const Target& target, const MipPlan& mip, const Control& control);
   [[nodiscard]] bool shows_dark(const Target& target, const MipPlan& mip, const Control& control) const;
   void spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
                     const transforms::Spectrum& spectrum, int rows, const Control& control);
@@ -238,7 +244,9 @@ class LobeChain {
   MipRecord irradiance_record_;
   BrightLights bright_;
   std::size_t extracted_ = 0;
-  std::vector<double> energies_;  ///< of the harmonics, degree by degree
+  std::vector<double> energies_;          ///< of the harmonics, degree by degree
+  std::atomic<bool> near_fails_ = false;  ///< whether a mip's near sums do not keep the bounds
+  PackedFaces faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
   Memory memory_;
@@ -266,12 +274,16 @@ void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatc
 void LobeChain::run_spectral(const Control& control) {
   const Stopwatch watch;
   const std::size_t most = plan_.lights == LightsOf::ggx ? kMostBright : kMostBrightFar;
-  const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, most, {control.stop, {}});
+  const std::vector<BrightTexel> texels = find_bright_texels(source_, spectral_.light_alpha, most, {control.stop, {}});
   bright_ = BrightLights(texels, PictureShape::of(source_), plan_.least_alpha, plan_.reach, plan_.lights);
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
-  run_rings(texels, control);
+  if (run_rings(texels, control)) return;
+  memory_.give_back(bright_.bytes());
+  near_fails_ = false;
+  spectral_ = plan_;  // by harmonics alone
+  run_spectral(control);
 }
 
 /// Returns the number of rings.
@@ -279,10 +291,18 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
                              const Control& control) {
   const Stopwatch watch;
   const int wanted = rows_of(spectral_, source_);
-  const std::size_t bringing =
-      source_.cubemap() ? cube_rings_bytes(plan_.face_size > 0 ? plan_.face_size : source_.columns(), wanted) : 0;
+  const int face = spectral_.face_for_cubemap(source_.columns());
+  const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), face, wanted) : 0;
   memory_.take(bringing);
-  const Rings rings = rings_of(source_, texels, wanted, {control.stop, {}}, plan_.face_size);
+  if (source_.cubemap()) {
+    int finest = face;
+    for (const MipPlan& mip : spectral_.near_mips) finest = std::max(finest, mip.near.face);
+    faces_ = faces_without(texels, source_, finest, control);
+  }
+  const Rings rings = source_.cubemap()
+                          ? rings_of_cubemap(halved(faces_, face, control).view(), wanted, {control.stop, {}})
+                          : rings_of(source_, texels, wanted, {control.stop, {}});
+  if (spectral_.near_mips.empty()) faces_ = {};
   memory_.give_back(bringing);
   memory_.take(rings.bytes());
   note("rings", std::to_string(rings.view.height) + " of them", watch.milliseconds());
@@ -302,18 +322,25 @@ bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
     spectral_.bands = std::min(transforms::kMaximumSpectrumBands, spectral_.bands + spectral_.bands / 2);
     return false;
   }
-  if (spectral_.tightenings == kMostTightenings) return true;
+  if (spectral_.tightenings == kMostTightenings || !spectral_.near_mips.empty()) return true;
   if (keeps_rms_error(spectral_, source_on(rows), texels)) return true;
   spectral_ = spectral_.tightened(1);
   return false;
 }
 
-void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
+/// Returns false, with nothing made, if near sums do not keep the bounds.
+bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
   transforms::Spectrum spectrum;
   int rows = 0;
   for (Control part = jobs::part_of(control, 0.0, 0.4);; part.progress = {}) {
     rows = analyse_rings(texels, spectrum, part);
     energies_ = energies_of(spectrum);
+    for (const MipPlan& mip : spectral_.near_mips) {
+      if (keeps_rms_error(mip, plan_.bounds.rms, source_on(rows), texels)) continue;
+      memory_.give_back(spectrum.bytes());
+      note("energies", "more than near sums allow", 0.0);
+      return false;
+    }
     if (settle_bands(texels, rows)) break;
     memory_.give_back(spectrum.bytes());
     note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
@@ -333,6 +360,24 @@ void LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
     add({irradiance_, 0, irradiance_record_, "irradiance", plan_.irradiance_bounds, 0}, *plan_.irradiance);
   graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
+  return !near_fails_;
+}
+
+/// Adds the near part of its lobe to a mip's faces.
+void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
+  const Stopwatch watch;
+  const auto sums = NearSums::get(mip.near);
+  const std::size_t face_floats =
+      std::size_t{3} * static_cast<std::size_t>(mip.size) * static_cast<std::size_t>(mip.size);
+  platform::AlignedBuffer<float> near(6 * face_floats);
+  sums->write(halved(faces_, mip.near.face, control).rgb, near.data(), control);
+  const float least = source_.has_negatives() ? -std::numeric_limits<float>::max() : 0.0F;
+  const float* from = near.data();
+  for (float* const face : target.faces()) {
+    for (std::size_t k = 0; k < face_floats; ++k) face[k] = std::max(face[k] + from[k], least);
+    from += face_floats;
+  }
+  note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
 }
 
 /// Writes a mip's faces without the extracted light.
@@ -360,11 +405,14 @@ bool LobeChain::shows_dark(const Target& target, const MipPlan& mip, const Contr
 void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
                              const transforms::Spectrum& spectrum, int rows, const Control& control) {
   const Stopwatch watch;
-  for (int k = target.tightenings + 1; mip.alpha > 0.0 && k <= kMostTightenings; ++k) {
+  const bool near = mip.near.face > 0;
+  if (near) mip = with_far_part(std::move(mip));
+  for (int k = target.tightenings + 1; mip.alpha > 0.0 && !near && k <= kMostTightenings; ++k) {
     if (keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)) break;
     mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), spectrum.bands());
   }
   blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
+  if (near) add_near_sums(target, mip, {control.stop, {}});
   const ErrorBounds tight = target.bounds.tightened(target.tightenings);
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {
@@ -387,6 +435,10 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
 void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch,
                                   const Control& control) {
   const double estimate = *target.record.error_estimate;
+  if (mip.near.face > 0 && estimate > target.bounds.rms) {
+    near_fails_ = true;
+    return;
+  }
   if (mip.lobe->last_band() == 0 && estimate > target.bounds.rms) {
     if (may_integrate(target, mip)) {
       integrate_mip(target, mip, {control.stop, {}});
@@ -533,7 +585,10 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 }
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
-  if (plan.bands > 0) RingTable::get({face_size, plan.rows_for_cubemap()}, {control.stop});
+  if (plan.bands == 0) return;
+  const PrefilterPlan own = plan.with_near_sums(face_size);
+  for (const MipPlan& mip : own.near_mips) static_cast<void>(NearSums::get(mip.near));
+  RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,

@@ -33,6 +33,9 @@ constexpr double kRingSafety = 2.8;     ///< the same of cubemaps, whose edges r
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
 constexpr double kSpreadOrder = 0.012;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
+constexpr double kHalvedOrder = 0.0085;     ///< of (l h)^4, what faces lose that are halved to texels of h
+constexpr double kHalvedScattered = 0.03;   ///< of h, by which those scatter fine degrees
+constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
@@ -42,8 +45,7 @@ constexpr double kCoarse = 3.0;             ///< more of that where a lobe is na
 struct Rings {
   /// Share of degree l that is lost.
   [[nodiscard]] double lost(int l) const {
-    const double phase = l * height;
-    return kSpreadOrder * phase * phase * phase * phase;
+    return std::min(1.0, kSpreadOrder * fourth_power(l * height) + kHalvedOrder * fourth_power(l * halved));
   }
   [[nodiscard]] double scattered(int l) const { return kSpreadScattered * l * height * height; }
 
@@ -54,7 +56,10 @@ struct Rings {
     return kTableRounding * (1.0 + kCoarse / (rings * rings * rings * rings * rings));
   }
 
+  [[nodiscard]] static double fourth_power(double x) { return x * x * x * x; }
+
   double height;
+  double halved;  ///< texels of the faces that it was read from, where those were halved first; 0: they were not
 };
 
 }  // namespace
@@ -82,15 +87,50 @@ int known_degrees(const MipPlan& mip, int bands) {
   return mip.lobe->last_band() > 0 ? mip.lobe->last_band() : own + own / 2;
 }
 
+}  // namespace
+
+MipPlan with_far_part(MipPlan mip) {
+  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  for (int l = 0; l < mip.near.bands; ++l)
+    mip.bands.zonal[static_cast<std::size_t>(l)] = far[static_cast<std::size_t>(l)] * taper(l, mip.near.bands);
+  return mip;
+}
+
+namespace {
+
+/// Returns the energy of a degree beyond those that are known.
+double tail_of(std::span<const double> energies) {
+  const std::size_t quarter = std::max<std::size_t>(1, energies.size() / 4);
+  double tail = 0.0;
+  for (const double energy : energies.last(std::min(quarter, energies.size()))) tail += energy;
+  return tail / static_cast<double>(quarter);
+}
+
+/// The same of near sums, over faces that were halved: of the near part of each degree's lobe.
+double near_square(const MipPlan& mip, const SpectralSource& source) {
+  if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
+  const auto degrees = static_cast<int>(4.0 / mip.alpha);
+  const std::vector<double> lobe = mip.lobe->spectrum(degrees);
+  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const double tail = tail_of(source.energies);
+  double sum = 0.0;
+  for (std::size_t l = 0; l < lobe.size(); ++l) {
+    const double near = lobe[l] - (l < far.size() ? far[l] : 0.0);
+    const double lost =
+        near * std::min(1.0, kHalvedOrder * Rings::fourth_power(2.0 / mip.near.face * static_cast<double>(l)));
+    sum += (l < source.energies.size() ? source.energies[l] : tail) * lost * lost;
+  }
+  return sum;
+}
+
 /// Square of the error by what the spectrum knows, times 4 pi.
 double spectral_square(const MipPlan& mip, std::span<const double> energies, const std::optional<Rings>& source) {
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
-  const std::vector<double> lobe = mip.lobe->spectrum(known_degrees(mip, known));
+  const std::vector<double> lobe =
+      mip.near.face > 0 ? NearSums::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
   const int rings = mip.grid().rings;
-  double tail = 0.0;
-  for (int l = known - known / 4; l < known; ++l)
-    tail += energies[static_cast<std::size_t>(l)] / std::max(1, known / 4);
+  const double tail = tail_of(energies);
   double sum = 0.0;
   double finer = 0.0;
   for (int l = static_cast<int>(lobe.size()); l < known; ++l) finer += energies[static_cast<std::size_t>(l)];
@@ -104,7 +144,9 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
     sum += energy * (truncated * truncated + interpolated * interpolated + lost * lost);
     if (source) {
       const double scattered = zonal * source->scattered(l);
-      sum += scattered * scattered * (2.0 * l + 1.0) * finer;
+      const double of_texels = zonal * kHalvedScattered * source->halved;
+      const double by_halving = of_texels * of_texels * tail / (2.0 * known);
+      sum += (2.0 * l + 1.0) * (scattered * scattered * finer + by_halving);
     }
     if (l < known) finer += energy;
   }
@@ -115,10 +157,12 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
 
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
-  const std::optional<Rings> rings = source.face_size > 0 ? std::optional(Rings{kPi / source.rings}) : std::nullopt;
-  const double square = spectral_square(mip, source.energies, rings) / (4.0 * kPi) + of_lights * of_lights;
-  double rounding = kRounding + (source.finer ? kFiner : 0.0);
-  if (rings) rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.lobe->alpha()) : kTableRounding;
+  const std::optional<Rings> rings =
+      source.face_size > 0 ? std::optional(Rings{kPi / source.rings, source.halved}) : std::nullopt;
+  const double square =
+      (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
+  double rounding = kRounding + (source.finer ? kFiner : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  if (rings) rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.ring_alpha()) : kTableRounding;
   return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
@@ -197,9 +241,11 @@ double least_square(const std::vector<BrightTexel>& texels, std::span<const doub
 
 bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
                      const std::vector<BrightTexel>& lights) {
-  const double rest = blurred_rms(source.energies, mip.bands.zonal);
-  const double rms = std::sqrt(rest * rest + least_square(lights, mip.bands.zonal));
-  return spectral_rms_error(mip, source, 0.0, rms) <= kOfBound * rms_error;
+  const MipPlan own = mip.near.face > 0 ? with_far_part(mip) : mip;
+  const std::vector<double> whole = mip.near.face > 0 ? mip.lobe->spectrum(mip.near.bands) : mip.bands.zonal;
+  const double rest = blurred_rms(source.energies, whole);
+  const double rms = std::sqrt(rest * rest + least_square(lights, whole));
+  return spectral_rms_error(own, source, 0.0, rms) <= kOfBound * rms_error;
 }
 
 bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {

@@ -21,6 +21,7 @@ struct SpectralSource {
   int face_size = 0;                 ///< of a cubemap; 0: the picture is a lat-long
   int rings = 0;                     ///< that it was read on
   bool finer = false;                ///< whether its texels are finer than the transform's bands
+  double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
 };
 
 /// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
@@ -35,6 +36,9 @@ struct SpectralSource {
 /// energies. Returns false if some lobe of the whole chain needs more. Throws `Error` (limit_exceeded) if there are no
 /// more.
 [[nodiscard]] bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source);
+
+/// Returns a mip that has near sums with the factors of its far part, tapered at the end.
+[[nodiscard]] MipPlan with_far_part(MipPlan mip);
 
 /// Returns whether the bands of a spectral mip keep `rms_error`. `lights` were extracted: they are part of its root
 /// mean square.

@@ -7,9 +7,11 @@
 #include <string>
 
 #include "image/pixels.h"
+#include "math/elementary.h"
 #include "platform/standard_library.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
+#include "reflections/halved_faces.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "welkin/core.h"
@@ -125,10 +127,84 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
   return platform::ranges::find(mips, method, &MipPlan::method) != mips.end();
 }
 
+namespace {
+
+int halved_to(int face, double least) noexcept {
+  while (can_be_halved(face) && face / 2 >= least) face /= 2;
+  return face;
+}
+
+/// Returns alpha of the GGX lobe that takes so many bands at the default bounds.
+double alpha_of_bands(int bands) noexcept {
+  return std::clamp(reach_within({}) / (2.0 * std::max(1, bands)), kLeastAlpha, 1.0);
+}
+
+}  // namespace
+
+int PrefilterPlan::face_for_cubemap(int face) const noexcept {
+  const bool ggx = lights == LightsOf::ggx;
+  const double least = ggx ? face_texels_within(ring_alpha, bands_for_dark(tight()), tight())
+                           : face_texels_within(alpha_of_bands(bands), bands, {});
+  return halved_to(face, least);
+}
+
 int PrefilterPlan::rows_for_cubemap() const noexcept {
-  const double alpha_of_bands = std::clamp(reach_within({}) / (2.0 * std::max(1, bands)), kLeastAlpha, 1.0);
-  const double wanted = lights == LightsOf::ggx ? rings_within(least_alpha, tight()) : rings_within(alpha_of_bands, {});
+  const double wanted =
+      lights == LightsOf::ggx ? rings_within(ring_alpha, tight()) : rings_within(alpha_of_bands(bands), {});
   return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
+}
+
+namespace {
+
+/// Returns the bands of a far part times its reach. Its spectrum falls by a factor of 6 for each unit.
+double bands_of_reach(double bound) noexcept {
+  constexpr double kAtPercent = 6.6;
+  constexpr double kOfLogarithm = 0.6;
+  return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound));
+}
+
+}  // namespace
+
+PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
+  constexpr double kLeastBound = 9e-4;  // weights err by less
+  constexpr double kWorth = 0.9;        // of the harmonics' time alone
+  const double bound = std::min(bounds.rms, 0.1 * bounds.maximum);
+  if (!may_integrate || lights != LightsOf::ggx || bands == 0 || bound < kLeastBound || face % 2 != 0) return *this;
+  PrefilterPlan plan = *this;
+  plan.bands = bands_for_dark(bounds);
+  plan.ring_alpha = plan.light_alpha = 1.0;
+  for (std::size_t k = 0; k < spectral_lobes.size(); ++k) {
+    MipPlan mip;
+    mip.lobe = spectral_lobes[k];
+    mip.alpha = mip.lobe->alpha();
+    mip.size = spectral_sizes[k];
+    mip.method = MipMethod::spectral;
+    const int own = bands_within(mip.alpha, bounds);
+    const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds));
+    mip.near = cheapest_split(halved, mip.size, mip.alpha, bands_of_reach(bound));
+    if (mip.size % 2 == 0 && mip.near.bands > 0 &&
+        milliseconds_of(mip.near) < kWorth * milliseconds_of_harmonics(own)) {
+      plan.bands = std::max(plan.bands, mip.near.bands);
+      plan.near_mips.push_back(std::move(mip));
+    } else {
+      plan.bands = std::max(plan.bands, own);
+      plan.ring_alpha = std::min(plan.ring_alpha, mip.alpha);
+    }
+  }
+  if (plan.near_mips.empty()) return *this;
+  for (MipPlan& mip : plan.near_mips) {
+    mip.near.bands = plan.bands;
+    mip.near.reach = std::min(mip.near.reach, bands_of_reach(bound) / plan.bands);
+    mip.bands.zonal.assign(static_cast<std::size_t>(plan.bands), 0.0);
+    plan.ring_alpha = std::min(plan.ring_alpha, mip.ring_alpha());
+    for (MipPlan& made : plan.mips) {
+      if (made.lobe != mip.lobe) continue;
+      made.near = mip.near;
+      made.bands = mip.bands;
+    }
+  }
+  plan.light_alpha = light_alpha;
+  return plan;
 }
 
 PrefilterPlan PrefilterPlan::tightened(int steps) const {
@@ -183,7 +259,9 @@ void take_in(const MipPlan& mip, int bands, PrefilterPlan& plan) {
   plan.light_alpha = std::min(plan.light_alpha, mip.lobe->light_alpha());
   plan.least_alpha = std::min(plan.least_alpha, mip.lobe->width_alpha());
   plan.bands = std::max(plan.bands, bands);
+  plan.ring_alpha = std::min(plan.ring_alpha, mip.lobe->width_alpha());
   plan.spectral_lobes.push_back(mip.lobe);
+  plan.spectral_sizes.push_back(mip.size);
 }
 
 /// Adds the mips of GGX lobes.

@@ -1,6 +1,7 @@
 // What each mip of a prefiltered cubemap is, and how it will be made: decided before any pixel is read.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "reflections/band_choice.h"
 #include "reflections/bright_lights.h"
 #include "reflections/lobe.h"
+#include "reflections/near_sums.h"
 #include "transform/spectrum.h"
 #include "welkin/reflections.h"
 #include "welkin/zonal_kernel.h"
@@ -22,7 +24,10 @@ struct MipPlan {
   std::shared_ptr<const Lobe> lobe;    ///< null: a copy
   MipMethod method = MipMethod::copy;  ///< never `stored`
   BandChoice bands;                    ///< spectral
+  NearSplit near;                      ///< spectral: with a face, harmonics make the far part of the lobe only
 
+  /// alpha of a GGX lobe as narrow as what harmonics make of this one: a far part's spectrum falls faster than that.
+  [[nodiscard]] double ring_alpha() const noexcept { return near.face > 0 ? std::max(alpha, 0.3 * near.reach) : alpha; }
   /// The rings of a spectral mip's synthesis.
   [[nodiscard]] transforms::GridSize grid() const noexcept;
 };
@@ -55,13 +60,16 @@ struct PrefilterPlan {
 
   /// Of the whole chain's spectral mips, as all of them decide how many bands this picture takes.
   std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
+  std::vector<int> spectral_sizes;  ///< of their mips
+
+  /// Of GGX lobes: alpha of the lobe as narrow as the finest that harmonics make, which decides a cubemap's rings.
+  double ring_alpha = 1.0;
+  std::vector<MipPlan> near_mips;  ///< of the whole chain's, those with near sums
 
   /// An irradiance cubemap over pi that is made of the same harmonics: a mip of roughness 1, which is the cosine. No
   /// mip's bits depend on it.
   std::optional<MipPlan> irradiance;
   ErrorBounds irradiance_bounds;
-
-  int face_size = 0;  ///< texels along an edge of the faces that a cubemap is reduced to first; 0: its own
 
   /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
   int narrow_size = 0;
@@ -77,12 +85,18 @@ struct PrefilterPlan {
   /// Returns a plan that no picture makes this one exceed, in bands, rings and so in memory.
   [[nodiscard]] PrefilterPlan largest() const;
 
+  /// Returns this plan for a cubemap of `face` texels along an edge, with near sums for lobes for which those and fewer
+  /// harmonics are cheaper.
+  [[nodiscard]] PrefilterPlan with_near_sums(int face) const;
+
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
   /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the
   /// bounds, or for lobes other than GGX the bands.
   [[nodiscard]] int rows_for_cubemap() const noexcept;
+  /// Returns the texels along an edge to which a cubemap's faces of `face` are halved before that.
+  [[nodiscard]] int face_for_cubemap(int face) const noexcept;
 };
 
 /// The reach of narrow mips, which look at bounds that are tighter than the default's only.

@@ -39,10 +39,55 @@ void sum_ring_taps(const RingRun& run, const RingPlacesInMemory& places) {
   }
 }
 
+// Plain loops, which the compiler vectorises: the order of operations is that of the source.
+void halve_row(const HalvedRow& row, float* rgb) {
+  constexpr int block = 32;  // texels of the result
+  constexpr int beyond = 2;  // of it that lie beyond either end
+  constexpr int margin = 3 * HalvedRow::kMargin;
+  const int floats = 3 * row.size;
+  float* const light = row.room + margin;
+  for (int k = 0; k < margin; ++k) row.room[k] = light[floats + k] = 0.0F;
+  for (int first = 0; first < floats; first += kWidth) {
+    Lanes sum(0.0F);
+    for (int k = 0; k < row.count; ++k) {
+      sum += Lanes(row.shares[k]) *
+             (Lanes::load_unaligned(row.rows[k] + first) * Lanes::load_unaligned(row.angles[k] + first));
+    }
+    sum.store_unaligned(light + first);
+  }
+  const int half = row.size / 2;
+  const int count = half + 2 * beyond;
+  float sums[6 * block];
+  for (int first = 0; first < count; first += block) {
+    const int texels = count - first < block ? count - first : block;
+    const float* const from = row.room + 6 * first;
+    for (int k = 0; k < 6 * texels; ++k) {
+      sums[k] = (from[k] + from[k + 21]) * kHalvedShares[0] + (from[k + 3] + from[k + 18]) * kHalvedShares[1] +
+                (from[k + 6] + from[k + 15]) * kHalvedShares[2] + (from[k + 9] + from[k + 12]) * kHalvedShares[3];
+    }
+    for (int i = 0; i < texels; ++i) {
+      for (int c = 0; c < 3; ++c) row.room[3 * (first + i) + c] = sums[6 * i + c];
+    }
+  }
+  float* const inside = row.room + 3 * beyond;
+  for (int end = 0; end < 2; ++end) {
+    const int step = end == 0 ? 3 : -3;
+    float* const at = inside + (end == 0 ? 0 : 3 * (half - 1));
+    for (int k = 0; k < kFolded; ++k) {
+      for (int c = 0; c < 3; ++c)
+        at[step * k + c] += at[c - step] * kFirstBeyond[k] + at[c - 2 * step] * kSecondBeyond[k];
+    }
+  }
+  for (int i = 0; i < half; ++i) {
+    for (int c = 0; c < 3; ++c) rgb[3 * i + c] = inside[3 * i + c] * row.scale[i];
+  }
+}
+
 }  // namespace
 
 const RingKernels ring_kernels_table = {
     .sum_ring_taps = sum_ring_taps,
+    .halve_row = halve_row,
 };
 
 }  // namespace welkin::reflections::WELKIN_ISA

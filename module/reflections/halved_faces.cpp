@@ -1,0 +1,169 @@
+#include "reflections/halved_faces.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "image/geometry.h"
+#include "jobs/tiles.h"
+#include "math/table_cache.h"
+#include "reflections/ring_kernels.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr std::size_t kCacheBytes = std::size_t{16} << 20U;
+
+/// Rows, or columns, of a face that give to a row of the result, beginning with `first`.
+struct Shares {
+  int first = 0;
+  int count = 0;
+  float of[HalvedRow::kMostRows] = {};
+};
+
+Shares shares_of(int row, int size) {
+  constexpr int kTaps = 8;
+  const int half = size / 2;
+  const int last = half - 1 - row;
+  const auto first_of = [](int to) { return 2 * to - 3; };
+  Shares shares;
+  shares.first = row < kFolded ? 0 : first_of(row);
+  const int end = last < kFolded ? size : first_of(row) + kTaps;
+  for (int from = shares.first; from < end; ++from) {
+    double share = 0.0;
+    const auto add = [&](int to, double times) {
+      const int tap = from - first_of(to);
+      if (tap >= 0 && tap < kTaps) share += times * static_cast<double>(kHalvedShares[std::min(tap, kTaps - 1 - tap)]);
+    };
+    add(row, 1.0);
+    if (row < kFolded) {
+      add(-1, static_cast<double>(kFirstBeyond[row]));
+      add(-2, static_cast<double>(kSecondBeyond[row]));
+    }
+    if (last < kFolded) {
+      add(half, static_cast<double>(kFirstBeyond[last]));
+      add(half + 1, static_cast<double>(kSecondBeyond[last]));
+    }
+    shares.of[shares.count++] = static_cast<float>(share);
+  }
+  return shares;
+}
+
+/// What depends on the faces' size alone.
+class HalvingTable {
+ public:
+  [[nodiscard]] static std::shared_ptr<const HalvingTable> get(int size) {
+    static auto& cache = *new math::TableCache<int, HalvingTable>(kCacheBytes);  // never destroyed
+    return cache.get(size, [size] { return std::make_shared<const HalvingTable>(size); });
+  }
+
+  explicit HalvingTable(int size) : size_(size) {
+    const auto angles = image::FaceSolidAngles::get(size);
+    for (int row = 0; row < size / 2; ++row) {
+      for (int column = 0; column < size; ++column)
+        angles_.insert(angles_.end(), 3, static_cast<float>(angles->at(row, column)));
+    }
+    for (int row = 0; row < size / 2; ++row) shares_.push_back(shares_of(row, size));
+    find_scale();
+  }
+
+  [[nodiscard]] const Shares& shares(int row) const { return shares_[static_cast<std::size_t>(row)]; }
+  [[nodiscard]] const float* angles(int row) const {
+    return angles_.data() + std::ptrdiff_t{3} * size_ * std::min(row, size_ - 1 - row);
+  }
+  [[nodiscard]] const float* scale(int row) const {
+    return scale_.data() + std::ptrdiff_t{size_ / 2} * std::min(row, size_ / 2 - 1 - row);
+  }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return sizeof(*this) + (angles_.size() + scale_.size()) * sizeof(float) + shares_.size() * sizeof(Shares);
+  }
+
+ private:
+  /// Finds by what uniform light is uniform.
+  void find_scale() {
+    const int half = size_ / 2;
+    std::vector<double> sums(static_cast<std::size_t>(size_));
+    for (int row = 0; row < (half + 1) / 2; ++row) {
+      const Shares& down = shares(row);
+      std::fill(sums.begin(), sums.end(), 0.0);
+      for (int k = 0; k < down.count; ++k) {
+        const float* const from = angles(down.first + k);
+        for (int column = 0; column < size_; ++column)
+          sums[static_cast<std::size_t>(column)] +=
+              static_cast<double>(down.of[k]) * static_cast<double>(from[std::ptrdiff_t{3} * column]);
+      }
+      for (int column = 0; column < half; ++column) {
+        const Shares& across = shares(column);
+        double sum = 0.0;
+        for (int k = 0; k < across.count; ++k)
+          sum += static_cast<double>(across.of[k]) * sums[static_cast<std::size_t>(across.first + k)];
+        scale_.push_back(static_cast<float>(1.0 / sum));
+      }
+    }
+  }
+
+  int size_;
+  std::vector<float> angles_;  ///< [upper rows][columns][3], steradians
+  std::vector<float> scale_;   ///< [upper rows of the result][columns]
+  std::vector<Shares> shares_;
+};
+
+platform::AlignedBuffer<float> halved_once(const std::vector<const float*>& rows, const Control& control) {
+  constexpr int kTileRows = 8;
+  const auto size = static_cast<int>(rows.size() / 6);
+  const auto table = HalvingTable::get(size);
+  const int half = size / 2;
+  platform::AlignedBuffer<float> faces(std::size_t{18} * static_cast<std::size_t>(half) *
+                                       static_cast<std::size_t>(half));
+  const auto placement = jobs::placement_for(std::int64_t{6} * size * size);
+  const std::size_t workers = jobs::worker_count(placement);
+  const auto room_floats = static_cast<std::size_t>(3 * (size + 2 * HalvedRow::kMargin));
+  platform::AlignedBuffer<float> rooms(workers * room_floats);
+  const int tiles = (half + kTileRows - 1) / kTileRows;
+  jobs::run_tiles(static_cast<std::size_t>(6 * tiles), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int face = static_cast<int>(tile) / tiles;
+                    const int first = static_cast<int>(tile) % tiles * kTileRows;
+                    for (int row = first; row < std::min(half, first + kTileRows); ++row) {
+                      const Shares& shares = table->shares(row);
+                      HalvedRow run{.rows = {},
+                                    .angles = {},
+                                    .shares = {},
+                                    .count = shares.count,
+                                    .size = size,
+                                    .scale = table->scale(row),
+                                    .room = rooms.data() + worker * room_floats};
+                      for (int k = 0; k < shares.count; ++k) {
+                        run.rows[k] = rows[static_cast<std::size_t>(size * face + shares.first + k)];
+                        run.angles[k] = table->angles(shares.first + k);
+                        run.shares[k] = shares.of[k];
+                      }
+                      ring_kernels().halve_row(run, faces.data() + std::ptrdiff_t{3} * half * (half * face + row));
+                    }
+                  });
+  return faces;
+}
+
+}  // namespace
+
+platform::AlignedBuffer<float> halved_faces(const std::vector<const float*>& rows, int size, const Control& control) {
+  platform::AlignedBuffer<float> faces = halved_once(rows, control);
+  for (auto made = static_cast<int>(rows.size() / 12); made > size; made /= 2) {
+    std::vector<const float*> larger;
+    for (int row = 0; row < 6 * made; ++row) larger.push_back(faces.data() + std::ptrdiff_t{3} * made * row);
+    faces = halved_once(larger, control);
+  }
+  return faces;
+}
+
+std::size_t halved_faces_bytes(int from, int size) noexcept {
+  if (from == size) return 0;
+  const auto texels = static_cast<std::size_t>(from) * static_cast<std::size_t>(from);
+  const std::size_t faces = 18 * (texels / 4 + (size < from / 2 ? texels / 16 : 0));
+  const std::size_t tables = 2 * (3 * texels / 2 + texels / 8);  // one for each size
+  const std::size_t rooms = jobs::worker_count(jobs::Placement::arena) * 4 * static_cast<std::size_t>(from);
+  return sizeof(float) * (faces + tables + rooms) + sizeof(Shares) * static_cast<std::size_t>(from);
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,84 @@
+// The near part of a lobe, summed over a cubemap's texels: what is left of it beside a far part of few harmonics.
+//
+// The far part is a polynomial near the direction (`kFarPart`) and all of the lobe beyond. Texels count as areas, so
+// the sums are exact but for their weights' quadrature, whatever the light in the texels.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "platform/memory.h"
+#include "reflections/ring_kernels.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+
+namespace welkin::reflections {
+
+/// Where a mip's lobe is split.
+struct NearSplit {
+  int face = 0;        ///< texels along an edge of the faces that are summed, even
+  int size = 0;        ///< of the mip, even
+  double alpha = 0.0;  ///< of the lobe
+  double reach = 0.0;  ///< radians, where the near part ends
+  int bands = 0;       ///< of the far part
+
+  /// Returns q + s there, see `kFarPart`.
+  [[nodiscard]] double end() const noexcept;
+  bool operator==(const NearSplit&) const = default;
+};
+
+/// The weights of a mip's near sums. They depend on the split alone, and forty-eight images of a direction share them.
+class NearSums {
+ public:
+  [[nodiscard]] static std::shared_ptr<const NearSums> get(const NearSplit& split);
+  explicit NearSums(const NearSplit& split);
+
+  /// Writes each texel's sum over packed RGB faces to `to`, six packed faces of the mip. The same bits on any
+  /// number of threads and instruction set. Throws `Error` (cancelled).
+  void write(const float* faces, float* to, const Control& control) const;
+
+  /// Returns the far part's spectrum over k_0 of the whole lobe, half as many degrees again as its bands.
+  [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  static constexpr int kTurns = 3;  ///< of the axes, from x to y to z: with `kRingImages`, all of a cube's symmetries
+  static constexpr int kCubeImages = kTurns * kRingImages;
+  /// Floats of six packed faces: the first texel of a run in a row, and from each to the next.
+  struct Place {
+    std::int32_t first;
+    std::int32_t step;
+  };
+  using Places = std::array<Place, kCubeImages>;
+
+ private:
+  /// Texels of a face that follow each other in a row, and as many records.
+  struct Texels {
+    Places places;
+    int count;
+    std::uint32_t record;
+  };
+  class Weigher;
+
+  void gather(const float* faces, const Texels& texels, float* records) const;
+
+  NearSplit split_;
+  std::vector<Texels> sources_;
+  std::vector<Texels> targets_;  ///< record: of the first target, among `ends_`
+  std::vector<std::uint32_t> ends_;
+  std::vector<RingTap> taps_;
+  std::vector<double> far_;
+  std::uint32_t records_ = 0;
+};
+
+/// Returns where the lobe of a mip is split, from faces of `face`, to take the least time if the far part takes
+/// `bands_of_reach` over `reach` bands; none if faces are too coarse for that.
+[[nodiscard]] NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept;
+/// Returns about what one thread takes: for the mip, or for any by so many bands of harmonics alone.
+[[nodiscard]] double milliseconds_of(const NearSplit& split) noexcept;
+[[nodiscard]] double milliseconds_of_harmonics(int bands) noexcept;
+
+}  // namespace welkin::reflections
