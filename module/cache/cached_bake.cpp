@@ -34,12 +34,13 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    // All of them decide which are summed near by.
     writer.put(4);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
     writer.put(plan.may_integrate);
     for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
+      // Which of these are summed near by is decided for all together.
+      if (plan.spectral_lobes[k]->alpha() >= reflections::kMostNearAlpha) continue;
       writer.put(plan.spectral_lobes[k]->alpha());
       writer.put(plan.spectral_sizes[k]);
     }

@@ -218,6 +218,19 @@ std::shared_ptr<const NearSums> NearSums::get(const NearSplit& split) {
   return cache.get(split, [&] { return std::make_shared<const NearSums>(split); });
 }
 
+std::size_t NearSums::most_bytes(const NearSplit& split) noexcept {
+  const double texels = 0.5 * split.reach * split.face;  // of a face's middle
+  const double targets = 0.125 * split.size * (split.size + 2.0);
+  const double all = 6.0 * split.face * split.face;
+  const double taps = targets * std::min(all, 9.0 * texels * texels + 40.0);  // six on average
+  const double edge = 0.5 * split.face + 5.0 * texels + 6.0;
+  const double records = std::min(all, edge * edge);
+  const double bytes = 3.0 * taps * sizeof(RingTap) + records * kCubeImages * 3.0 * sizeof(float) +
+                       (all + 6.0 * split.face * 2.0) * sizeof(std::uint32_t) + 8.0 * edge * sizeof(Texels) +
+                       18.0 * split.size * split.size * sizeof(float);
+  return static_cast<std::size_t>(bytes) + (std::size_t{1} << 16U);
+}
+
 std::size_t NearSums::bytes() const noexcept {
   return sizeof(*this) + (sources_.size() + targets_.size()) * sizeof(Texels) + ends_.size() * sizeof(std::uint32_t) +
          taps_.size() * sizeof(RingTap) + far_.size() * sizeof(double);
@@ -247,12 +260,15 @@ double milliseconds_of(const NearSplit& split) noexcept {
 NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept {
   constexpr double kMostReach = 0.5;
   constexpr double kLeastTexels = 2.5;  // of reach
+  constexpr double kLeastWidths = 2.0;  // alpha: the far part of less is hardly wider than the lobe
+  constexpr double kMostTexel = 2.5;    // over alpha: the points of the weights' quadrature see no narrower lobe
   constexpr int kStep = 8;
   NearSplit best{face, size, alpha, 0.0, 0};
+  if (2.0 / face > kMostTexel * alpha) return best;
   for (int bands = kStep; bands <= 1024; bands += bands < 128 ? kStep : 2 * kStep) {
     const double reach = bands_of_reach / bands;
     if (reach > kMostReach) continue;
-    if (0.5 * reach * face < kLeastTexels) break;
+    if (0.5 * reach * face < kLeastTexels || reach < kLeastWidths * alpha) break;
     const NearSplit split{face, size, alpha, reach, bands};
     if (best.bands == 0 || milliseconds_of(split) < milliseconds_of(best)) best = split;
   }

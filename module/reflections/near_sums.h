@@ -44,6 +44,10 @@ class NearSums {
   [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
 
   [[nodiscard]] std::size_t bytes() const noexcept;
+  /// Returns what `write` takes beside the result.
+  [[nodiscard]] std::size_t working_bytes() const noexcept { return sizeof(float) * 3 * kCubeImages * records_; }
+  /// Returns a bound on what making them takes, and `write`.
+  [[nodiscard]] static std::size_t most_bytes(const NearSplit& split) noexcept;
 
   static constexpr int kTurns = 3;  ///< of the axes, from x to y to z: with `kRingImages`, all of a cube's symmetries
   static constexpr int kCubeImages = kTurns * kRingImages;
@@ -75,7 +79,7 @@ class NearSums {
 };
 
 /// Returns where the lobe of a mip is split, from faces of `face`, to take the least time if the far part takes
-/// `bands_of_reach` over `reach` bands; none if faces are too coarse for that.
+/// `bands_of_reach` over `reach` bands; none if the faces are too coarse for that.
 [[nodiscard]] NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept;
 /// Returns about what one thread takes: for the mip, or for any by so many bands of harmonics alone.
 [[nodiscard]] double milliseconds_of(const NearSplit& split) noexcept;

@@ -297,12 +297,18 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
   if (source_.cubemap()) {
     int finest = face;
     for (const MipPlan& mip : spectral_.near_mips) finest = std::max(finest, mip.near.face);
+    memory_.give_back(faces_.owned.bytes());
+    faces_ = {};
     faces_ = faces_without(texels, source_, finest, control);
+    memory_.take(faces_.owned.bytes());
   }
   const Rings rings = source_.cubemap()
                           ? rings_of_cubemap(halved(faces_, face, control).view(), wanted, {control.stop, {}})
                           : rings_of(source_, texels, wanted, {control.stop, {}});
-  if (spectral_.near_mips.empty()) faces_ = {};
+  if (spectral_.near_mips.empty()) {
+    memory_.give_back(faces_.owned.bytes());
+    faces_ = {};
+  }
   memory_.give_back(bringing);
   memory_.take(rings.bytes());
   note("rings", std::to_string(rings.view.height) + " of them", watch.milliseconds());
@@ -370,13 +376,17 @@ void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Co
   const std::size_t face_floats =
       std::size_t{3} * static_cast<std::size_t>(mip.size) * static_cast<std::size_t>(mip.size);
   platform::AlignedBuffer<float> near(6 * face_floats);
-  sums->write(halved(faces_, mip.near.face, control).rgb, near.data(), control);
+  const PackedFaces faces = halved(faces_, mip.near.face, control);
+  const std::size_t bytes = near.bytes() + faces.owned.bytes() + sums->working_bytes();
+  memory_.take(bytes);
+  sums->write(faces.rgb, near.data(), control);
   const float least = source_.has_negatives() ? -std::numeric_limits<float>::max() : 0.0F;
   const float* from = near.data();
   for (float* const face : target.faces()) {
     for (std::size_t k = 0; k < face_floats; ++k) face[k] = std::max(face[k] + from[k], least);
     from += face_floats;
   }
+  memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
 }
 

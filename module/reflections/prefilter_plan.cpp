@@ -158,8 +158,8 @@ namespace {
 
 /// Returns the bands of a far part times its reach. Its spectrum falls by a factor of 6 for each unit.
 double bands_of_reach(double bound) noexcept {
-  constexpr double kAtPercent = 6.6;
-  constexpr double kOfLogarithm = 0.6;
+  constexpr double kAtPercent = 7.0;
+  constexpr double kOfLogarithm = 0.55;
   return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound));
 }
 
@@ -182,7 +182,7 @@ PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
     const int own = bands_within(mip.alpha, bounds);
     const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds));
     mip.near = cheapest_split(halved, mip.size, mip.alpha, bands_of_reach(bound));
-    if (mip.size % 2 == 0 && mip.near.bands > 0 &&
+    if (mip.alpha < kMostNearAlpha && mip.size % 2 == 0 && mip.near.bands > 0 &&
         milliseconds_of(mip.near) < kWorth * milliseconds_of_harmonics(own)) {
       plan.bands = std::max(plan.bands, mip.near.bands);
       plan.near_mips.push_back(std::move(mip));

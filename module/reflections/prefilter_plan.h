@@ -17,6 +17,9 @@
 
 namespace welkin::reflections {
 
+/// No wider lobe has near sums, nor does it decide how others are made.
+inline constexpr double kMostNearAlpha = 0.25;
+
 struct MipPlan {
   int size = 0;
   double roughness = 0.0;

@@ -119,7 +119,7 @@ TEST_CASE("A mip has the same bits where others that take many more bands are le
   const auto check = [&](const auto& view) {
     const BakeResult whole = bake(view, options);
     const BakeResult part = bake(view, plan(view, {.glossy = RoughnessRange{0.4, 1.0}}, options));
-    REQUIRE(whole.specular->mips[1].bands > 3 * whole.specular->mips[2].bands);
+    REQUIRE(whole.specular->mips[1].bands > whole.specular->mips[2].bands + 40);
     check_same_where_both(part, whole, 2);
   };
   const TestLatLong picture = make_lat_long(Content::high_range, 512, 256, 7);

@@ -22,7 +22,7 @@ double largest_median(const std::string& kind) {
   // A bound for any picture: on faces of 4 to 16 texels with many bands it is loose.
   if (kind == "projection, midpoint rule, cubemap") return 8.0;
   // Safe beside the lights of small cubemaps, whose mips meet a lamp's peak or miss it.
-  if (kind == "prefilter, spectral, cubemap") return 5.5;
+  if (kind == "prefilter, spectral, cubemap") return 6.5;
   // Safe beside the poles, where few texels lie, and beside lone lamps.
   if (kind == "prefilter, narrow, lat-long" || kind == "prefilter, narrow, cubemap") return 9.0;
   return 5.0;

@@ -65,7 +65,7 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
 }
 
 TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]") {
-  const int size = GENERATE(16, 32, 64);
+  const int size = GENERATE(16, 64);
   const double rms_error = GENERATE(1e-3, 1e-2);
   TestCubemap cube = noise_of(size);
   cube.pixels[5] = 3000.0F;                         // a lamp in a corner,
@@ -82,7 +82,7 @@ TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]")
     const MipRecord& record = result.mips[static_cast<std::size_t>(level)];
     const auto directions = centres(record.size);
     std::vector<glm::dvec3> some;
-    const std::size_t step = std::max<std::size_t>(1, directions.size() / 300) | 1U;
+    const std::size_t step = std::max<std::size_t>(1, directions.size() / (size < 64 ? 150 : 40)) | 1U;
     for (std::size_t k = 0; k < directions.size(); k += step) some.push_back(directions[k]);
     const LevelError error =
         level_error(result.cubemap, level, reference_specular(cube.view(), record.roughness, some), step);
