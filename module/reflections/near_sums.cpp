@@ -240,7 +240,7 @@ namespace {
 
 // Measured on one core of a Zen 5 with AVX-512. Records of large faces do not stay in its caches.
 constexpr double kNearMilliseconds = 3e-6;       ///< times size^2 (reach / texel)^2
-constexpr double kRecordMilliseconds = 0.1;      ///< of faces of 128, by the fourth power of their size
+constexpr double kRecordMilliseconds = 0.2;      ///< of faces of 128, by the fourth power of their size
 constexpr double kHarmonicsMilliseconds = 0.55;  ///< of 144 bands, from rings to a mip
 constexpr double kHarmonicsPower = 2.7;
 
