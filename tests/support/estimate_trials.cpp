@@ -9,7 +9,6 @@
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/random_environments.h"
-#include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -180,13 +179,11 @@ class Trial {
     project_it(view, "cubemap");
     prefilter_it(view, "cubemap");
     if (random_.chance(0.3)) project_levels(view);
-    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
   void run(const LatLongView& view) {
     project_it(view, "lat-long");
     prefilter_it(view, "lat-long");
-    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
  private:
@@ -216,7 +213,7 @@ class Trial {
         ", " + std::to_string(bands_) + " bands, target " + std::to_string(options.target_size.value_or(0)));
   }
 
-  /// A level of a mip chain, by `project` and by a budget.
+  /// A level of a mip chain.
   void project_levels(const CubemapView& view) {
     const SphericalHarmonics truth = reference_projection(view);
     const CubemapChain chain = build_mips(view, MipFilter::solid_angle);
@@ -226,23 +223,6 @@ class Trial {
     const Projection projection = project(views, {.target_size = chain.level_size(level)});
     add("projection, level of a mip chain", distance_between(projection.radiance, truth),
         projection.diagnostics.error_estimate, ", level " + std::to_string(level));
-    const auto choice = choose_projection(views, {}, {random_.scale(1e-5, 0.3)});
-    add("budget, level of a mip chain", distance_between(project(views, choice.setting).radiance, truth),
-        choice.error_estimate, "");
-  }
-
-  template <class View>
-  void pick_bands(const View& view) {
-    const bool largest = random_.chance(0.5);
-    const auto choice =
-        choose_irradiance_bands(view, {random_.scale(1e-3, 0.3), largest ? ErrorMeasure::maximum : ErrorMeasure::rms});
-    if (choice.setting > 15) return;
-    const auto errors = irradiance_errors(view, project(view, {.bands = choice.setting}).radiance, kNormals);
-    const IrradianceError& error = errors.back();
-    constexpr double kTruthError = 1e-5;  // of the integrals that these are held to
-    add(std::string("budget, bands of irradiance, ") + (largest ? "largest" : "rms"),
-        std::max(0.0, (largest ? error.maximum : error.rms) - kTruthError), choice.error_estimate,
-        ", " + std::to_string(choice.setting) + " bands");
   }
 
   template <class View>
@@ -266,16 +246,6 @@ class Trial {
     const MipTruth truth(result.cubemap, level, random_);
     add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth.error(view, mip.roughness),
         *mip.error_estimate, place);
-    if (family_ || mip.method != MipMethod::spectral || !random_.chance(0.1)) return;
-    pick_bounds(view, options, place);
-  }
-
-  template <class View>
-  void pick_bounds(const View& view, PrefilterOptions options, const std::string& place) {
-    const PrefilterChoice choice = choose_prefilter(view, options, {random_.scale(1e-3, 0.1)});
-    const PrefilteredSpecular result = prefilter_specular(view, choice.setting);
-    const MipTruth truth(result.cubemap, 0, random_);
-    add("budget, bounds of the prefilter", truth.error(view, options.roughness[0]), choice.error_estimate, place);
   }
 
   std::uint32_t seed_;
