@@ -126,8 +126,8 @@ struct Rows {
 };
 
 /// Writes the whole, the Fresnel and the sheen albedo at a sample's points, one after the other.
-void integrate(const AlbedoRules& rules, const Rows& rows, double roughness, bool sheen, float* values) {
-  const BrdfKernels& kernels = brdf_kernels();
+void integrate(const BrdfKernels& kernels, const AlbedoRules& rules, const Rows& rows, double roughness, bool sheen,
+               float* values) {
   const auto alpha = static_cast<float>(roughness * roughness);
   const std::vector<float>& ggx = rows.ggx.cosines;
   for (std::size_t k = 0; k < ggx.size(); k += simd::kLanes)
@@ -194,6 +194,7 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   table->channels = options.sheen ? 3 : 2;
   table->values.resize(brdf_values(options));
   const AlbedoRules rules;
+  const BrdfKernels& kernels = brdf_kernels();
   const int points = options.width > kWide ? 32 : 16;
   const std::array<Columns, 3> columns{Columns(options.width, points), Columns(options.width, 2 * points),
                                        Columns(options.width, 4 * points)};
@@ -215,7 +216,7 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   jobs::run_tiles(samples, placement, workers, first_part, [&](std::size_t sample, std::size_t /*worker*/) {
     const Rows* rows = bands.data();
     for (; sample >= rows->roughness.size(); ++rows) sample -= rows->roughness.size();
-    integrate(rules, *rows, rows->roughness[sample], options.sheen,
+    integrate(kernels, rules, *rows, rows->roughness[sample], options.sheen,
               integrated.data() + rows->first + sample * rows->values());
   });
   const Control second_part = jobs::part_of(control, integrating, 1.0);
