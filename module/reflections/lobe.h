@@ -66,6 +66,9 @@ class Lobe {
   /// Where it is seen at all, in s: nearer the axis and farther from it all is below 1e-9 of the largest magnitude.
   [[nodiscard]] double nearest() const noexcept { return nearest_; }
   [[nodiscard]] double farthest() const noexcept { return farthest_; }
+  /// Returns the width in s over which a polynomial of degree 19 follows the lobe to 1e-12 of its peak, of the places
+  /// between these where it is least. Not for GGX.
+  [[nodiscard]] double smooth_over(double from, double to) const noexcept;
   [[nodiscard]] bool negative() const noexcept { return negative_; }      ///< in places
   [[nodiscard]] bool hemisphere() const noexcept { return hemisphere_; }  ///< 0 wherever the cosine is below 0
   /// As well as that, next to it all but the cosine times a steady function.

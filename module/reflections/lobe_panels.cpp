@@ -78,6 +78,14 @@ double Lobe::value_at(double s) const noexcept {
   return evaluate(*at, s);
 }
 
+double Lobe::smooth_over(double from, double to) const noexcept {
+  auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, from,
+                             [](double place, const Panel& panel) { return place < panel.end; });
+  double least = 1.0;
+  for (; at != panels_.end() && at->begin <= to; ++at) least = std::min(least, at->end - at->begin);
+  return std::max(least, 0.5 * scale_);  // panels about the axis are narrower than they need be
+}
+
 double Lobe::value(double cosine) const noexcept {
   if (alpha_ > 0.0) return lobe(cosine, alpha_) / lobe_integral(alpha_);
   return value_at(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
