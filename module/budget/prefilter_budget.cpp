@@ -76,7 +76,7 @@ double spectral_error(const PrefilterPlan& plan, const MipPlan& mip, const Sanit
   // the energies are those of finer rings than the plan's
   const reflections::SpectralSource on_rings{energies.rest, source.columns(), plan.rows_for_cubemap()};
   const double rms = budget::blurred_rms(mip.alpha, energies.whole);
-  return std::max(own, reflections::spectral_rms_error(mip, on_rings, lights.error(*mip.lobe, rms), rms));
+  return std::max(own, reflections::spectral_rms_error(mip, on_rings, lights.error(*mip.lobe, mip.size, rms), rms));
 }
 
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
@@ -309,7 +309,7 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
   return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
-          lights.error(*mip.lobe, whole)) /
+          lights.error(*mip.lobe, mip.size, whole)) /
          whole;
 }
 
