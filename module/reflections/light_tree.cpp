@@ -165,22 +165,29 @@ double below_middle(Directions& directions, double row, double high) {
 }
 
 /// `count` x `count` equal parts of a texel.
-void add_parts(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples) {
+void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use,
+               std::vector<Sample>& samples) {
   const std::size_t first = samples.size();
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i)
       samples.push_back(sample_at(directions, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
   }
   share_light(texel, first, samples);
+  if (use == LightsOf::any) return;  // see `centroid_of`
   for (std::size_t k = first; k < samples.size(); ++k)
     samples[k].row += below_middle(directions, samples[k].row, 1.0 / count);
 }
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
-/// 1e-3.
-int smooth_points(double radians, double alpha, double reach) {
+/// 1e-3. Through other lobes than GGX, which may be bells (1.65 deviations wide), they lose 1e-5, 7e-5 at the default
+/// bounds: `smooth_table_error`.
+int smooth_points(double radians, double alpha, double reach, LightsOf use) {
   const double edge = radians / (2.0 * alpha);
   const int tighter = reach > kDefaultReach + 0.5 ? 1 : 0;
+  if (use == LightsOf::any) {
+    if (tighter == 0) return edge < 0.12 ? 2 : (edge < 0.3 ? 3 : (edge < 0.55 ? 4 : 5));
+    return edge < 0.08 ? 2 : (edge < 0.24 ? 3 : (edge < 0.43 ? 4 : 5));
+  }
   return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
@@ -199,8 +206,23 @@ LobeLight light_of(Directions& directions, const Sample& sample) {
           single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
 }
 
+/// Returns the direction of the centroid of a part with that middle, by four points of Gauss' rule: half the square of
+/// a part's size away from the middle.
+glm::dvec3 centroid_of(Directions& directions, const Sample& sample, double half) {
+  const double node = half * math::gauss_legendre(2).nodes[1];
+  glm::dvec3 sum(0.0);
+  for (const double across : {-node, node}) {
+    for (const double down : {-node, node}) {
+      const double column = sample.column + across;
+      const double row = sample.row + down;
+      sum += directions.density_at(column, row) * directions.at(sample.face, column, row);
+    }
+  }
+  return glm::normalize(sum);
+}
+
 /// One of `parts` along a texel's edge.
-CutLight cut_light_of(Directions& directions, const Sample& sample, int parts) {
+CutLight cut_light_of(Directions& directions, const Sample& sample, int parts, LightsOf use) {
   const double half = 0.5 / parts;
   const glm::dvec3 along = 0.5 * (directions.at(sample.face, sample.column + half, sample.row) -
                                   directions.at(sample.face, sample.column - half, sample.row));
@@ -211,6 +233,12 @@ CutLight cut_light_of(Directions& directions, const Sample& sample, int parts) {
   for (int axis = 0; axis < 3; ++axis) {
     cut.along[axis] = static_cast<float>(along[axis]);
     cut.down[axis] = static_cast<float>(down[axis]);
+  }
+  if (use == LightsOf::any) {
+    const glm::dvec3 centroid = centroid_of(directions, sample, half);
+    cut.light.x = static_cast<float>(centroid.x);
+    cut.light.y = static_cast<float>(centroid.y);
+    cut.light.z = static_cast<float>(centroid.z);
   }
   return cut;
 }
@@ -233,14 +261,15 @@ class LightTree {
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
-            bool exact, double most_cut_radius, BrightLights& lights)
+            bool exact, double most_cut_radius, LightsOf use, BrightLights& lights)
       : shape_(shape),
         directions_(shape),
         lights_(lights),
         rule_(math::gauss_legendre(kOrder)),
-        most_cut_radius_(most_cut_radius) {
+        most_cut_radius_(most_cut_radius),
+        use_(use) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha, reach);
+    smooth_ = smooth_points(edge, least_alpha, reach, use);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size());
@@ -488,15 +517,19 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
+    for (const float excess : texel.excess) {
+      const double light = texel.steradians * static_cast<double>(excess);
+      lights_.squares_ += light * light;
+    }
     if (parts_ == 0) {
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
       return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
     const auto first = static_cast<int>(lights_.cut_lights_.size());
     cut_.clear();
-    add_parts(texel, directions_, parts_, cut_);
+    add_parts(texel, directions_, parts_, use_, cut_);
     for (const Sample& sample : cut_) {
-      lights_.cut_lights_.push_back(cut_light_of(directions_, sample, parts_));
+      lights_.cut_lights_.push_back(cut_light_of(directions_, sample, parts_, use_));
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += sample.light[c];
     }
     return {first, static_cast<int>(cut_.size())};
@@ -583,6 +616,7 @@ class LightTree {
   std::vector<Sample> samples_;
   std::vector<Sample> cut_;  ///< of a texel
   double most_cut_radius_ = 0.0;
+  LightsOf use_;
 };
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
@@ -598,7 +632,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
+                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, use, *this);
   make_rooms();
 }
 
@@ -619,7 +653,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const std::size_t cut = is_coarse(shape, use) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0, use)) +
          cut * sizeof(CutLight) + cutting;
 }
 
