@@ -136,9 +136,11 @@ void place_lat_long(const LatLongGroup& group, int row, ColumnRange corners, con
         xsimd::min(xsimd::max(row0 + Lanes(static_cast<float>(row)), Lanes(0.0F)), Lanes(group.rows));
     const Lanes south = ((row_here - row0) - Lanes::load_unaligned(group.part_row + k)) * Lanes(group.down);
     const Lanes sine = sine_of(south);
-    const Lanes cosine_here = xsimd::max(cosine0 * cosine_of(south) + sine0 * sine, Lanes(0.0F));
+    const Lanes cosine = cosine0 * cosine_of(south) + sine0 * sine;
+    const auto pole = cosine < Lanes(1e-6F);  // a point, which rounding would make a line that is bent without limit
+    const Lanes cosine_here = xsimd::select(pole, Lanes(0.0F), cosine);
     const Lanes sine_here = sine0 * cosine_of(south) - cosine0 * sine;
-    (sine_here / xsimd::max(cosine_here, Lanes(1e-6F))).store_aligned(line.bend + k);
+    xsimd::select(pole, Lanes(0.0F), sine_here / cosine).store_aligned(line.bend + k);
     const Lanes half = sine_of(south * Lanes(0.5F));
     const Lanes half_square = half * half;
     for (int i = corners.first; i < corners.end; ++i) {

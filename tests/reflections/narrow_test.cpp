@@ -101,12 +101,12 @@ TestCubemap noisy_cube(int size) { return make_cubemap(Content::random, size, 3,
 
 }  // namespace
 
-// Rows were summed in parts as high as the pole is far, at one place each: 4.8e-4 and 3.8e-4.
+// Rounding made the pole a line that is bent without limit: widths 34 and 36 were off by 1.7e-4 and 1.1e-4.
 TEST_CASE("Narrow lobes beside a pole see how columns narrow", "[narrow][specular][estimates]") {
-  for (const int width : {44, 34, 80}) {
+  for (const int width : {44, 34, 36, 80}) {
     const LatLongImage image = blocks(width, 1);
     INFO(width);
-    CHECK(error_beside_poles(image.view(), 0.05, 32) < 5e-4);
+    CHECK(error_beside_poles(image.view(), 0.05, 32) < 1e-5);
   }
 }
 
