@@ -29,7 +29,7 @@ struct NarrowSplit {
   [[nodiscard]] int rows_for_cubemap() const noexcept;
 };
 /// Times `sharpest_lobe`, the alpha that two points a texel's edge do for.
-inline constexpr double kFarLights = 3.0;
+inline constexpr double kFarLights = 2.0;
 
 /// How texels of such a source (`rows`: of a lat-long, or of a cubemap's face) are cut for narrow lobes.
 [[nodiscard]] TexelParts parts_for(bool cubemap, int columns, int rows) noexcept;
