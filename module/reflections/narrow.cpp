@@ -167,7 +167,7 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
     if (source.columns() % (2 * mip.size) == 0) edges += 0.5 * moved * texel / mip.alpha;
   } else {
     const double texel = kPi / (rows * parts.rows);
-    edges = 3.3e-5 * std::sqrt(mip.alpha) + 2.0 * moved * texel / std::sqrt(mip.alpha);
+    edges = 3.3e-5 * std::sqrt(mip.alpha) + 4.0 * moved * texel / std::sqrt(mip.alpha);
   }
   // The largest relative error of texels' weights at any distance, which no sum of light exceeds.
   constexpr double of_weights = 9e-4;
