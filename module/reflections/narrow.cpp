@@ -163,7 +163,7 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   double edges = 0.0;
   if (source.cubemap()) {
     const double texel = 0.5 * kPi / (source.columns() * parts.columns);
-    edges = (1.5e-3 + 0.4 * mip.alpha) * mip.alpha + moved * std::sqrt(texel / mip.alpha);
+    edges = (1.32e-3 + 0.36 * mip.alpha) * mip.alpha + moved * std::sqrt(texel / mip.alpha);
     if (source.columns() % (2 * mip.size) == 0) edges += 0.5 * moved * texel / mip.alpha;
   } else {
     const double texel = kPi / (rows * parts.rows);
