@@ -345,8 +345,15 @@ WELKIN_INLINE Lanes mean_by_points(const Cell& cell, Lanes v, Lanes growth) {
   return sum;
 }
 
-/// The mean of P(x) over a cell, by its second derivative.
-WELKIN_INLINE Lanes far_mean(const SplitLobe& lobe, const Cell& cell, Lanes x, Lanes growth) {
+/// The mean of P(x) over a cell, and what the end of the near part, which lies within the cell, adds to the near part.
+struct FarMean {
+  Lanes value, end;
+};
+
+/// By P's second derivative. About the end, where y = 1 - x is 0, the near part is 1 / x^2 - P = k y^2 for y > 0, and
+/// nothing beyond: with y even over h to either side, the mean over a cell is k (y + h)^3 / 6 h for y < 0, and that
+/// much of k (h - y)^3 / 6 h less than of the whole parabola for y > 0.
+WELKIN_INLINE FarMean far_mean(const SplitLobe& lobe, const Cell& cell, Lanes x, Lanes growth) {
   const Lanes y = Lanes(1.0F) - xsimd::min(x, Lanes(1.0F));
   Lanes value(kFarPart[kFarTerms - 1]);
   Lanes slope(0.0F);
@@ -360,7 +367,12 @@ WELKIN_INLINE Lanes far_mean(const SplitLobe& lobe, const Cell& cell, Lanes x, L
   const Lanes scale(lobe.inverse_end);
   const Lanes first = (cell.c1 + spread * cell.c2) * scale * Lanes(1.0F / 12.0F);
   const Lanes second = (cell.b1 * cell.b1 + spread * cell.b2 * cell.b2) * scale * scale * Lanes(1.0F / 3.0F);
-  return value - slope * first + curve * second;
+  const Lanes zero(0.0F);
+  const Lanes half = xsimd::sqrt(Lanes(3.0F) * second);
+  const Lanes inside = Lanes(1.0F) - x;
+  const Lanes beyond = xsimd::max(half - xsimd::abs(inside), zero);
+  const Lanes end = Lanes((3.0F - kFarPart[2]) / 6.0F) * beyond * beyond * beyond / (half + Lanes(kTiny));
+  return {value - slope * first + curve * second, xsimd::select(inside > zero, zero - end, end)};
 }
 
 /// A row's weights, in parts: floats would lose what many columns beside a pole add.
@@ -418,9 +430,9 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
     RowSum sum;
     const auto own = row_of(group, row, k);
     const Lanes growth = own.growth();
-    const auto put = [&](int i, const Cell& cell, Lanes x, Lanes near) WELKIN_INLINE_LAMBDA {
+    const auto put = [&](int i, const Cell& cell, Lanes near) WELKIN_INLINE_LAMBDA {
       const Lanes all = (Lanes(1.0F) - Lanes(2.0F) * cell.s) * near;
-      const Lanes weight = xsimd::select(cell.there && x < Lanes(1.0F), all, zero);
+      const Lanes weight = xsimd::select(cell.there, all, zero);
       weight.store_aligned(weights + i * kLanes + k);
       sum.add(weight, i);
     };
@@ -430,8 +442,9 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
         const Lanes v = cell.s + Lanes(lobe.offset);
         const Lanes x = v * Lanes(lobe.inverse_end);
         const Lanes whole = Lanes(lobe.scale) * mean(cell, v);
-        const Lanes far = Lanes(lobe.far_scale) * far_mean(lobe, cell, x, growth);
-        put(i, cell, x, cell.area * xsimd::max(whole - far, zero));
+        const FarMean far = far_mean(lobe, cell, x, growth);
+        const Lanes near = xsimd::select(x < Lanes(1.0F), whole - Lanes(lobe.far_scale) * far.value, zero);
+        put(i, cell, cell.area * xsimd::max(near + Lanes(lobe.far_scale) * far.end, zero));
       }
     };
     const auto by_points = [&](const Cell& cell, Lanes v)
@@ -456,7 +469,8 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
         const Cell cell = own.cell(i);
         const Lanes x = (cell.s + Lanes(lobe.offset)) * Lanes(lobe.inverse_end);
         // not clamped at 0: beside a pole thousands of columns' rounding cancels
-        put(i, cell, x, share - Lanes(lobe.far_scale) * cell.area * far_mean(lobe, cell, x, growth));
+        const Lanes far = Lanes(lobe.far_scale) * cell.area * far_mean(lobe, cell, x, growth).value;
+        put(i, cell, xsimd::select(x < Lanes(1.0F), share - far, zero));
       }
     }
     all_smooth(range.close.end, range.columns.end);

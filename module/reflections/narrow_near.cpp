@@ -27,7 +27,7 @@ constexpr int kLongestRun = 64;  ///< texels that floats add up without loss
 /// Texels from the direction to the middles of those that are integrated in closed form.
 constexpr double kClose = 2.0;
 constexpr int kRowsBesidePole = 10;  ///< whose texels' series converge badly
-constexpr double kInset = 0.05;      ///< of a texel from its middle, which counts if the near part reaches it
+constexpr double kInset = 0.2;       ///< of a texel from its middle, which counts if the near part reaches it
 
 int whole_below(double number) {
   const int whole = static_cast<int>(number);
