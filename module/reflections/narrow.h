@@ -60,7 +60,7 @@ struct NarrowMip {
 };
 
 /// Returns the estimated root mean square error of a mip over its own root mean square (docs/reflections.md has
-/// measurements): what the far part's bands leave out, a share of the steps, proportional to alpha for cubemaps and to
+/// measurements): what the far part's bands leave out, a share of the steps that grows with alpha for cubemaps and with
 /// its root for lat-longs, the places of lines in floats, and no more of those two than the error of any texel's
 /// weight.
 [[nodiscard]] double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast);
