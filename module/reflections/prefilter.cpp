@@ -501,10 +501,6 @@ void LobeChain::narrow_mip(std::size_t level, const NarrowSource& narrow, const 
       {mip.size, mip.alpha, rms, blurred_rms(narrow.energies, zonal), lost_of_far(far, zonal, narrow.energies)},
       narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
-  // What decides is the most probable error; beside lone lamps one mip in ten of a cubemap errs by up to half as much
-  // more.
-  constexpr double kOfLamps = 1.6;
-  if (source_.cubemap() && record(level).method == MipMethod::narrow) *record(level).error_estimate *= kOfLamps;
 }
 
 void LobeChain::copy_mip(std::size_t level, const Control& control) {
