@@ -51,15 +51,18 @@ std::string estimate_table(const std::vector<std::filesystem::path>& arguments) 
     }
   }
   test::EstimateTrials trials;
+  int refused = 0;
   for (int done = 0; done < count;) {
     const int some = std::min(kAtATime, count - done);
     const auto first = seed + static_cast<std::uint32_t>(done);
     test::add_estimate_trials(first, some / 2, {0.02, 1.0}, pictures, trials);
     test::add_family_trials(first + static_cast<std::uint32_t>(some / 2), some - some / 2, {0.02, 1.0}, true, trials);
+    refused += test::add_lobe_trials(first, some / 2, pictures, trials);
     done += some;
     if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
   }
-  return table_of(trials);
+  return table_of(trials) + "\n" + std::to_string(refused) + " of " + std::to_string(count / 2) +
+         " mips of other lobes than GGX were refused.\n";
 }
 
 }  // namespace welkin::perf

@@ -32,7 +32,7 @@ using OnFlag = std::function<void()>;
 /// Where an option's value goes. To a `bool` or an `OnFlag` goes that the option is there: it has no value.
 using Target =
     std::variant<bool*, int*, double*, std::string*, std::optional<std::string>*, std::optional<double>*,
-                 std::vector<double>*, std::vector<std::string>*, ByteCount, OnFlag, On<int>, On<float>,
+                 std::vector<double>*, std::vector<std::string>*, ByteCount, OnFlag, On<int>, On<float>, On<double>,
                  On<std::string>, On<std::vector<int>>, On<std::vector<double>>, On<std::vector<std::string>>>;
 
 /// Which numbers an option takes.

@@ -57,12 +57,7 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::string scene_text(const NeedsChoice& scene) {
-  const CostModel costs = scene.costs();
-  std::string text = needs_json(scene.needs()).one_line();
-  for (const CostUnit& unit : cost_units()) text += ' ' + all_digits(costs.*unit.value);
-  return text;
-}
+std::string scene_text(const NeedsChoice& scene) { return needs_json(scene.needs()).one_line(); }
 
 std::optional<ContentHash> hash_in(std::string_view text) {
   constexpr std::size_t kDigits = 16;

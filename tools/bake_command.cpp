@@ -62,7 +62,6 @@ Examples:
   welkin bake city.hdr -o out --no-glossy --explain   no reflections; says why
   welkin bake city.hdr -o out --glossy 0.4,1          no mip sharper than 0.4
   welkin bake city.hdr -o out --needs scene.json --plan-only
-  welkin bake city.hdr -o out --budget 2MiB           the best within 2 MiB
 
 What the scene needs: --needs, --glossy, --no-glossy, --no-background and
   --no-diffuse say what the scene uses. Passes that it does not need are left
@@ -118,9 +117,7 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
 std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options) {
   std::vector<std::filesystem::path> files;
   for (const std::string& file : options.also_read) files.push_back(platform::path_of(file));
-  for (const auto* file : {&options.scene.file, &options.scene.costs_file}) {
-    if (*file) files.push_back(platform::path_of(**file));
-  }
+  if (options.scene.file) files.push_back(platform::path_of(*options.scene.file));
   if (!options.input || is_stream(*options.input)) return files;
   const std::vector<std::filesystem::path> input = input_files(options);
   files.insert(files.end(), input.begin(), input.end());

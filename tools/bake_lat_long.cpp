@@ -22,7 +22,7 @@ Size size_of(const SourceShape& source, const BakeCommandOptions& options, const
   const bool is_used = scene.background || (alone && (scene.glossy || scene.diffuse_bands > 0));
   if (!is_used) return {};
   int face = whole.background->size.value_or(whole.specular->size);
-  if (alone && options.background_size == 0 && options.byte_budget == kNoByteBudget) {
+  if (alone && options.background_size == 0) {
     if (!source.cubemap) return {source.columns, source.rows};
     face = std::min(source.columns, kLargestFace);
   }

@@ -271,11 +271,6 @@ std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions
   for (const std::string& note : folder.format_notes()) notes.push_back(note);
   for (const std::string& note : baked.notes) notes.push_back(note);
   for (const std::string& note : option_notes(options)) notes.push_back(note);
-  for (const PlannedPass& pass : baked.plan.passes) {
-    const bool is_unmet = pass.reason.find("above the budget of") != std::string::npos ||
-                          pass.reason.find("under the budget of") != std::string::npos;
-    if (is_unmet) notes.push_back("--error-budget is not met by " + pass.name + ": " + pass.reason);
-  }
   if (baked.env_left_out) {
     notes.push_back("no environment." + baked.env_container +
                     ": it is a prefiltered cubemap, which no material of the scene reads");
@@ -310,7 +305,6 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   if (baked.sky) json["sky"] = sky_json(*baked.sky);
   if (baked.sun_wanted) json["sun"] = sun_json(baked, options);
   if (options.scene.any()) json["needs"] = needs_json(options.scene.needs());
-  if (baked.textures) json["textures"] = choice_json(*baked.textures);
   if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
   json["notes"] = notes_json(bake_notes(baked, options, folder), options);

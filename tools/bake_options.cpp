@@ -143,13 +143,6 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
       "How a .ktx2 is compressed; default none"));
-  table.push_back({.names = "--budget",
-                   .target = ByteCount{&options.byte_budget},
-                   .text = "The most bytes that the texels of all files may take, such as 2MiB. Face size, mips and, "
-                           "with --formats, the texel format are then chosen for the least error on this input, where "
-                           "no option names them; with --error-budget for the fewest bytes within both. --explain "
-                           "prints what was looked at",
-                   .type = "BYTES"});
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
                    .text = "No previews, which take two thirds of the time; less of bakes above 256 texels"});
@@ -174,7 +167,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   table.push_back({.names = "--size",
                    .target = On<int>(set_size),
                    .text = "Texels along an edge of the specular cubemap's faces; default " +
-                           std::to_string(options.specular.size) + ", or by the budget",
+                           std::to_string(options.specular.size) + "",
                    .type = "N",
                    .bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
@@ -209,10 +202,44 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       {.names = "--rms-error",
        .target = &options.rms_error,
        .text = "The most that each mip and the irradiance cubemap may err: root mean square error over root mean "
-               "square, 1e-6 to 1; default 1e-3. No texel errs by more than ten times that, relative to its own value. "
-               "Unlike --error-budget it is the same bound on every input and chooses nothing but how mips are made",
+               "square, 1e-6 to 1; default 1e-3. No texel errs by more than ten times that, relative to its own value",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0)});
+}
+
+/// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
+/// rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan 2001,
+/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it.
+int bands_within(double rms_error) {
+  constexpr double kWhole = 8.0 / 3.0;  // over pi^2, as all below
+  const double bound = kWhole * rms_error * rms_error;
+  double rest = kWhole - 1.0;  // degree 0
+  if (rest <= bound) return 1;
+  rest -= 4.0 / 3.0;
+  if (rest <= bound) return 2;
+  double factor = 0.25;  // A_l / pi
+  int degree = 2;
+  while (true) {
+    rest -= (2 * degree + 1) * factor * factor;
+    if (rest <= bound || degree + 2 >= kMaximumBands) return degree + 1;
+    factor *= static_cast<double>(degree - 1) / (degree + 4);
+    degree += 2;
+  }
+}
+
+void add_error_budget_option(Options& table, BakeCommandOptions& options) {
+  const auto set = [&options](double budget) {
+    options.rms_error = budget;
+    options.bake.bands = bands_within(budget);
+  };
+  table.push_back(
+      {.names = "--error-budget",
+       .target = On<double>(set),
+       .text = "--rms-error and --bands in one: the bands are those that keep this error of irradiance under a lone "
+               "lamp, 3 for 0.09, 5 for 0.05, 15 for 0.01",
+       .type = "SHARE",
+       .bounds = finite_between(1e-6, 1.0),
+       .excludes = {"--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.
@@ -308,10 +335,10 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_result_options(table, options);
   table.push_back(size_option("--bands", options.bake.bands, 0, kMaximumBands,
                               "Bands of spherical harmonics; default 3; 0: none, and no files for them"));
+  add_error_budget_option(table, options);
   in_group(table, "Diffuse light and BRDF table");
   add_needs_options(table, options.scene);
   in_group(table, "What the scene needs");
-  option(table, "--error-budget").excludes = {"--rms-error"};  // it picks those bounds
   add_turn_options(table, options.turn);
   option(table, "--for").text =
       "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with "

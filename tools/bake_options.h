@@ -27,8 +27,6 @@ struct RoughnessChoice {
   std::vector<double> table;  ///< empty: the schedule's
 };
 
-inline constexpr std::uint64_t kNoByteBudget = std::numeric_limits<std::uint64_t>::max();
-
 struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes
@@ -47,7 +45,6 @@ struct BakeCommandOptions {
   int preview_size = 256;                ///< pixels across a ball
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
-  std::uint64_t byte_budget = kNoByteBudget;  ///< of all textures
   PrefilterOptions specular;
   bool size_named = false;  ///< by --size
   bool all_mips = false;    ///< down to 1 texel

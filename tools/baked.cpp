@@ -249,8 +249,6 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
 
 // Shares of the progress.
 constexpr double kRead = 0.15;
-constexpr double kChosen = 0.35;  // textures, for a budget
-constexpr double kJudged = 0.45;  // the pixels, for an error budget
 constexpr double kBaked = 0.75;
 
 /// Of the file that Babylon.js reads as RGBD: its chain may be another than that of all else.
@@ -355,8 +353,8 @@ constexpr const char* kLobeReason = "as --lobe asks";
 
 template <class Source>
 void plan_chain(const Source& source, const PrefilterOptions& chain, const std::string& name, const std::string& reason,
-                const CostModel& costs, Plan& planned) {
-  const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain), costs);
+                Plan& planned) {
+  const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain));
   PlannedPass pass = beside.pass("specular");
   pass.name = name;
   pass.reason = reason + ": " + pass.reason;
@@ -369,41 +367,22 @@ void plan_chain(const Source& source, const PrefilterOptions& chain, const std::
 template <class Source>
 void plan_chains(const Source& source, const EnvChain& env, const BakeCommandOptions& options,
                  const PrefilterOptions& specular, Plan& planned) {
-  const CostModel costs = options.scene.costs();
   if (env.second()) {
-    plan_chain(source, env.options, env.pass, "Babylon.js has a roughness of its own for each mip", costs, planned);
+    plan_chain(source, env.options, env.pass, "Babylon.js has a roughness of its own for each mip", planned);
   }
   for (const LobeFamily lobe : options.lobes)
-    plan_chain(source, lobe_options(lobe, options, specular), lobe_pass(lobe), kLobeReason, costs, planned);
+    plan_chain(source, lobe_options(lobe, options, specular), lobe_pass(lobe), kLobeReason, planned);
 }
 
 /// What a file carries may be taken if nothing is to be done to it. (Of an .env more is made than a plan knows.)
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
-  if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
-    return false;
-  if (contains_rgbd(options.files) || !options.lobes.empty() || chooses_textures(options)) return false;
+  if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out) return false;
+  if (contains_rgbd(options.files) || !options.lobes.empty()) return false;
   if (contains(options.files, Content::lat_long)) return false;  // which is made of the pixels
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
   return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
-}
-
-/// Chooses textures if there is a budget for them, and says so if that is to be explained.
-std::optional<ChosenTextures> settle_textures(const BakeSource& source, BakeCommandOptions& options,
-                                              const Control& control) {
-  if (!chooses_textures(options)) return std::nullopt;
-  ChosenTextures choice = source.visit([&](const auto& view) { return choose_textures(view, options, control); });
-  if (options.scene.explains()) std::cerr << choice_text(choice) << std::flush;
-  if (!choice.met && !options.scene.plan_only) {
-    throw Error(ErrorCode::limit_exceeded,
-                "no textures are within --error-budget " + significant(*options.scene.error_budget, 3) +
-                    "; those of the least error are off by " + significant(choice.chosen.error, 3) + " at roughness " +
-                    significant(choice.chosen.roughness, 3) +
-                    ". Raise it, or give a larger --size or more mips (numbers to --roughness); --explain shows what "
-                    "was tried");
-  }
-  return choice;
 }
 
 void explain(const BakeCommandOptions& options, const Plan& plan) {
@@ -440,9 +419,9 @@ PrefilteredSpecular prefilter_chain(const BakeSource& source, const PrefilterOpt
   });
 }
 
-/// Whether light that lies beside the pixels may replace what is computed of them. Its error is in no budget.
+/// Whether light that lies beside the pixels may replace what is computed of them.
 bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
-  return !needs.error_budget && (needs.stored_results || !options.scene.any());
+  return needs.stored_results || !options.scene.any();
 }
 
 /// Of a chain without its sharpest mips there is no sharp environment.
@@ -460,21 +439,17 @@ void note_blur(const BakeCommandOptions& options, Baked& baked) {
 
 /// What is to be made of pixels.
 struct PixelWork {
-  Plan light;         ///< by the library's bake
-  EnvChain env;       ///< beside it
-  double done = 0.0;  ///< of the progress
+  Plan light;    ///< by the library's bake
+  EnvChain env;  ///< beside it
 };
 
 /// Puts both into `baked.plan`, and refuses what would not fit into memory.
 PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& options, const SceneNeeds& needs,
-                      Baked& baked, const Control& control) {
-  const CostModel costs = options.scene.costs();
+                      Baked& baked) {
   PixelWork work;
-  work.done = needs.error_budget ? kJudged : baked.textures ? kChosen : kRead;
   BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0, 0};
   source.visit([&](const auto& view) {
-    const double from = baked.textures ? kChosen : kRead;
-    work.light = plan(view, needs, baked.whole, costs, part_of(control, from, std::max(from, work.done)));
+    work.light = plan(view, needs, baked.whole);
     explain_folder(options, work.light);
     memory.lat_long = lat_long_bytes(shape_of(view), options, baked.whole);
     baked.plan = work.light;
@@ -502,7 +477,7 @@ struct HeaderPlan {
 
 HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
                        const BakeOptions& whole) {
-  Plan planned = plan(file.shape, needs, whole, options.scene.costs());
+  Plan planned = plan(file.shape, needs, whole);
   explain_folder(options, planned);
   const EnvChain chain = env_chain(options, whole, planned);
   BakeMemory memory{*options.input,
@@ -514,17 +489,16 @@ HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& 
                     file.levels,
                     lat_long_bytes(file.shape, options, whole)};
   if (chain.second()) {
-    const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
+    const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options));
     memory.second_bake = second.result_bytes + second.working_bytes;
   }
   plan_chains(file.shape, chain, options, *whole.specular, planned);
   return {std::move(planned), memory};
 }
 
-/// Refuses by a file's header what would be refused once its pixels are read. With a budget the settings, and so what
-/// they need, are known only then.
+/// Refuses by a file's header what would be refused once its pixels are read.
 void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
-  if (!options.input || needs.error_budget || chooses_textures(options)) return;
+  if (!options.input) return;
   const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
   const HeaderPlan header = plan_header(file, options, needs, whole);
   check_memory(header.memory, options, header.plan.options);
@@ -539,20 +513,16 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
-  if (chooses_textures(options)) {
-    baked.textures = timed(baked.passes, "textures", "as the budget asks",
-                           [&] { return settle_textures(source, options, part_of(control, kRead, kChosen)); });
-  }
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
   note_blur(options, baked);
-  const PixelWork work = plan_pixels(source, options, needs, baked, control);
+  const PixelWork work = plan_pixels(source, options, needs, baked);
   const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "what the scene needs" : "all that was asked for";
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, reason,
-                        [&] { return bake_light(source, work.light, cache, part_of(control, work.done, end)); });
+                        [&] { return bake_light(source, work.light, cache, part_of(control, kRead, end)); });
     if (work.env.second()) {
       baked.env = timed(baked.passes, work.env.pass, "Babylon.js has a roughness of its own for each mip", [&] {
         return prefilter_chain(source, work.env.options, cache, part_of(control, kBaked, 1.0));
@@ -583,25 +553,21 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
 }  // namespace
 
 Plan plan_ahead(BakeCommandOptions options, const Control& control) {
-  const CostModel costs = options.scene.costs();
-  if (options.input && !options.scene.needs().error_budget &&
-      !chooses_textures(options)) {  // which is judged by pixels
+  if (options.input) {
     const SceneNeeds needs = needs_of(options);
     const BakeOptions whole = library_options(options);
     const StoredEnvironment file =
         probe_environment(input_of(*options.input, options.common.read), options.common.read);
-    Plan planned =
-        takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
+    Plan planned = takes_stored(options, needs) ? plan(file, needs, whole) : plan(file.shape, needs, whole);
     explain_folder(options, planned);
     plan_chains(file.shape, env_chain(options, whole, planned), options, *whole.specular, planned);
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
-  settle_textures(source, options, part_of(control, kRead, kChosen));
   const SceneNeeds needs = needs_of(options);
   const BakeOptions whole = library_options(options);
   return source.visit([&](const auto& view) {
-    Plan planned = plan(view, needs, whole, costs, part_of(control, kChosen, 1.0));
+    Plan planned = plan(view, needs, whole);
     explain_folder(options, planned);
     plan_chains(view, env_chain(options, whole, planned), options, *whole.specular, planned);
     return planned;
@@ -610,13 +576,11 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
 
 Prediction predict(BakeCommandOptions options) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-  options.byte_budget = kNoByteBudget;
-  SceneNeeds needs = needs_of(options);
-  needs.error_budget.reset();
+  const SceneNeeds needs = needs_of(options);
   const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
   const HeaderPlan header = plan_header(file, options, needs, library_options(options));
   const MemoryStep largest = largest_step(header.memory, options, header.plan.options, kNoLimit);
-  return {file.info, file.shape.texels(), header.plan.milliseconds(), header.plan.result_bytes, largest.bytes};
+  return {file.info, file.shape.texels(), header.plan.result_bytes, largest.bytes};
 }
 
 Baked bake_source(BakeCommandOptions& options, const Control& control) {
@@ -626,7 +590,7 @@ Baked bake_source(BakeCommandOptions& options, const Control& control) {
   if (takes_stored(options, needs)) {
     const StoredEnvironment file =
         probe_environment(input_of(*options.input, options.common.read), options.common.read);
-    baked.plan = plan(file, needs, baked.whole, options.scene.costs());
+    baked.plan = plan(file, needs, baked.whole);
     bake_stored(file, options, baked, control);
     return baked;
   }

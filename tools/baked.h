@@ -9,7 +9,6 @@
 #include "tools/bake_lobes.h"
 #include "tools/bake_options.h"
 #include "tools/terminal.h"
-#include "tools/texture_budget.h"
 #include "welkin/bake.h"
 #include "welkin/plan.h"
 
@@ -26,7 +25,6 @@ struct Baked {
   BakeOptions whole;    ///< all that the options ask for
   BakeOptions options;  ///< what the scene needs of it
   Plan plan;
-  std::optional<ChosenTextures> textures;  ///< by a budget
   BakeResult light;
   std::optional<PrefilteredSpecular> env;  ///< the .env's or .glb's chain, if the specular one would not do
   std::vector<LobeChain> lobes;            ///< of --lobe
@@ -73,16 +71,15 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
 struct Prediction {
   EnvironmentInfo info;
   std::uint64_t texels = 0;        ///< of the input
-  double milliseconds = 0.0;       ///< of the passes on one thread; without reading and writing
   std::uint64_t result_bytes = 0;  ///< in memory, before they become files
   std::uint64_t most_bytes = 0;    ///< of the step that takes most; without previews and encoders
 };
 
-/// Of a bake of a file. A budget, which is judged by pixels, is left out of the prediction. Throws as `plan_ahead`.
+/// Of a bake of a file. Throws as `plan_ahead`.
 [[nodiscard]] Prediction predict(BakeCommandOptions options);
 
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
-/// before, if it is to be explained. What a budget chooses is set in `options`.
+/// before, if it is to be explained.
 [[nodiscard]] Baked bake_source(BakeCommandOptions& options, const Control& control);
 
 }  // namespace welkin::tool

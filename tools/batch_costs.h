@@ -6,8 +6,7 @@
 
 namespace welkin::tool {
 
-/// Returns the predicted processor time of a job in seconds: the passes of its plan, reading the input, previews,
-/// other lobes, and encoding the files that `options` list.
+/// Returns the predicted processor time of a job in seconds, from the texels of its input and the bytes of its results.
 [[nodiscard]] double seconds_of_job(const Prediction& prediction, const BakeCommandOptions& options);
 
 }  // namespace welkin::tool

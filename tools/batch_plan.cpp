@@ -36,7 +36,7 @@ constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of c
 
 // ---- Options
 
-bool names_a_file(std::string_view option) { return option == "--needs" || option == "--costs"; }
+bool names_a_file(std::string_view option) { return option == "--needs"; }
 
 /// The words with `change` called on those that name a file.
 template <class Change>

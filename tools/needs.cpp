@@ -23,18 +23,6 @@ void read_range(const Json& value, const std::string& where, std::optional<Rough
   target = range;
 }
 
-void read_budget(const Json& value, const std::string& where, std::optional<double>& target) {
-  if (value.is_null()) {
-    target.reset();
-    return;
-  }
-  double budget = 0.0;
-  number("", budget).read(value, where);
-  if (!(budget >= 1e-6 && budget <= 1.0))
-    throw Flaw{where + " is " + value.one_line() + "; it is a share of each result, from 1e-6 to 1 (0.01 is 1 %)"};
-  target = budget;
-}
-
 SceneNeeds needs_of(const Json& json) {
   SceneNeeds needs;
   read_object(json, "needs",
@@ -46,32 +34,12 @@ SceneNeeds needs_of(const Json& json) {
                flag("brdf_table", needs.brdf_table),
                flag("stored_results", needs.stored_results),
                flag("same_bits", needs.same_bits),
-               {"error_budget",
-                [&](const Json& value, const std::string& where) { read_budget(value, where, needs.error_budget); }},
                flag("sun_moves", needs.sun_moves)});
   if (needs.diffuse_bands < 0 || needs.diffuse_bands > kMaximumBands) {
     throw Flaw{"needs.diffuse_bands is " + std::to_string(needs.diffuse_bands) + "; it must be from 0 to " +
                std::to_string(kMaximumBands)};
   }
   return needs;
-}
-
-constexpr double kLeastNanoseconds = 1e-6;
-constexpr double kMostNanoseconds = 1e12;
-
-CostModel costs_of(const Json& json) {
-  CostModel costs;
-  std::vector<Member> members;
-  for (const CostUnit& unit : cost_units()) members.push_back(number(unit.name, costs.*unit.value));
-  read_object(json, "costs", members);
-  for (const CostUnit& unit : cost_units()) {
-    const double value = costs.*unit.value;
-    if (!(value >= kLeastNanoseconds && value <= kMostNanoseconds)) {
-      throw Flaw{std::string("costs.") + unit.name + " is " + Json(value).one_line() +
-                 "; nothing costs that: nanoseconds, from 1e-6 to 1e12"};
-    }
-  }
-  return costs;
 }
 
 /// The file's name before what is wrong in it.
@@ -94,7 +62,6 @@ SceneNeeds NeedsChoice::needs() const {
   if (no_glossy) needs.glossy.reset();
   if (no_background) needs.background = false;
   if (no_diffuse) needs.diffuse_bands = 0;
-  if (error_budget) needs.error_budget = error_budget;
   if (!any()) needs.stored_results = false;
   return needs;
 }
@@ -126,37 +93,17 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
                    .target = &choice.no_background,
                    .text = "The scene does not show the environment itself"});
   table.push_back({.names = "--no-diffuse", .target = &choice.no_diffuse, .text = "No diffuse light is used"});
-  table.push_back(
-      {.names = "--error-budget",
-       .target = &choice.error_budget,
-       .text = "The relative error that each pass may have; 0.01 is 1 %. Each pass takes its cheapest setting whose "
-               "estimated error on this input is below it; --explain prints it. Results that the input file "
-               "carries are not used. A bake to files also takes the smallest faces, mips and texels for "
-               "which what a shader reads is within it, where no option names them, and fails where none are",
-       .type = "SHARE",
-       .bounds = finite_between(1e-6, 1.0)});
-  table.push_back(
-      {.names = "--explain",
-       .target = &choice.explain,
-       .text = "Print which passes run, are reused or left out, and why; when the bake is done, print predicted "
-               "and measured times"});
-  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
-  table.push_back({.names = "--costs",
-                   .target = On<std::string>([&choice](const std::string& file) {
-                     choice.costs_in_file = read_costs(platform::path_of(file));
-                     choice.costs_file = file;
-                   }),
+  table.push_back({.names = "--explain",
+                   .target = &choice.explain,
                    .text =
-                       "A JSON file with the cost of work on this machine, as 'welkin report --calibrate' writes it; "
-                       "by default stored costs are used",
-                   .type = "FILE"});
+                       "Print which passes run, are reused or left out, and why; when the bake is done, print their "
+                       "times"});
+  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
 }
 
 Json needs_json(const SceneNeeds& needs) {
   Json glossy = nullptr;
   if (needs.glossy) glossy = {{"minimum", needs.glossy->minimum}, {"maximum", needs.glossy->maximum}};
-  Json budget = nullptr;
-  if (needs.error_budget) budget = *needs.error_budget;
   return {{"diffuse_bands", needs.diffuse_bands},
           {"irradiance_cubemap", needs.irradiance_cubemap},
           {"glossy", glossy},
@@ -165,7 +112,6 @@ Json needs_json(const SceneNeeds& needs) {
           {"brdf_table", needs.brdf_table},
           {"stored_results", needs.stored_results},
           {"same_bits", needs.same_bits},
-          {"error_budget", budget},
           {"sun_moves", needs.sun_moves}};
 }
 
@@ -175,20 +121,11 @@ SceneNeeds read_needs(const std::filesystem::path& path) {
   });
 }
 
-CostModel read_costs(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
-    return costs_of(read_json_file(path, "'welkin report --calibrate' writes one", kMostJsonBytes, Pipes::read));
-  });
-}
-
 Json plan_json(const Plan& plan) {
   Json passes = Json::array();
   for (const PlannedPass& pass : plan.passes) {
-    passes.push_back({{"name", pass.name},
-                      {"action", name(pass.action)},
-                      {"reason", pass.reason},
-                      {"predicted_ms", pass.predicted_milliseconds},
-                      {"bytes", pass.bytes}});
+    passes.push_back(
+        {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"bytes", pass.bytes}});
   }
   return {{"source", plan.source},
           {"passes", passes},

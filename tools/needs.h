@@ -1,4 +1,4 @@
-// What a scene needs: on the command line and as JSON; what work costs as JSON, and plans.
+// What a scene needs: on the command line and as JSON; and plans.
 #pragma once
 
 #include <filesystem>
@@ -18,36 +18,25 @@ struct NeedsChoice {
   bool no_glossy = false;
   bool no_background = false;
   bool no_diffuse = false;
-  std::optional<double> error_budget;
-  std::optional<std::string> costs_file;  ///< likewise
-  std::optional<CostModel> costs_in_file;
   bool explain = false;
   bool plan_only = false;
 
   /// Whether anything was said of the scene. Without it a bake does all that its options ask for.
-  [[nodiscard]] bool any() const noexcept {
-    return file || glossy || no_glossy || no_background || no_diffuse || error_budget;
-  }
+  [[nodiscard]] bool any() const noexcept { return file || glossy || no_glossy || no_background || no_diffuse; }
   [[nodiscard]] bool explains() const noexcept { return explain || plan_only; }
 
   /// The file's, and what flags say on top; everything where nothing was said.
   [[nodiscard]] SceneNeeds needs() const;
-  [[nodiscard]] CostModel costs() const { return costs_in_file.value_or(CostModel()); }
 };
 
-/// The options throw as `read_needs` and `read_costs`.
+/// The options throw as `read_needs`.
 void add_needs_options(Options& table, NeedsChoice& choice);
 
-/// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials;
-/// "error_budget" a number or null.
+/// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials.
 [[nodiscard]] Json needs_json(const SceneNeeds& needs);
 /// What is missing is as in a default `SceneNeeds`. Throws `Error`: file_access, limit_exceeded (more than a megabyte),
 /// corrupt_file naming the key, for what is no JSON and for members of another name, kind or range.
 [[nodiscard]] SceneNeeds read_needs(const std::filesystem::path& path);
-
-/// Nanoseconds by name, as `welkin report --calibrate` writes them. Missing ones are the stored ones. Throws as
-/// `read_needs`; each must be above 0.
-[[nodiscard]] CostModel read_costs(const std::filesystem::path& path);
 
 [[nodiscard]] Json plan_json(const Plan& plan);
 

@@ -64,9 +64,8 @@ struct StoredEnvironment {
                                    const BakeOptions& options = {}, const Control& control = {});
 
 /// Plans a bake of a file that was probed, with what it carries. Where nothing wants pixels it is projected while it is
-/// read, or not even read. Nothing is read here: an error budget is refused as of a shape.
-[[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {},
-                        const CostModel& costs = {});
+/// read, or not even read. Nothing is read here.
+[[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {});
 
 /// Carries out the plan of a file. Throws as `bake` and `bake_file`, and invalid_argument for another file's plan.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});

@@ -136,16 +136,16 @@ void run_with_threads(int threads, const std::function<void()>& work);
 
 // ---- Working memory
 
-// A call takes its large buffers (256 KiB and more) from blocks that earlier calls left, so that a warm call clears no
-// pages but its result's. On Linux blocks of 1 MiB and more lie in huge pages of 2 MiB, and are rounded up to whole
-// ones. Any thread may call these functions at any time. They change no result.
+// A call takes its buffers of 64 KiB and more from blocks that earlier calls left, so that a warm call clears no pages
+// but its result's. On Linux they lie in huge pages of 2 MiB: blocks of 1 MiB and more in whole ones, smaller blocks
+// share pages. Any thread may call these functions at any time. They change no result.
 
 /// Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
 /// beyond that. 0 keeps none. Under an address sanitizer and in WebAssembly the default is 0.
 void keep_working_memory(std::size_t bytes) noexcept;
 
-/// Frees all blocks that no call uses, after a level is loaded for instance. Calls that run keep theirs and leave them
-/// for later calls.
+/// Frees all blocks and shared pages that neither a call nor a table uses, after a level is loaded for instance. Calls
+/// that run keep theirs and leave them for later calls.
 void release_working_memory() noexcept;
 
 // ---- Instruction sets

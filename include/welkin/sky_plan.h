@@ -53,19 +53,14 @@ struct SkyPlan {
   bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
   std::uint64_t result_bytes = 0;   ///< memory of the results
 
-  /// Predicted time of all passes that run, on that many threads.
-  [[nodiscard]] double milliseconds(int threads = 1) const noexcept;
   /// By its name. Throws `Error` (invalid_argument) if there is none.
   [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
 };
 
 /// Plans a sky. Work for what the planet lacks is left out: without aerosol the second table of scattering, without
-/// absorbers their shells, with one order the sources of the others. An error budget is refused (invalid_argument),
-/// because the settings of a sky can only be judged by tables: ask `choose_sky_tables`, `choose_sky_orders` and
-/// `choose_sky_harmonics` once for a kind of planet, and pass their settings in `whole`. Throws `Error`
+/// absorbers their shells, with one order the sources of the others. Throws `Error`
 /// (invalid_argument) as `check` and `precompute_sky`.
-[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {},
-                           const CostModel& costs = {});
+[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {});
 
 /// The results. What was not planned is empty.
 struct SkyBake {

@@ -9,7 +9,6 @@
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/error_budget.h"
 #include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"

@@ -101,22 +101,22 @@ class Baking {
     return &Baking::make_octahedral;
   }
 
-  /// A pass of the graph, weighed by what it is expected to take, but by no less than what it takes to begin.
-  std::size_t add_pass(double milliseconds, std::function<void(const Control&)> work,
-                       const std::vector<std::size_t>& after) {
-    constexpr double kLeastCost = 10'000.0;  // nanoseconds
-    constexpr double kNanoseconds = 1e6;     // in a millisecond
-    return graph_.add(std::max(kLeastCost, kNanoseconds * milliseconds), std::move(work), after);
+  /// A pass of the graph, with no less weight than what it takes to begin.
+  std::size_t add_pass(double weight, std::function<void(const Control&)> work, const std::vector<std::size_t>& after) {
+    constexpr double kLeastWeight = 10'000.0;  // nanoseconds
+    return graph_.add(std::max(kLeastWeight, weight), std::move(work), after);
   }
 
   /// What comes before all others: the pixels, and what a store has of them.
   void add_first_passes() {
+    constexpr double kReadTexel = 10.0;  // nanoseconds, of a compressed file
     reading_ = source_.reading();
     if (reading_ && reading_->action != PassAction::skip) {
-      read_ = add_pass(reading_->predicted_milliseconds, [this](const Control& control) { source_.read(control); }, {});
+      read_ = add_pass(kReadTexel * static_cast<double>(source_.shape().texels()),
+                       [this](const Control& control) { source_.read(control); }, {});
     }
     if (store_ == nullptr || !source_.holds_pixels()) return;
-    constexpr double kHashed = 1e-7;  // milliseconds a byte
+    constexpr double kHashed = 0.1;  // nanoseconds a byte
     const double bytes =
         static_cast<double>(source_.shape().texels()) * static_cast<double>(bytes_per_texel(source_.shape().format));
     find_ = add_pass(
@@ -144,8 +144,7 @@ class Baking {
       for (const BakePass earlier : step.after) after.push_back(steps_[static_cast<std::size_t>(earlier)].pass);
       const Work work = work_of(step.pass);
       steps_[k].pass = add_pass(
-          planned.predicted_milliseconds,
-          [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); },
+          step.weight, [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); },
           passes(std::move(after)));
     }
   }
@@ -483,7 +482,7 @@ class Baking {
   std::optional<Projection> projection_;
 };
 
-/// A plan knows why the scene needs none of it, or what its error budget picked.
+/// A plan knows why the scene needs none of it.
 void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
   for (BakeStep& step : plan.steps) {
     for (const PlannedPass& said : planned) {

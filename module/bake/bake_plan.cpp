@@ -1,8 +1,7 @@
-// Which passes a bake has: run, reused or left out, why, at what cost, and what waits for what.
+// Which passes a bake has: run, reused or left out, why, in what memory, and what waits for what.
 #include "bake/bake_plan.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -47,42 +46,6 @@ SourceShape shape_of(const CubemapView& view) {
   return {true, view.size, 6 * view.size, view.format};
 }
 
-std::span<const CostUnit> cost_units() noexcept {
-  static constexpr std::array kUnits = {CostUnit{"clean_texel", &CostModel::clean_texel},
-                                        CostUnit{"project_texel", &CostModel::project_texel},
-                                        CostUnit{"project_sum", &CostModel::project_sum},
-                                        CostUnit{"resample_texel", &CostModel::resample_texel},
-                                        CostUnit{"resample_source", &CostModel::resample_source},
-                                        CostUnit{"resample_cube_texel", &CostModel::resample_cube_texel},
-                                        CostUnit{"resample_cube_source", &CostModel::resample_cube_source},
-                                        CostUnit{"mip_texel", &CostModel::mip_texel},
-                                        CostUnit{"copy_texel", &CostModel::copy_texel},
-                                        CostUnit{"read_texel", &CostModel::read_texel},
-                                        CostUnit{"read_plain_texel", &CostModel::read_plain_texel},
-                                        CostUnit{"ring_texel", &CostModel::ring_texel},
-                                        CostUnit{"bright_texel", &CostModel::bright_texel},
-                                        CostUnit{"fourier_texel", &CostModel::fourier_texel},
-                                        CostUnit{"legendre_term", &CostModel::legendre_term},
-                                        CostUnit{"face_texel", &CostModel::face_texel},
-                                        CostUnit{"reference_pair", &CostModel::reference_pair},
-                                        CostUnit{"reference_direction", &CostModel::reference_direction},
-                                        CostUnit{"irradiance_term", &CostModel::irradiance_term},
-                                        CostUnit{"irradiance_pair", &CostModel::irradiance_pair},
-                                        CostUnit{"irradiance_direction", &CostModel::irradiance_direction},
-                                        CostUnit{"brdf_texel", &CostModel::brdf_texel},
-                                        CostUnit{"sheen_texel", &CostModel::sheen_texel},
-                                        CostUnit{"transmittance_texel", &CostModel::transmittance_texel},
-                                        CostUnit{"sun_path_node", &CostModel::sun_path_node},
-                                        CostUnit{"first_order_node", &CostModel::first_order_node},
-                                        CostUnit{"order_node", &CostModel::order_node},
-                                        CostUnit{"scattered_once", &CostModel::scattered_once},
-                                        CostUnit{"scattered_often", &CostModel::scattered_often},
-                                        CostUnit{"slice_texel", &CostModel::slice_texel},
-                                        CostUnit{"sky_direction", &CostModel::sky_direction},
-                                        CostUnit{"projected_direction", &CostModel::projected_direction}};
-  return kUnits;
-}
-
 }  // namespace welkin
 
 namespace welkin::baking {
@@ -91,7 +54,6 @@ namespace {
 constexpr int kLargestIrradiance = 4096;
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
 constexpr std::uint64_t kSmallChange = std::uint64_t{2} << 20U;  ///< scratch space of tiles, lists of rows
-constexpr double kNanoseconds = 1e6;                             ///< in a millisecond
 
 std::uint64_t squared(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
 
@@ -197,89 +159,50 @@ bool halves(int source_size, int size) {
 }
 
 /// A texel of the result takes a look; where it is coarser than the source, all of what it covers.
-double resampling(const SourceShape& source, int size, const CostModel& costs) {
-  if (source.cubemap && source.columns == size) return costs.copy_texel * cube_texels(size);
-  if (source.cubemap && halves(source.columns, size)) return costs.mip_texel * static_cast<double>(source.texels());
-  if (source.cubemap) {
-    return costs.resample_cube_texel * cube_texels(size) +
-           costs.resample_cube_source * static_cast<double>(source.texels());
-  }
-  return costs.resample_texel * cube_texels(size) + costs.resample_source * static_cast<double>(source.texels());
+double resampling(const SourceShape& source, int size) {
+  const auto texels = static_cast<double>(source.texels());
+  if (source.cubemap && source.columns == size) return 0.25 * texels;
+  if (source.cubemap && halves(source.columns, size)) return texels;
+  return source.cubemap ? 290.0 * cube_texels(size) + 450.0 * texels : 5.3 * cube_texels(size) + 0.9 * texels;
 }
 
-double projecting(double texels, int bands, const CostModel& costs) {
-  return texels * (costs.project_texel + 0.5 * costs.project_sum * bands * (bands + 1));
+/// Both halves of a transform: rings by Fourier, orders by Legendre.
+double transforming(double rings, double columns, int bands) {
+  return 1.7 * rings * columns + 0.09 * bands * bands * rings;
 }
 
-/// Both halves of a transform: rings by Fourier, orders by Legendre. Functions vanish near the poles: half of them
-/// count.
-double transforming(double rings, double columns, int bands, const CostModel& costs) {
-  return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
-}
-
-double synthesising(const reflections::MipPlan& mip, int bands, const CostModel& costs) {
-  const transforms::GridSize grid = transforms::grid_for_bands(bands);
-  return transforming(grid.rings, grid.columns, bands, costs) + costs.face_texel * cube_texels(mip.size);
-}
-
-/// Of lobes other than GGX, beside transforms: finding their spectra, and lights texel by texel. Measured with `welkin
-/// bake --lobe --size 256` of a photograph of 1024 x 512 on Zen 4, one thread; pictures differ by more than ten times.
-double lobes_beside_transforms(const reflections::PrefilterPlan& plan) {
-  if (plan.family == LobeFamily::ggx) return 0.0;
-  const auto texels = static_cast<double>(chain_texels(plan.mips.front().size, static_cast<int>(plan.mips.size())));
-  return plan.family == LobeFamily::charlie ? 5e8 + 470.0 * texels : 100.0 * texels;
-}
-
-double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
+double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const double rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const double columns = source.cubemap ? 2.0 * rings : source.columns;
-  double cost = lobes_beside_transforms(plan);
-  if (plan.bands > 0) {
-    cost += costs.bright_texel * static_cast<double>(source.texels());
-    if (source.cubemap) cost += costs.ring_texel * rings * columns;
-    cost += transforming(rings, columns, plan.bands, costs);
-  }
-  if (plan.uses(MipMethod::narrow)) {
-    const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
-    const double far_rings = source.cubemap ? finest.rows_for_cubemap() : rings;
-    const double far_columns = source.cubemap ? 2.0 * far_rings : columns;
-    cost += costs.bright_texel * static_cast<double>(source.texels());
-    if (source.cubemap) cost += costs.ring_texel * far_rings * far_columns;
-    cost += transforming(far_rings, far_columns, finest.bands, costs);
-  }
+  const auto source_texels = static_cast<double>(source.texels());
+  double sum = 3.0 * source_texels + transforming(rings, columns, plan.bands);
   for (const reflections::MipPlan& mip : plan.mips) {
     const double texels = cube_texels(mip.size);
-    cost += projecting(texels, 1, costs);  // its mean
-    if (mip.method == MipMethod::copy) {
-      cost += resampling(source, mip.size, costs);
-    } else if (mip.method == MipMethod::narrow) {
-      const reflections::NarrowSplit split = split_of(source, mip.size);
-      // Of `near_texel`, for the texels within the reach: measured on Zen 5 in mips of 256 and 512, 0.25 ns for each.
-      constexpr double kShare = 2.5e-4;
-      const double near = kShare * split.reach * split.reach * static_cast<double>(source.texels());
-      cost += transforming(split.grid().rings, split.grid().columns, split.bands, costs) +
-              (costs.face_texel + costs.near_texel * near) * texels;
-    } else if (mip.method == MipMethod::reference) {
-      cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
-    } else {
-      // Of lobes other than GGX the picture decides the bands: those of the transform at most.
-      cost += synthesising(mip, mip.bands.bands() > 0 ? mip.bands.bands() : plan.bands, costs);
+    switch (mip.method) {
+      case MipMethod::copy:
+      case MipMethod::stored: sum += resampling(source, mip.size); break;
+      case MipMethod::narrow: sum += 100.0 * texels; break;
+      case MipMethod::reference: sum += 26.0 * texels * source_texels; break;
+      case MipMethod::spectral: {
+        const transforms::GridSize grid = mip.grid();
+        sum += 8.0 * texels + transforming(grid.rings, grid.columns, mip.bands.bands());
+        break;
+      }
     }
   }
-  if (plan.irradiance && plan.bands > 0) cost += synthesising(*plan.irradiance, plan.irradiance->bands.bands(), costs);
-  return cost;
+  return sum;
 }
 
 /// What a pass takes.
 struct Work {
-  double nanoseconds = 0.0;
+  double weight = 0.0;  ///< see `BakeStep`
   std::uint64_t result_bytes = 0;
   std::uint64_t working_bytes = 0;  ///< beside the result
 };
 
-Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
+Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const int mips = static_cast<int>(plan.mips.size());
-  return {prefiltering(source, plan, costs), kTexelBytes * chain_texels(plan.mips.front().size, mips),
+  return {prefiltering(source, plan), kTexelBytes * chain_texels(plan.mips.front().size, mips),
           prefilter_bytes(source, plan)};
 }
 
@@ -322,9 +245,8 @@ void check(const BakeOptions& options, const PlanTrim& trim) {
 /// Puts a plan together: one function a pass.
 class BakePlanner {
  public:
-  BakePlanner(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim, const StoredKinds& stored,
-              const CostModel& costs)
-      : source_(source), options_(options), stored_(stored), costs_(costs) {
+  BakePlanner(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim, const StoredKinds& stored)
+      : source_(source), options_(options), stored_(stored) {
     settle_projection(trim);
     settle_sizes(trim);
   }
@@ -382,8 +304,8 @@ class BakePlanner {
 
   void add(BakePass pass, PassAction action, std::string reason, const Work& work, std::vector<BakePass> after = {}) {
     plan_.steps.push_back({pass,
-                           {name(pass), action, std::move(reason), work.nanoseconds / kNanoseconds,
-                            work.result_bytes + work.working_bytes},
+                           {name(pass), action, std::move(reason), work.result_bytes + work.working_bytes},
+                           work.weight,
                            std::move(after)});
     plan_.result_bytes += work.result_bytes;
     plan_.working_bytes += work.working_bytes;
@@ -402,7 +324,7 @@ class BakePlanner {
     if (!plan_.prefilter && plan_.background_size == 0 && !convolves())
       return skip(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
     // The memory is for a copy either way: the source's own pixels may turn out not to be clean.
-    const Work work{costs_.clean_texel * source_texels(), 0, kTexelBytes * source_.texels()};
+    const Work work{0.3 * source_texels(), 0, kTexelBytes * source_.texels()};
     if (source_.format == PixelFormat::rgb32f && !options_.pixels.clamp && !options_.pixels.gamma) {
       add(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean", work);
     } else {
@@ -413,12 +335,12 @@ class BakePlanner {
   void specular() {
     if (plan_.prefilter) {
       add(BakePass::specular, PassAction::run, prefilter_words(*plan_.prefilter),
-          prefilter_work(source_, *plan_.prefilter, costs_), {BakePass::sanitize});
+          prefilter_work(source_, *plan_.prefilter), {BakePass::sanitize});
     } else if (plan_.stored_specular) {
       const std::uint64_t texels = chain_texels(stored_.specular_size, stored_.specular_mips);
       add(BakePass::specular, PassAction::reuse,
           mips_from(stored_.specular_mips, stored_.specular_size) + " came with the pixels",
-          {costs_.copy_texel * static_cast<double>(texels), kTexelBytes * texels, 0});
+          {0.25 * static_cast<double>(texels), kTexelBytes * texels, 0});
     } else {
       skip(BakePass::specular);
     }
@@ -430,10 +352,10 @@ class BakePlanner {
     const std::uint64_t bytes = kTexelBytes * chain_texels(size, 1);
     if (plan_.same_level) {
       add(BakePass::background, PassAction::reuse, "mip 0 of the specular cubemap is the same",
-          {costs_.copy_texel * cube_texels(size), bytes, 0}, {BakePass::specular});
+          {0.25 * cube_texels(size), bytes, 0}, {BakePass::specular});
     } else {
       add(BakePass::background, PassAction::run, source_.words() + " to faces of " + edge(size) + ", by area",
-          {resampling(source_, size, costs_), bytes, source_.cubemap ? bytes : 0}, {BakePass::sanitize});
+          {resampling(source_, size), bytes, source_.cubemap ? bytes : 0}, {BakePass::sanitize});
     }
   }
 
@@ -447,12 +369,12 @@ class BakePlanner {
     const std::string count = std::to_string(levels) + " levels";
     if (plan_.stored_background) {
       add(BakePass::background_mips, PassAction::reuse, count + " came with the pixels",
-          {costs_.copy_texel / 3.0 * cube_texels(size), bytes, 0}, {BakePass::background});
+          {0.1 * cube_texels(size), bytes, 0}, {BakePass::background});
     } else {
       const bool box = options_.background->mip_filter == MipFilter::box;
       add(BakePass::background_mips, PassAction::run,
           count + ", each from the one above, by " + (box ? "plain mean" : "solid angle"),
-          {costs_.mip_texel * cube_texels(size), bytes, 0}, {BakePass::background});
+          {cube_texels(size), bytes, 0}, {BakePass::background});
     }
   }
 
@@ -466,7 +388,8 @@ class BakePlanner {
       if (projected_bands_ > options_.bands) words += " of " + std::to_string(projected_bands_);
       words += " from the source's own texels";
     }
-    add(BakePass::project, PassAction::run, words, {projecting(source_texels(), projected_bands_, costs_), 0, 0});
+    add(BakePass::project, PassAction::run, words,
+        {source_texels() * (0.4 + 0.01 * projected_bands_ * projected_bands_), 0, 0});
   }
 
   void irradiance() {
@@ -478,13 +401,12 @@ class BakePlanner {
     if (direct || (plan_.irradiance_plan && plan_.irradiance_plan->bands == 0)) {
       add(BakePass::irradiance, PassAction::run,
           edge(size) + " by direct convolution in double" + (direct ? "" : ": no other method meets the bound"),
-          {texels * (costs_.irradiance_pair * source_texels() + costs_.irradiance_direction), bytes, 0},
-          {BakePass::sanitize});
+          {4.0 * texels * source_texels(), bytes, 0}, {BakePass::sanitize});
     } else if (plan_.irradiance_plan) {
       convolve(*plan_.irradiance_plan, bytes);
     } else {
       add(BakePass::irradiance, PassAction::run, edge(size) + " from " + std::to_string(options_.bands) + " bands",
-          {costs_.irradiance_term * texels * options_.bands * options_.bands, bytes, 0}, {BakePass::project});
+          {0.5 * texels * options_.bands * options_.bands, bytes, 0}, {BakePass::project});
     }
   }
 
@@ -493,10 +415,10 @@ class BakePlanner {
         edge(options_.irradiance->size) + " by " + std::to_string(how.irradiance->bands.bands()) + " bands";
     if (plan_.shares_harmonics) {
       add(BakePass::irradiance, PassAction::run, words + " of the specular chain's harmonics",
-          {costs_.copy_texel * cube_texels(how.irradiance->size), bytes, 0}, {BakePass::sanitize, BakePass::specular});
+          {0.25 * cube_texels(how.irradiance->size), bytes, 0}, {BakePass::sanitize, BakePass::specular});
     } else {
       add(BakePass::irradiance, PassAction::run, words + ", bright texels each by the cosine",
-          {prefiltering(source_, how, costs_), bytes, prefilter_bytes(source_, how)}, {BakePass::sanitize});
+          {prefiltering(source_, how), bytes, prefilter_bytes(source_, how)}, {BakePass::sanitize});
     }
   }
 
@@ -504,9 +426,8 @@ class BakePlanner {
     if (!options_.brdf) return skip(BakePass::brdf);
     const int width = options_.brdf->width;
     const int height = options_.brdf->height;
-    const double texel = options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel;
     add(BakePass::brdf, PassAction::run, std::to_string(width) + " x " + std::to_string(height) + " by quadrature",
-        {texel * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
+        {400.0 * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
   }
 
   /// Of the mips that are there: a plan may leave some out, and a file may carry fewer.
@@ -525,21 +446,17 @@ class BakePlanner {
     map.levels = std::min(map.levels, mips);
     plan_.octahedral = map;
     const std::uint64_t bytes = octahedral::map_bytes(map);
-    const double texels = static_cast<double>(bytes) / kTexelBytes;
-    constexpr double kOfSources = 0.4;  // maps of 64 to 1024 from cubemaps of 64 to 512
     add(BakePass::octahedral, PassAction::run,
         edge(map.size) + (map.levels > 1 ? " and " + std::to_string(map.levels - 1) + " smaller" : "") +
             " from the specular cubemap",
-        {costs_.resample_cube_texel * texels +
-             kOfSources * costs_.resample_cube_source * static_cast<double>(chain_texels(size, map.levels)),
-         bytes, octahedral::working_bytes(map, size, jobs::worker_count(jobs::Placement::arena))},
+        {200.0 * static_cast<double>(chain_texels(size, map.levels)), bytes,
+         octahedral::working_bytes(map, size, jobs::worker_count(jobs::Placement::arena))},
         {BakePass::specular});
   }
 
   const SourceShape& source_;
   const BakeOptions& options_;
   const StoredKinds& stored_;
-  const CostModel& costs_;
   int projected_bands_ = 0;  ///< 0: nothing is projected
   BakePlan plan_;
 };
@@ -574,16 +491,14 @@ int background_size(const SourceShape& source, const BakeOptions& options) {
 }
 
 BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim,
-                   const StoredKinds& stored, const CostModel& costs) {
+                   const StoredKinds& stored) {
   check(options, trim);
-  return BakePlanner(source, options, trim, stored, costs).run();
+  return BakePlanner(source, options, trim, stored).run();
 }
 
-PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan,
-                                const CostModel& costs) {
-  const Work work = prefilter_work(source, plan, costs);
-  return {name(BakePass::specular), PassAction::run, prefilter_words(plan), work.nanoseconds / kNanoseconds,
-          work.result_bytes + work.working_bytes};
+PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+  const Work work = prefilter_work(source, plan);
+  return {name(BakePass::specular), PassAction::run, prefilter_words(plan), work.result_bytes + work.working_bytes};
 }
 
 void require_memory(const BakePlan& plan, const BakeOptions& options) {

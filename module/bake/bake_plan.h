@@ -1,4 +1,4 @@
-// What a bake will do, what it needs and what it is expected to cost: settled before any of it runs.
+// What a bake will do and what memory it needs: settled before any of it runs.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,7 @@ enum class BakePass { sanitize, specular, background, background_mips, project, 
 struct BakeStep {
   BakePass pass;
   PlannedPass planned;
+  double weight;                ///< nanoseconds of one thread, roughly: for the order of passes and the progress
   std::vector<BakePass> after;  ///< that must have ended; of those that are skipped nothing is waited for
 };
 
@@ -50,7 +51,7 @@ struct BakePlan {
 
   std::uint64_t result_bytes = 0;
   std::uint64_t working_bytes = 0;  ///< at most: of all that may run at the same time
-  std::vector<BakeStep> steps;      ///< each pass once: what is run, planned, predicted and recorded
+  std::vector<BakeStep> steps;      ///< each pass once: what is run, planned and recorded
 
   [[nodiscard]] const BakeStep& step(BakePass pass) const { return steps[static_cast<std::size_t>(pass)]; }
   [[nodiscard]] bool runs(BakePass pass) const { return step(pass).planned.action != PassAction::skip; }
@@ -62,14 +63,13 @@ struct BakePlan {
 
 /// Throws `Error` (invalid_argument) for options that are out of range or do not go together.
 [[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim = {},
-                                 const StoredKinds& stored = {}, const CostModel& costs = {});
+                                 const StoredKinds& stored = {});
 
 /// The background's size; 0: there is none.
 [[nodiscard]] int background_size(const SourceShape& source, const BakeOptions& options);
 
 /// The pass "specular" of a bake that computes these mips.
-[[nodiscard]] PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan,
-                                              const CostModel& costs);
+[[nodiscard]] PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan);
 
 /// Texels of a chain of cubemaps.
 [[nodiscard]] std::uint64_t chain_texels(int size, int levels) noexcept;

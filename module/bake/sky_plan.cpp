@@ -22,7 +22,6 @@
 namespace welkin {
 namespace {
 
-constexpr double kNanoseconds = 1e6;  ///< in a millisecond
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
 
 /// The passes, in the order in which they are planned and recorded: `SkyPlan::passes` has each once.
@@ -82,8 +81,8 @@ reflections::PrefilterPlan prefilter_plan(const SkyPlan& plan) {
 /// Puts the passes together: one function a group of them.
 class SkyPlanner {
  public:
-  SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& whole, const CostModel& costs)
-      : plan_(plan), needs_(needs), whole_(whole), options_(plan.options), costs_(costs) {}
+  SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& whole)
+      : plan_(plan), needs_(needs), whole_(whole), options_(plan.options) {}
 
   void run() {
     plan_tables();
@@ -93,8 +92,7 @@ class SkyPlanner {
     plan_background();
     if (options_.brdf) {
       const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
-      add(SkyPass::brdf, "by quadrature", (options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel) * texels,
-          static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
+      add(SkyPass::brdf, "by quadrature", static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
     } else {
       skip(SkyPass::brdf, !whole_.brdf    ? "not asked for"
                           : needs_.glossy ? "the engine has a table of its own"
@@ -105,19 +103,13 @@ class SkyPlanner {
  private:
   static constexpr const char* kNotGlossy = "no glossy materials";
 
-  void add(SkyPass pass, std::string reason, double cost, std::uint64_t bytes) {
-    plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), cost / kNanoseconds, bytes});
+  void add(SkyPass pass, std::string reason, std::uint64_t bytes) {
+    plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes});
     plan_.result_bytes += bytes;
   }
   void skip(SkyPass pass, std::string reason) {
-    plan_.passes.push_back({name(pass), PassAction::skip, std::move(reason), 0.0, 0});
+    plan_.passes.push_back({name(pass), PassAction::skip, std::move(reason), 0});
   }
-  /// Of wavelengths: tables are computed three at a time.
-  [[nodiscard]] double groups() const {
-    const std::size_t wavelengths = plan_.atmosphere.wavelengths_nm.size();
-    return options_.tables.colour == SkyColour::spectral ? 1.0 : std::ceil(static_cast<double>(wavelengths) / 3.0);
-  }
-
   void plan_tables() {
     if (!plan_.tables) {
       for (const SkyPass pass : {SkyPass::transmittance, SkyPass::sun_paths, SkyPass::orders, SkyPass::scattering}) {
@@ -127,34 +119,25 @@ class SkyPlanner {
     }
     const SkyTableOptions& tables = options_.tables;
     const std::uint64_t floats = sky::transmittance_floats(tables);
-    add(SkyPass::transmittance, "along every ray to the top",
-        costs_.transmittance_texel * static_cast<double>(floats) / 3.0, sizeof(float) * floats);
-    const sky::SunPaths::Size paths = sky::sun_path_size(tables);
-    add(SkyPass::sun_paths, "lengths to the sun, of no wavelength",
-        costs_.sun_path_node * static_cast<double>(paths.heights) * paths.zeniths, 0);
-    const sky::SourceShape shape = sky::source_shape(tables);
-    const double nodes = static_cast<double>(shape.size()) / 4.0 / shape.angles;
+    add(SkyPass::transmittance, "along every ray to the top", sizeof(float) * floats);
+    add(SkyPass::sun_paths, "lengths to the sun, of no wavelength", 0);
     add(SkyPass::orders,
         tables.orders > 1
             ? "orders 2 to " + std::to_string(tables.orders) +
                   (tables.exact_orders ? "" : ", an estimate of further ones") + ", and what reaches the ground"
             : "of one order only what reaches the ground: multiple scattering falls away",
-        groups() * nodes * (costs_.first_order_node + costs_.order_node * (tables.orders - 1)),
         sizeof(float) * sky::irradiance_floats(tables));
-    const auto texels = static_cast<double>(sky::scattering_texels(tables));
-    const double often = tables.orders > 1 ? costs_.scattered_often : 0.0;
     add(SkyPass::scattering, tables.orders > 1 ? "sunlight scattered once, and more often" : "sunlight scattered once",
-        groups() * texels * (costs_.scattered_once + often),
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
 
-  /// They have no pass of their own: costs are in the tables'.
+  /// They have no pass of their own.
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     if (!sky::scatters(air.aerosol)) {
       skip(SkyPass::aerosol, "the planet has none that scatters: no table of single Mie scattering");
     } else if (plan_.tables) {
-      add(SkyPass::aerosol, "in the tables", 0.0, 0);
+      add(SkyPass::aerosol, "in the tables", 0);
     } else {
       skip(SkyPass::aerosol, "nothing looks into the sky's tables");
     }
@@ -162,16 +145,10 @@ class SkyPlanner {
     if (absorbers == 0) {
       skip(SkyPass::absorbers, "the planet has none: no ozone");
     } else if (plan_.tables) {
-      add(SkyPass::absorbers, std::to_string(absorbers) + " of them, in the tables", 0.0, 0);
+      add(SkyPass::absorbers, std::to_string(absorbers) + " of them, in the tables", 0);
     } else {
       skip(SkyPass::absorbers, "nothing looks into the sky's tables");
     }
-  }
-
-  /// A quadrature looks at so many directions for each sun, and both sides of the horizon.
-  static double directions(const SkyHarmonicsOptions& harmonics) {
-    const double sides = harmonics.quadrature == SkyQuadrature::uniform ? 1.0 : 2.0;
-    return sides * harmonics.zeniths * harmonics.azimuths;
   }
 
   void plan_light() {
@@ -180,8 +157,7 @@ class SkyPlanner {
     } else {
       const SkyTableOptions& tables = options_.tables;
       const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
-      add(SkyPass::view, "the tables' slice at the altitude", costs_.slice_texel * texels,
-          8 * sizeof(float) * static_cast<std::uint64_t>(texels));
+      add(SkyPass::view, "the tables' slice at the altitude", 8 * sizeof(float) * static_cast<std::uint64_t>(texels));
     }
     const std::string bands = std::to_string(options_.bands) + " bands";
     if (plan_.curve) {
@@ -189,13 +165,12 @@ class SkyPlanner {
           static_cast<std::uint64_t>(options_.curve.nodes) *
           (3 * static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands + 1) + 24) *
           sizeof(double);
-      add(SkyPass::curve, bands + " over the sun's elevation",
-          costs_.projected_direction * options_.curve.nodes * directions(options_.curve.projection), bytes);
+      add(SkyPass::curve, bands + " over the sun's elevation", bytes);
     } else {
       skip(SkyPass::curve, options_.bands == 0 ? no_light() : "the sun does not move");
     }
     if (options_.bands > 0 && !plan_.curve) {
-      add(SkyPass::project, bands + " for the one sun", costs_.sky_direction * directions(options_.harmonics), 0);
+      add(SkyPass::project, bands + " for the one sun", 0);
     } else {
       skip(SkyPass::project, options_.bands == 0 ? no_light() : "the curve has it for every sun");
     }
@@ -208,35 +183,28 @@ class SkyPlanner {
     if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not asked for");
     const int size = options_.specular->size;
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
-    const PlannedPass pass = baking::plan_prefilter_pass(source, prefilter_plan(plan_), costs_);
-    add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's",
-        kNanoseconds * pass.predicted_milliseconds + costs_.sky_direction * static_cast<double>(source.texels()),
-        pass.bytes);
+    const PlannedPass pass = baking::plan_prefilter_pass(source, prefilter_plan(plan_));
+    add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's", pass.bytes);
   }
 
   void plan_background() {
     if (!options_.background_size)
       return skip(SkyPass::background, whole_.background_size ? "nothing shows it" : "not asked for");
     const std::uint64_t texels = baking::chain_texels(*options_.background_size, 1);
-    add(SkyPass::background, "a cubemap of the sky for one sun", costs_.sky_direction * static_cast<double>(texels),
-        kTexelBytes * texels);
+    add(SkyPass::background, "a cubemap of the sky for one sun", kTexelBytes * texels);
   }
 
   SkyPlan& plan_;
   const SceneNeeds& needs_;
   const SkyBakeOptions& whole_;
   const SkyBakeOptions& options_;
-  const CostModel& costs_;
 };
 
 }  // namespace
 
-SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole,
-             const CostModel& costs) {
+SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole) {
   const platform::FloatingPointScope floating_point;
   check(needs);
-  baking::refuse_budget(needs,
-                        "ask choose_sky_tables, choose_sky_orders and choose_sky_harmonics, and pass their settings");
   static_cast<void>(sky_table_bytes(atmosphere, whole.tables));  // refuses what cannot be computed
   if (whole.background_size) image::require_range("background_size", *whole.background_size, 1, image::kLargestFace);
   SkyPlan plan;
@@ -250,15 +218,8 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
   }
   plan.tables = plan.options.bands > 0 || plan.options.specular || plan.options.background_size;
   plan.curve = plan.options.bands > 0 && needs.sun_moves;
-  SkyPlanner(plan, needs, whole, costs).run();
+  SkyPlanner(plan, needs, whole).run();
   return plan;
-}
-
-double SkyPlan::milliseconds(int threads) const noexcept {
-  const platform::FloatingPointScope floating_point;
-  double sum = 0.0;
-  for (const PlannedPass& pass : passes) sum += pass.predicted_milliseconds;
-  return sum / std::max(1, threads);
 }
 
 const PlannedPass& SkyPlan::pass(const std::string& name) const {
@@ -269,7 +230,7 @@ const PlannedPass& SkyPlan::pass(const std::string& name) const {
 
 std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
   const platform::FloatingPointScope floating_point;
-  return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured) + "  predicted on one thread\n";
+  return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured);
 }
 
 namespace {

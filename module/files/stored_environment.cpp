@@ -184,25 +184,22 @@ bool streams(const StoredEnvironment& file, const Plan& plan) {
   return plan.take_light || !file.has_polynomial || plan.pass("project").action == PassAction::skip;
 }
 
-PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan, const CostModel& costs) {
-  constexpr double kNanoseconds = 1e6;  // in a millisecond
+PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan) {
   if (!wants_pixels(plan))
-    return {kRead, PassAction::skip, "no pass wants pixels; the header has all that is needed", 0.0, 0};
+    return {kRead, PassAction::skip, "no pass wants pixels; the header has all that is needed", 0};
   auto texels = static_cast<double>(file.shape.texels());
   if (plan.take_specular || plan.take_levels) texels *= 4.0 / 3.0;
-  const double cost = texels * (file.compressed ? costs.read_texel : costs.read_plain_texel) / kNanoseconds;
-  if (plan.streams) return {kRead, PassAction::run, "projected while it is read", cost, 0};
+  if (plan.streams) return {kRead, PassAction::run, "projected while it is read", 0};
   const std::uint64_t bytes = static_cast<std::uint64_t>(texels) * 3 * sizeof(float);
-  return {kRead, PassAction::run, file.words(), cost, bytes};
+  return {kRead, PassAction::run, file.words(), bytes};
 }
 
 /// `kinds`: what is taken of the file.
-Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds,
-               const CostModel& costs) {
-  Plan plan = baking::plan_pixels(file.shape, needed, kinds, costs);
+Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds) {
+  Plan plan = baking::plan_pixels(file.shape, needed, kinds);
   plan.source = file.words();
   plan.streams = streams(file, plan);
-  plan.passes.insert(plan.passes.begin(), read_pass(file, plan, costs));
+  plan.passes.insert(plan.passes.begin(), read_pass(file, plan));
   return plan;
 }
 
@@ -211,18 +208,17 @@ Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& neede
 Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
   baking::StoredKinds kinds;
   if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;
-  return plan_with(file, {options}, kinds, {});
+  return plan_with(file, {options}, kinds);
 }
 
 }  // namespace files
 
-Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs) {
+Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole) {
   const platform::FloatingPointScope floating_point;
   check(needs);
-  baking::refuse_budget(needs, "read the file and plan the view of its pixels");
   const baking::NeededOptions needed = baking::needed_options(file.shape, needs, whole);
   const baking::StoredKinds kinds = files::stored_kinds(file, needs, needed.options);
-  Plan plan = files::plan_with(file, needed, kinds, costs);
+  Plan plan = files::plan_with(file, needed, kinds);
   if (plan.take_specular) {
     plan.first_stored_mip = files::unused_of(file, needs).sharp;
     plan.stored_mips = kinds.specular_mips;

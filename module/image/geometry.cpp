@@ -75,10 +75,21 @@ std::shared_ptr<const FaceSolidAngles> FaceSolidAngles::get(int size) {
 }
 
 FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
+  const auto order_for = [](int texels) { return texels < 64 ? 4 : (texels < 512 ? 3 : 2); };
+  const math::GaussRule rule = size < 32 ? math::texel_rule(size) : math::gauss_legendre(order_for(size));
   const int half = (size + 1) / 2;
-  quadrant_.reserve(static_cast<std::size_t>(half) * static_cast<std::size_t>(half));
+  const double half_edge = 1.0 / size;
+  const auto index = [half](int row, int column) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(half) + static_cast<std::size_t>(column);
+  };
+  quadrant_.resize(index(half, 0));
   for (int row = 0; row < half; ++row) {
-    for (int column = 0; column < half; ++column) quadrant_.push_back(cubemap_texel_solid_angle(size, row, column));
+    const double v = (2.0 * row + 1.0) * half_edge - 1.0;
+    for (int column = 0; column <= row; ++column) {
+      const double u = (2.0 * column + 1.0) * half_edge - 1.0;
+      quadrant_[index(row, column)] = quadrant_[index(column, row)] =
+          math::rectangle_solid_angle(u, v, half_edge, half_edge, rule);
+    }
   }
 }
 

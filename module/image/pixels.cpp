@@ -317,9 +317,28 @@ void check_view(const LatLongView& lat_long) {
 
 namespace welkin {
 
-constexpr std::size_t kCacheLine = 64;
+namespace {
 
-void CubemapChain::Free::operator()(float* pixels) const noexcept { memory->deallocate(pixels, bytes, kCacheLine); }
+struct Extent {
+  std::size_t bytes;
+  std::size_t alignment;
+};
+
+/// Returns what a chain asks a resource for. Large chains in the process's own memory lie in whole huge pages, and so
+/// does a rest of half a page and more.
+Extent extent_of(const memory_resource* memory, std::size_t bytes) noexcept {
+  constexpr std::size_t half_page = std::size_t{1} << 20U;
+  if (bytes < half_page || memory != new_delete_resource()) return {bytes, platform::kCacheLine};
+  const std::size_t rest = bytes % platform::kHugePage;
+  return {rest < half_page ? bytes : bytes + platform::kHugePage - rest, platform::kHugePage};
+}
+
+}  // namespace
+
+void CubemapChain::Free::operator()(float* pixels) const noexcept {
+  const Extent extent = extent_of(memory, bytes);
+  memory->deallocate(pixels, extent.bytes, extent.alignment);
+}
 
 CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
   constexpr int largest = 16384;
@@ -339,9 +358,10 @@ CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size
     values_ += 6 * edge * edge * 3;
   }
   if (memory == nullptr) memory = get_default_resource();
-  pixels_ = {static_cast<float*>(memory->allocate(bytes(), kCacheLine)), Free{memory, bytes()}};
+  const Extent extent = extent_of(memory, bytes());
+  pixels_ = {static_cast<float*>(memory->allocate(extent.bytes, extent.alignment)), Free{memory, bytes()}};
   // What another resource gives belongs to a block of the caller's.
-  if (memory == new_delete_resource()) platform::advise_huge_pages(pixels_.get(), bytes());
+  if (memory == new_delete_resource()) platform::advise_huge_pages(pixels_.get(), extent.bytes);
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {

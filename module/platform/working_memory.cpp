@@ -10,18 +10,13 @@
 
 #include "platform/compiler.h"
 #include "platform/memory.h"
+#include "platform/shared_pages.h"
 #include "platform/spin.h"
 #include "welkin/core.h"
 
 namespace welkin::platform {
 namespace {
 
-#ifdef __linux__
-constexpr std::size_t kHugePage = std::size_t{2} << 20U;  // of x86-64, and of ARM with pages of 4 KiB
-#else
-constexpr std::size_t kHugePage = kCacheLine;  // no call asks for large pages
-#endif
-constexpr std::size_t kLeastInHugePages = std::size_t{1} << 20U;
 constexpr std::size_t kMostBlocks = 256;
 
 /// Address sanitizers find uses of memory that was freed, and memory of WebAssembly is never returned to its host: both
@@ -35,16 +30,15 @@ constexpr std::size_t kDefaultLimit = std::size_t{128} << 20U;
 /// Bytes to allocate for a request: sizes are few, so that a block serves requests that differ little, and at most an
 /// eighth is lost, or a part of the last huge page.
 std::size_t rounded_up(std::size_t bytes) noexcept {
-  std::size_t eighth = kLeastKeptBlock / 8;
-  while (eighth <= bytes / 16) eighth *= 2;
-  const std::size_t step = bytes < kLeastInHugePages ? eighth : std::max(eighth, kHugePage);
+  std::size_t step = std::max(kLeastOwnBlock / 8, kHugePage);
+  while (step <= bytes / 16) step *= 2;
   return (bytes + step - 1) / step * step;
 }
 
 WorkingMemory allocate(std::size_t bytes, std::size_t alignment) {
   void* const data = ::operator new (bytes, std::align_val_t{alignment});
   advise_huge_pages(data, bytes);
-  return {data, bytes, alignment};
+  return {.data = data, .bytes = bytes, .alignment = alignment};
 }
 
 void free_block(const WorkingMemory& block) noexcept {
@@ -56,7 +50,10 @@ void free_block(const WorkingMemory& block) noexcept {
 class Pool {
  public:
   [[nodiscard]] std::size_t limit() const noexcept { return limit_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_.load(std::memory_order_relaxed); }
+  /// Of all that is kept, in shared pages too.
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return bytes_.load(std::memory_order_relaxed) + shared_pages::unused_bytes();
+  }
 
   void set_limit(std::size_t limit) noexcept {
     limit_.store(limit, std::memory_order_relaxed);
@@ -87,23 +84,32 @@ class Pool {
           bytes_ += block.bytes;
           return;
         }
-        if (!done) goes = remove(0);
+        if (!done && count_ == 0) {  // shared pages leave no room
+          done = !shared_pages::free_one();
+          if (!done) continue;
+        } else if (!done) {
+          goes = remove(0);
+        }
       }
       free_block(goes);
     }
   }
 
-  /// Frees the oldest blocks until at most `bytes` are kept. Returns whether any was freed. It looks again for a while
-  /// where another thread has the lock, which that holds for as long as a list of 256 numbers takes.
+  /// Frees the oldest blocks, and then shared pages, until at most `bytes` are kept. Returns whether any was freed. It
+  /// looks again for a while where another thread has the lock, which that holds for as long as a list of 256 numbers
+  /// takes.
   bool shrink_to(std::size_t bytes) noexcept {
     constexpr int kLooks = 1000;
     bool freed = false;
-    for (int look = 0; look < kLooks; ++look) {
+    for (int look = 0; look<kLooks&& this->bytes()> bytes; ++look) {
       WorkingMemory oldest;
-      {
-        const std::unique_lock lock(mutex_, std::try_to_lock);
-        if (lock && bytes_ <= bytes) break;
-        if (lock) oldest = remove(0);
+      if (const std::unique_lock lock(mutex_, std::try_to_lock); lock) {
+        if (count_ == 0) {
+          if (!shared_pages::free_one()) break;
+          freed = true;
+          continue;
+        }
+        oldest = remove(0);
       }
       if (oldest.data == nullptr) {
         detail::pause_processor();
@@ -144,27 +150,34 @@ std::atomic<int> filling{-1};
 WorkingMemory take_block(std::size_t bytes) {
   if (bytes < kLeastKeptBlock || bytes > std::numeric_limits<std::size_t>::max() / 2 || pool().limit() == 0)
     return allocate(bytes, kCacheLine);
-  const std::size_t whole = rounded_up(bytes);
-  if (const WorkingMemory kept = pool().take(whole); kept.data != nullptr) return kept;
-  const std::size_t alignment = bytes < kLeastInHugePages ? kCacheLine : kHugePage;
-  try {
-    return allocate(whole, alignment);
-  } catch (const std::bad_alloc&) {
-    if (!pool().shrink_to(0)) throw;
-    return allocate(whole, alignment);
+  if (bytes < kLeastOwnBlock) {
+    const WorkingMemory part = shared_pages::take(bytes);
+    return part.data != nullptr ? part : allocate(bytes, kCacheLine);
   }
+  const std::size_t whole = rounded_up(bytes);
+  const WorkingMemory kept = pool().take(whole);
+  return kept.data != nullptr ? kept : allocate(whole, kHugePage);
 }
 
 }  // namespace
 
 WorkingMemory take_working_memory(std::size_t bytes) {
-  const WorkingMemory block = take_block(bytes);
+  const WorkingMemory block = [bytes] {
+    try {
+      return take_block(bytes);
+    } catch (const std::bad_alloc&) {
+      if (!pool().shrink_to(0)) throw;
+      return take_block(bytes);
+    }
+  }();
   if (const int byte = filling.load(std::memory_order_relaxed); byte >= 0) std::memset(block.data, byte, block.bytes);
   return block;
 }
 
 void give_working_memory(const WorkingMemory& block) noexcept {
-  if (block.bytes < kLeastKeptBlock) {
+  if (block.page >= 0) {
+    if (shared_pages::give(block)) pool().shrink_to(pool().limit());
+  } else if (block.bytes < kLeastOwnBlock) {
     free_block(block);
   } else {
     pool().give(block);

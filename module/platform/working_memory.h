@@ -11,11 +11,19 @@ struct WorkingMemory {
   void* data = nullptr;
   std::size_t bytes = 0;
   std::size_t alignment = 0;
+  int page = -1;  ///< of `shared_pages`; below 0: it is no part of one
 };
 
 inline constexpr std::size_t kCacheLine = 64;
+#ifdef __linux__
+inline constexpr std::size_t kHugePage = std::size_t{2} << 20U;  // of x86-64, and of ARM with pages of 4 KiB
+#else
+inline constexpr std::size_t kHugePage = kCacheLine;  // no call asks for large pages
+#endif
 /// Smaller blocks come from the heap and return to it: malloc keeps them itself.
-inline constexpr std::size_t kLeastKeptBlock = std::size_t{256} << 10U;
+inline constexpr std::size_t kLeastKeptBlock = std::size_t{64} << 10U;
+/// Smaller blocks share huge pages.
+inline constexpr std::size_t kLeastOwnBlock = std::size_t{1} << 20U;
 
 /// Returns at least `bytes` bytes that start on a cache line and are not initialised: a block that was kept, of at most
 /// twice the size, or a new one. Throws std::bad_alloc.

@@ -19,6 +19,8 @@ struct Scratch {
   explicit Scratch(std::size_t columns)
       : texels(columns), values(columns), cut(columns), red(columns), green(columns), blue(columns) {}
   TexelRow texels;
+  TexelPoints points;          ///< none: values at centroids do
+  std::vector<double> looked;  ///< the kernel at a texel's points
   std::vector<double> values;  ///< the kernel's integral over each texel
   std::vector<int> cut;        ///< columns of texels that the value at their centroid is not good enough for
   std::vector<double> red, green, blue;
@@ -27,7 +29,7 @@ struct Scratch {
 /// Lists the texels of a row, whose `room.values` are x, that are near the axis or at a break. Returns their number.
 std::size_t list_cut(const KernelFunction& kernel, Scratch& room) {
   const double radius = room.texels.radius;
-  const double far = kernel.far(radius);
+  const double far = room.points.count > 0 ? 0.0 : kernel.far(radius);
   const double horizon = kernel.hemisphere ? radius : -1.0;
   const double* const x = room.values.data();
   int* const cut = room.cut.data();
@@ -47,6 +49,32 @@ std::size_t list_cut(const KernelFunction& kernel, Scratch& room) {
   return count;
 }
 
+/// Replaces x at centroids in `room.values` by integrals over the row's texels by their points; 0 where the kernel is.
+/// Returns false if all are 0.
+bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scratch& room) {
+  const double radius = room.texels.radius;
+  const TexelPoints& points = room.points;
+  bool seen = false;
+  std::size_t first = 0;
+  for (double& value : room.values) {
+    const bool dark = value > kernel.last + radius || value < kernel.first - radius;
+    seen = seen || !dark;
+    if (!dark) {
+      for (std::size_t k = 0; k < points.count; ++k) {
+        const std::size_t at = first + k;
+        room.looked[k] = 1.0 - (axis.x * points.x[at] + axis.y * points.y[at] + axis.z * points.z[at]);
+      }
+      kernel.evaluate(room.looked);
+      value = 0.0;
+      for (std::size_t k = 0; k < points.count; ++k) value += points.weight[first + k] * room.looked[k];
+    } else {
+      value = 0.0;
+    }
+    first += points.count;
+  }
+  return seen;
+}
+
 /// Fills `room.values` with the integrals over a row's texels. False if all are zero.
 bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& axis, const KernelFunction& kernel,
                     Scratch& room) {
@@ -56,12 +84,16 @@ bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& 
   for (std::size_t i = 0; i < count; ++i)
     values[i] = 1.0 - (axis.x * texels.x[i] + axis.y * texels.y[i] + axis.z * texels.z[i]);
   const std::size_t cut = list_cut(kernel, room);
-  kernel.evaluate(room.values);
-  const double* const weights = kernel.cosine ? texels.moment.data() : texels.solid_angle.data();
   int seen = cut > 0 ? 1 : 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    values[i] *= weights[i];
-    seen |= values[i] != 0.0 ? 1 : 0;
+  if (room.points.count > 0) {
+    seen |= integrate_points(axis, kernel, room) ? 1 : 0;
+  } else {
+    kernel.evaluate(room.values);
+    const double* const weights = kernel.cosine ? texels.moment.data() : texels.solid_angle.data();
+    for (std::size_t i = 0; i < count; ++i) {
+      values[i] *= weights[i];
+      seen |= values[i] != 0.0 ? 1 : 0;
+    }
   }
   for (std::size_t k = 0; k < cut; ++k) {
     const int column = room.cut[k];
@@ -92,6 +124,10 @@ void integrate_batch(const SanitizedSource& source, const TexelIntegrals& integr
         room.blue[i] = static_cast<double>(rgb[3 * i + 2]);
       }
       integrals.fill(static_cast<int>(row), room.texels);
+      const int order = kernel.shared_order(room.texels.radius);
+      if (order > 0) integrals.fill(static_cast<int>(row), order, room.points);
+      if (order == 0) room.points.count = 0;
+      room.looked.resize(room.points.count);
       for (std::size_t n = 0; n < axes.size(); ++n) {
         if (!fill_integrals(integrals, static_cast<int>(row), axes[n], kernel, room)) continue;
         slot[n] += glm::dvec3(math::dot(room.values, room.red), math::dot(room.values, room.green),

@@ -30,6 +30,10 @@ class KernelFunction {
   /// 2e-5.
   [[nodiscard]] virtual double far(double radius) const noexcept = 0;
 
+  /// Points along an edge of a Gauss rule that does the same for every texel of that radius that no break cuts, however
+  /// near the axis it is, and that all axes share. 0: there is none; `far` decides.
+  [[nodiscard]] virtual int shared_order(double /*radius*/) const noexcept { return 0; }
+
   double first = 0.0;          ///< the kernel is 0 below this x
   double last = 2.0;           ///< and beyond this one
   bool hemisphere = false;     ///< whether it is 0 beyond the horizon, x = 1, and bends or jumps there
@@ -46,6 +50,13 @@ struct TexelRow {
   double radius = 0.0;              ///< radians: no point of a texel is farther from its centroid
 
   explicit TexelRow(std::size_t columns);
+};
+
+/// Points of Gauss rules on a row's texels, `count` of each, texel after texel.
+struct TexelPoints {
+  std::vector<double> x, y, z;  ///< unit directions
+  std::vector<double> weight;   ///< steradians
+  std::size_t count = 0;
 };
 
 /// Texels of one row or several, of a cubemap on one face.
@@ -65,6 +76,9 @@ class TexelIntegrals {
   [[nodiscard]] virtual int columns() const noexcept = 0;
 
   virtual void fill(int row, TexelRow& texels) const = 0;
+
+  /// Fills in the points of a rule of `order` points along an edge.
+  virtual void fill(int row, int order, TexelPoints& points) const = 0;
 
   /// Int k(d) dw about a unit axis. By Gauss rules on ever smaller parts; where the horizon cuts a hemisphere's kernel,
   /// over what lies above. Relative error below 1e-6 for kernels without other breaks.

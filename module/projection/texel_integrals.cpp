@@ -141,6 +141,27 @@ double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& axi
   return sum * part.across * part.down;
 }
 
+/// The points of a row, which is `row` of the mapping.
+template <class Mapping>
+void fill_points(const Mapping& mapping, int row, int columns, int order, TexelPoints& points) {
+  const math::GaussRule rule = math::gauss_legendre(order);
+  for (std::vector<double>* const list : {&points.x, &points.y, &points.z, &points.weight}) list->clear();
+  points.count = static_cast<std::size_t>(order) * static_cast<std::size_t>(order);
+  for (int column = 0; column < columns; ++column) {
+    for (int j = 0; j < order; ++j) {
+      const double down = row + 0.5 + 0.5 * rule.nodes[j];
+      for (int i = 0; i < order; ++i) {
+        const double across = column + 0.5 + 0.5 * rule.nodes[i];
+        const glm::dvec3 direction = mapping.direction(across, down);
+        points.x.push_back(direction.x);
+        points.y.push_back(direction.y);
+        points.z.push_back(direction.z);
+        points.weight.push_back(0.25 * rule.weights[i] * rule.weights[j] * mapping.density(across, down));
+      }
+    }
+  }
+}
+
 /// The horizon in longitude and latitude. With h(longitude) = n.x sin + n.z cos = r cos(longitude - that of n), the
 /// cosine is n.y sin(latitude) + h cos(latitude): at each longitude the horizon is crossed once, where tan(latitude) =
 /// -h / n.y.
@@ -272,6 +293,8 @@ class LatLongTexels final : public TexelIntegrals {
     const double aside = std::abs(latitude.sine * middle.cosine - latitude.cosine * middle.sine);
     texels.radius = whole ? kPi : radius({0.5, row + 0.5, 0.5, 0.5}) + aside;
   }
+
+  void fill(int row, int order, TexelPoints& points) const override { fill_points(*this, row, width_, order, points); }
 
   [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& axis,
                                 const KernelFunction& kernel) const noexcept override {
@@ -437,6 +460,10 @@ class CubemapTexels final : public TexelIntegrals {
     }
     // Half a diagonal on a plane at distance 1 or more.
     texels.radius = std::numbers::sqrt2 / size_;
+  }
+
+  void fill(int row, int order, TexelPoints& points) const override {
+    fill_points(Face{size_, row / size_}, row % size_, size_, order, points);
   }
 
   [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& axis,

@@ -1,19 +1,16 @@
 #include "reflections/brdf_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <numbers>
 #include <string>
 
 #include "image/pixels.h"
-#include "jobs/tiles.h"
+#include "jobs/control.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "platform/float_environment.h"
-#include "reflections/brdf_kernels.h"
-#include "simd/dispatch.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"
 
@@ -72,19 +69,17 @@ AlbedoRule AlbedoQuadrature::rule() const noexcept {
 }
 
 AlbedoRules::AlbedoRules()
-    : ggx_{AlbedoQuadrature::even({10, 10, 20}), AlbedoQuadrature::even({10, 10, 16}),
-           AlbedoQuadrature::even({10, 10, 14}), AlbedoQuadrature::even({8, 8, 12})},
-      sheen_{AlbedoQuadrature::thinning({14, 8, 16}), AlbedoQuadrature::thinning({12, 8, 14}),
-             AlbedoQuadrature::thinning({8, 6, 12})} {}
+    : ggx_{AlbedoQuadrature::even({6, 10, 20}), AlbedoQuadrature::even({8, 9, 17}), AlbedoQuadrature::even({8, 9, 15})},
+      sheen_{AlbedoQuadrature::thinning({14, 3, 16}), AlbedoQuadrature::thinning({10, 6, 13}),
+             AlbedoQuadrature::thinning({9, 6, 10})} {}
 
-AlbedoRule AlbedoRules::ggx(double roughness, double least_cosine) const noexcept {
-  if (roughness < 0.35) return ggx_[0].rule();
-  if (roughness < 0.5) return ggx_[1].rule();
-  return ggx_[least_cosine < 0.02 ? 2 : 3].rule();
+AlbedoRule AlbedoRules::ggx(double roughness) const noexcept {
+  if (roughness < 0.25) return ggx_[0].rule();
+  return ggx_[roughness < 0.5 ? 1 : 2].rule();
 }
 
 AlbedoRule AlbedoRules::sheen(double roughness) const noexcept {
-  if (roughness < 0.3) return sheen_[0].rule();
+  if (roughness < 0.25) return sheen_[0].rule();
   return sheen_[roughness < 0.5 ? 1 : 2].rule();
 }
 
@@ -116,6 +111,11 @@ std::vector<std::uint16_t> BrdfTable::half_values() const {
   return halves;
 }
 
+std::size_t reflections::brdf_values(const BrdfTableOptions& options) noexcept {
+  return static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) *
+         static_cast<std::size_t>(options.sheen ? 3 : 2);
+}
+
 void reflections::check_brdf(const BrdfTableOptions& options) {
   check_edge("width", options.width);
   check_edge("height", options.height);
@@ -145,69 +145,3 @@ std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options, con
 }
 
 }  // namespace welkin
-
-namespace welkin::reflections {
-namespace {
-
-/// 64 texels of a row: some 0.1 ms with AVX-512, 0.4 with SSE2.
-constexpr int kTileColumns = 4 * simd::kLanes;
-
-/// Fills texels [first, first + count) of a row, count <= 16. What lies beyond the row is computed and dropped.
-void fill_group(const BrdfKernels& kernels, const AlbedoRules& rules, int row, int first, int count, BrdfTable& table) {
-  const BrdfTableOptions& options = table.options;
-  const double roughness = (row + 0.5) / options.height;
-  const double first_cosine = (first + 0.5) / options.width;
-  std::array<float, simd::kLanes> normal_view{};
-  std::array<float, simd::kLanes> whole{};
-  std::array<float, simd::kLanes> fresnel{};
-  std::array<float, simd::kLanes> sheen{};
-  for (int lane = 0; lane < simd::kLanes; ++lane) {
-    const double cosine = (first + std::min(lane, count - 1) + 0.5) / options.width;
-    normal_view[static_cast<std::size_t>(lane)] = static_cast<float>(cosine);
-  }
-  const auto alpha = static_cast<float>(roughness * roughness);
-  kernels.directional_albedo(rules.ggx(roughness, first_cosine), alpha, normal_view.data(), whole.data(),
-                             fresnel.data());
-  if (options.sheen) kernels.sheen_albedo(rules.sheen(roughness), alpha, normal_view.data(), sheen.data());
-  const auto channels = static_cast<std::size_t>(table.channels);
-  const std::size_t texel =
-      static_cast<std::size_t>(row) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(first);
-  float* out = table.values.data() + texel * channels;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k, out += channels) {
-    const bool split = options.model == BrdfModel::split_sum;
-    out[0] = split ? whole[k] - fresnel[k] : fresnel[k];
-    out[1] = split ? fresnel[k] : whole[k];
-    if (options.sheen) out[2] = sheen[k];
-  }
-}
-
-}  // namespace
-
-std::size_t brdf_values(const BrdfTableOptions& options) noexcept {
-  return static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) *
-         static_cast<std::size_t>(options.sheen ? 3 : 2);
-}
-
-std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options, const Control& control) {
-  auto table = std::make_shared<BrdfTable>();
-  table->options = options;
-  table->channels = options.sheen ? 3 : 2;
-  table->values.resize(brdf_values(options));
-  const AlbedoRules rules;
-  const BrdfKernels& kernels = brdf_kernels();
-  const int tiles_a_row = (options.width + kTileColumns - 1) / kTileColumns;
-  const std::size_t tiles = static_cast<std::size_t>(tiles_a_row) * static_cast<std::size_t>(options.height);
-  const auto placement =
-      brdf_values(options) <= 3 * kTileColumns ? jobs::Placement::calling_thread : jobs::Placement::arena;
-  jobs::run_tiles(tiles, placement, jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-    const int row = static_cast<int>(tile / static_cast<std::size_t>(tiles_a_row));
-    const int begin = static_cast<int>(tile % static_cast<std::size_t>(tiles_a_row)) * kTileColumns;
-    const int end = std::min(begin + kTileColumns, options.width);
-    for (int column = begin; column < end; column += simd::kLanes) {
-      fill_group(kernels, rules, row, column, std::min(simd::kLanes, end - column), *table);
-    }
-  });
-  return table;
-}
-
-}  // namespace welkin::reflections

@@ -20,10 +20,19 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+constexpr int kSmallMip = 64;  ///< mips below that end with areas of `kPartEdge`, over which no field is interpolated
+
 constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
-constexpr double kTableHorizon = 0.1 / 16.0;  ///< the same by a table, where a part is looked at in 16 places
-constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
+constexpr double kLost = 5e-6;    ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
+
+// The same by a table, fits to 800 random environments (docs/reflections.md). Over its scale:
+constexpr double kMergedOfScale = 0.4;  ///< most radius of a node
+constexpr double kFieldOfScale = 0.25;  ///< most radius of a block with a field
+constexpr double kWidestField = 0.2;    ///< of directions over a face
+constexpr double kOfMerged = 6e-3;      ///< times the fourth power
+constexpr double kOfField = 9e-3;       ///< times the fourth power
+constexpr double kTableHorizon = 3e-4;  ///< of what the horizon cuts
 
 /// What `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for 1 / (1 +
 /// x^2)^2.
@@ -33,6 +42,16 @@ double smooth_error(double radians, double alpha, int points) {
   if (points == 2) return square * square / 40.0;
   if (points == 3) return square * square * square / 200.0;
   return points == 4 ? square * square * square * square / 1000.0 : 1e-5;
+}
+
+/// The same of other lobes: fits to Gauss' error terms for a bell of which `alpha` is 2.2 standard deviations.
+double smooth_table_error(double radians, double alpha, int points) {
+  const double edge = radians / (2.0 * alpha);
+  const double square = edge * edge;
+  const double fourth = square * square;
+  if (points == 2) return 0.26 * fourth;
+  if (points == 3) return 0.054 * fourth * square;
+  return points == 4 ? 8e-3 * fourth * fourth : 5e-5 * fourth * fourth * square;
 }
 
 }  // namespace
@@ -53,14 +72,34 @@ double BrightLights::ggx_error(double alpha, double rms) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
-double BrightLights::error(const Lobe& lobe, double rms) const {
-  if (nodes_.empty()) return 0.0;
-  if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha(), rms);
-  // A light errs by its size times the slope, on a share of the sphere that is as wide. One does not know of another.
-  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * std::sqrt(cut_square_);
+double BrightLights::table_error(const Lobe& lobe, int size, double rms) const {
+  const auto fourth_power = [](double x) { return x * x * x * x; };
+  const double tighter = kFar / far_;
+  double widest = 0.0;  // of the nodes whose rule is used
+  for (const Node& node : nodes_) {
+    if (node.merged <= kMergedOfScale * tighter * lobe.scale()) widest = std::max(widest, node.merged);
+  }
+  const double node = kOfMerged * fourth_power(widest / lobe.scale());
+  const bool fields = size >= kSmallMip;  // no block of a smaller one is as small as `kWidestField`
+  const double block =
+      fields ? kOfField * fourth_power(std::min(kFieldOfScale * tighter, kWidestField / lobe.scale())) : 0.0;
+  const double smooth = smooth_table_error(edge_, lobe.width_alpha(), smooth_points_);
   const double field = norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
-  const double merged = (kLost + kMerged) * std::min(field, rms);
-  return std::sqrt(horizon * horizon + merged * merged);
+  // A mip of few texels may see the lights' flanks alone, which err by more of their value than the peaks.
+  const bool misses = 0.5 * kPi / size > lobe.scale();
+  const double seen = misses ? std::sqrt(field * std::min(field, rms)) : std::min(field, rms);
+  const double merged = (kLost + std::sqrt(node * node + block * block + smooth * smooth)) * seen;
+  // A light errs by its size times the slope, on a share of the sphere that is as wide. One does not know of another.
+  const double slope = lobe.horizon_slope() + (lobe.hemisphere() ? std::abs(lobe.value(1e-6)) / edge_ : 0.0);
+  const double horizon = kTableHorizon * slope * std::sqrt(cut_square_);
+  // Elsewhere a break lies between a texel's points.
+  const double broken = lobe.bends() ? lobe.peak() * std::sqrt(squares_ * edge_) / smooth_points_ : 0.0;
+  return std::sqrt(horizon * horizon + merged * merged + broken * broken);
+}
+
+double BrightLights::error(const Lobe& lobe, int size, double rms) const {
+  if (nodes_.empty()) return 0.0;
+  return lobe.alpha() > 0.0 ? ggx_error(lobe.alpha(), rms) : table_error(lobe, size, rms);
 }
 
 /// Some texels of a face that lie together.
@@ -120,7 +159,6 @@ namespace {
 constexpr int kLeafEdge = LightField::kMostEdge;
 constexpr int kLeafTexels = kLeafEdge * kLeafEdge;
 constexpr int kTileEdge = 64;   ///< of the areas that threads share out
-constexpr int kSmallMip = 64;   ///< mips below that end with areas of `kPartEdge`, over which no field is interpolated
 constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
 constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
@@ -203,8 +241,6 @@ void BrightLights::make_rooms() {
 }
 
 BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLobe& lobe) const {
-  constexpr double kFieldOfScale = 0.4;
-  constexpr double kWidestField = 0.2;  // of directions over a face
   constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   Block block;
   const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
@@ -223,8 +259,8 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   block.by_table = alpha == 0.0;
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
-  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * lobe.lobe.scale());
-  block.most_merged = 0.8 * lobe.lobe.scale();  // 3e-4 over a bell of 1.3 standard deviations each side
+  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * kFar / far_ * lobe.lobe.scale());
+  block.most_merged = kMergedOfScale * kFar / far_ * lobe.lobe.scale();
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
   block.farthest = 2.0 * lobe.lobe.farthest();
@@ -278,13 +314,16 @@ void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& r
     of.down[axis] = static_cast<float>(frame.v[axis]);
   }
   if (shape.alpha() == 0.0) {
-    constexpr double kSteady = 10.0;  // sizes of a light, which are 50 times its `least`
+    constexpr double kSmall = 0.2;  // size of a light, which is 100 times its `least`: see `smooth_points`
     of.lines = shape.table().lines.data();
     of.cells = shape.table().cells();
     of.cells_of_s = static_cast<float>(shape.table().cells_of_s);
     of.nearest = static_cast<float>(4.0 * shape.nearest() * shape.nearest());
     of.farthest = static_cast<float>(4.0 * shape.farthest() * shape.farthest());
-    if (shape.steady_horizon()) of.steady = static_cast<float>(shape.scale() / (50.0 * kSteady));
+    of.twice_integrated = shape.table().twice_integrated.data();
+    of.cosine_cells = shape.table().cosine_cells();
+    of.cells_of_c = static_cast<float>(shape.table().cells_of_c);
+    of.small = static_cast<float>(0.01 * kSmall * shape.scale());
   }
   const LobeKernels& kernels = lobe_kernels();
   kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());

@@ -64,8 +64,8 @@ class BrightLights {
   void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
   /// Returns the root mean square over the sphere of what they err, all channels together: at the horizon, and where
-  /// merged. `rms`: that of a mip that they are part of, which their own does not exceed.
-  [[nodiscard]] double error(const Lobe& lobe, double rms) const;
+  /// merged. `rms`: that of a mip of `size` that they are part of, which their own does not exceed.
+  [[nodiscard]] double error(const Lobe& lobe, int size, double rms) const;
 
  private:
   friend class LightTree;
@@ -112,6 +112,7 @@ class BrightLights {
   void add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first, float* rgb,
                    Room& room) const;
   [[nodiscard]] double ggx_error(double alpha, double rms) const;
+  [[nodiscard]] double table_error(const Lobe& lobe, int size, double rms) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
   /// at the default bounds. The error falls with its fourth power.
@@ -130,6 +131,7 @@ class BrightLights {
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
   double cut_square_ = 0.0;      ///< sizes^3 times squares of colours
+  double squares_ = 0.0;         ///< of texels' light
 };
 
 }  // namespace welkin::reflections

@@ -1,5 +1,6 @@
 // The tree over bright texels: how it is made.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -28,19 +29,44 @@ constexpr int kLeastCutTexels = 4;        ///< of such a node
 constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
 constexpr double kOnePart = 0.01;         ///< radians: smaller texels need not be cut for the horizon
 
-glm::dvec3 direction_at(const PictureShape& shape, int face, double column, double row) {
-  return shape.cubemap ? image::face_direction(shape.columns, face, column, row)
-                       : image::lat_long_direction(shape.columns, shape.rows, column, row);
-}
+/// Places of a picture. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
+class Directions {
+ public:
+  explicit Directions(const PictureShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
 
-/// Solid angle a texel there, but for a constant.
-double density_at(const PictureShape& shape, double column, double row) {
-  if (!shape.cubemap) return math::sine_cosine_of_turns(row / (2.0 * shape.rows)).sine;
-  const double u = 2.0 * column / shape.columns - 1.0;
-  const double v = 2.0 * row / shape.columns - 1.0;
-  const double square = 1.0 + u * u + v * v;
-  return 1.0 / (square * std::sqrt(square));
-}
+  [[nodiscard]] const PictureShape& shape() const noexcept { return shape_; }
+  [[nodiscard]] glm::dvec3 at(int face, double column, double row) {
+    if (shape_.cubemap) return image::face_direction(shape_.columns, face, column, row);
+    const math::SineCosine latitude = of_turns(0.25 - row / (2.0 * shape_.rows));
+    const math::SineCosine longitude = of_turns(0.5 - column / shape_.columns);
+    return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
+  }
+  /// Solid angle a texel there, but for a constant.
+  [[nodiscard]] double density_at(double column, double row) {
+    if (!shape_.cubemap) return of_turns(row / (2.0 * shape_.rows)).sine;
+    const double u = 2.0 * column / shape_.columns - 1.0;
+    const double v = 2.0 * row / shape_.columns - 1.0;
+    const double square = 1.0 + u * u + v * v;
+    return 1.0 / (square * std::sqrt(square));
+  }
+  [[nodiscard]] math::SineCosine of_turns(double turns) {
+    const auto bits = std::bit_cast<std::uint64_t>(turns);
+    Kept& kept = kept_[static_cast<std::size_t>((bits * 0x9E3779B97F4A7C15U) >> (64 - kKeptBits))];
+    if (kept.bits != bits) kept = {bits, math::sine_cosine_of_turns(turns)};
+    return kept.of;
+  }
+
+ private:
+  static constexpr int kKeptBits = 10;
+  static constexpr std::size_t kKept = std::size_t{1} << kKeptBits;
+  struct Kept {
+    std::uint64_t bits = ~std::uint64_t{0};  // of no number
+    math::SineCosine of{};
+  };
+
+  PictureShape shape_;
+  std::vector<Kept> kept_;
+};
 
 double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
@@ -106,22 +132,23 @@ void share_light(const BrightTexel& texel, std::size_t first, std::vector<Sample
   }
 }
 
-Sample sample_at(const PictureShape& shape, const BrightTexel& texel, double across, double down, double weight) {
+Sample sample_at(Directions& directions, const BrightTexel& texel, double across, double down, double weight) {
+  const PictureShape& shape = directions.shape();
   Sample sample{shape.cubemap ? texel.row / shape.columns : 0,
                 texel.column + across,
                 (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
                 {}};
-  sample.light.fill(weight * density_at(shape, sample.column, sample.row));
+  sample.light.fill(weight * directions.density_at(sample.column, sample.row));
   return sample;
 }
 
 /// Gauss points on a texel, `count` x `count` of them.
-void add_points(const BrightTexel& texel, const PictureShape& shape, int count, std::vector<Sample>& samples) {
+void add_points(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples) {
   const math::GaussRule rule = math::gauss_legendre(count);
   const std::size_t first = samples.size();
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(shape, texel, 0.5 + 0.5 * rule.nodes[i], 0.5 + 0.5 * rule.nodes[j],
+      samples.push_back(sample_at(directions, texel, 0.5 + 0.5 * rule.nodes[i], 0.5 + 0.5 * rule.nodes[j],
                                   rule.weights[i] * rule.weights[j]));
   }
   share_light(texel, first, samples);
@@ -129,30 +156,38 @@ void add_points(const BrightTexel& texel, const PictureShape& shape, int count, 
 
 /// Returns by how many rows the centroid of a part, `high` rows high, lies below its middle. Near a pole rows are
 /// triangles.
-double below_middle(const PictureShape& shape, double row, double high) {
+double below_middle(Directions& directions, double row, double high) {
   constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
+  const PictureShape& shape = directions.shape();
   if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
-  const math::SineCosine middle = math::sine_cosine_of_turns(row / (2.0 * shape.rows));
+  const math::SineCosine middle = directions.of_turns(row / (2.0 * shape.rows));
   return high * high * kPi / (12.0 * shape.rows) * middle.cosine / middle.sine;
 }
 
 /// `count` x `count` equal parts of a texel.
-void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, std::vector<Sample>& samples) {
+void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use,
+               std::vector<Sample>& samples) {
   const std::size_t first = samples.size();
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(shape, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
+      samples.push_back(sample_at(directions, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
   }
   share_light(texel, first, samples);
+  if (use == LightsOf::any) return;  // see `centroid_of`
   for (std::size_t k = first; k < samples.size(); ++k)
-    samples[k].row += below_middle(shape, samples[k].row, 1.0 / count);
+    samples[k].row += below_middle(directions, samples[k].row, 1.0 / count);
 }
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
-/// 1e-3.
-int smooth_points(double radians, double alpha, double reach) {
+/// 1e-3. Through other lobes than GGX, which may be bells (1.65 deviations wide), they lose 1e-5, 7e-5 at the default
+/// bounds: `smooth_table_error`.
+int smooth_points(double radians, double alpha, double reach, LightsOf use) {
   const double edge = radians / (2.0 * alpha);
   const int tighter = reach > kDefaultReach + 0.5 ? 1 : 0;
+  if (use == LightsOf::any) {
+    if (tighter == 0) return edge < 0.12 ? 2 : (edge < 0.3 ? 3 : (edge < 0.55 ? 4 : 5));
+    return edge < 0.08 ? 2 : (edge < 0.24 ? 3 : (edge < 0.43 ? 4 : 5));
+  }
   return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
@@ -164,24 +199,46 @@ int parts_along(double radians, std::size_t texels) {
   return std::clamp(static_cast<int>(wanted), radians < kOnePart ? 1 : 2, kMost);
 }
 
-LobeLight light_of(const PictureShape& shape, const Sample& sample) {
-  const glm::dvec3 direction = direction_at(shape, sample.face, sample.column, sample.row);
+LobeLight light_of(Directions& directions, const Sample& sample) {
+  const glm::dvec3 direction = directions.at(sample.face, sample.column, sample.row);
   const auto single = [](double value) { return static_cast<float>(value); };
   return {single(direction.x),     single(direction.y),     single(direction.z),
           single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
 }
 
+/// Returns the direction of the centroid of a part with that middle, by four points of Gauss' rule: half the square of
+/// a part's size away from the middle.
+glm::dvec3 centroid_of(Directions& directions, const Sample& sample, double half) {
+  const double node = half * math::gauss_legendre(2).nodes[1];
+  glm::dvec3 sum(0.0);
+  for (const double across : {-node, node}) {
+    for (const double down : {-node, node}) {
+      const double column = sample.column + across;
+      const double row = sample.row + down;
+      sum += directions.density_at(column, row) * directions.at(sample.face, column, row);
+    }
+  }
+  return glm::normalize(sum);
+}
+
 /// One of `parts` along a texel's edge.
-CutLight cut_light_of(const PictureShape& shape, const Sample& sample, int parts) {
+CutLight cut_light_of(Directions& directions, const Sample& sample, int parts, LightsOf use) {
   const double half = 0.5 / parts;
-  const glm::dvec3 along = 0.5 * (direction_at(shape, sample.face, sample.column + half, sample.row) -
-                                  direction_at(shape, sample.face, sample.column - half, sample.row));
-  const glm::dvec3 down = 0.5 * (direction_at(shape, sample.face, sample.column, sample.row + half) -
-                                 direction_at(shape, sample.face, sample.column, sample.row - half));
-  CutLight cut{light_of(shape, sample), {}, {}, static_cast<float>(0.01 * (glm::length(along) + glm::length(down)))};
+  const glm::dvec3 along = 0.5 * (directions.at(sample.face, sample.column + half, sample.row) -
+                                  directions.at(sample.face, sample.column - half, sample.row));
+  const glm::dvec3 down = 0.5 * (directions.at(sample.face, sample.column, sample.row + half) -
+                                 directions.at(sample.face, sample.column, sample.row - half));
+  CutLight cut{
+      light_of(directions, sample), {}, {}, static_cast<float>(0.01 * (glm::length(along) + glm::length(down)))};
   for (int axis = 0; axis < 3; ++axis) {
     cut.along[axis] = static_cast<float>(along[axis]);
     cut.down[axis] = static_cast<float>(down[axis]);
+  }
+  if (use == LightsOf::any) {
+    const glm::dvec3 centroid = centroid_of(directions, sample, half);
+    cut.light.x = static_cast<float>(centroid.x);
+    cut.light.y = static_cast<float>(centroid.y);
+    cut.light.z = static_cast<float>(centroid.z);
   }
   return cut;
 }
@@ -204,17 +261,22 @@ class LightTree {
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
-            bool exact, double most_cut_radius, BrightLights& lights)
-      : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)), most_cut_radius_(most_cut_radius) {
+            bool exact, double most_cut_radius, LightsOf use, BrightLights& lights)
+      : shape_(shape),
+        directions_(shape),
+        lights_(lights),
+        rule_(math::gauss_legendre(kOrder)),
+        most_cut_radius_(most_cut_radius),
+        use_(use) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha, reach);
+    smooth_ = smooth_points(edge, least_alpha, reach, use);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size());
     places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
-      places_.push_back({&texel, direction_at(shape, corner.face, corner.column + 0.5, corner.row + 0.5)});
+      places_.push_back({&texel, directions_.at(corner.face, corner.column + 0.5, corner.row + 0.5)});
     }
     lights_.nodes_.reserve(2 * texels.size());
     samples_.reserve(texels.size() * points_of_leaf(smooth_));
@@ -222,7 +284,7 @@ class LightTree {
     lights_.nodes_.emplace_back();
     build(0, 0, places_.size(), false);
     lights_.lights_.reserve(samples_.size());
-    for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(shape_, sample));
+    for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(directions_, sample));
   }
 
  private:
@@ -265,8 +327,8 @@ class LightTree {
     double most = 0.0;
     for (const double x : {0.0, 0.5, 1.0}) {
       for (const double y : {0.0, 0.5, 1.0})
-        most = std::max(
-            most, glm::length(direction_at(shape_, corner.face, corner.column + x, corner.row + y) - place.direction));
+        most = std::max(most,
+                        glm::length(directions_.at(corner.face, corner.column + x, corner.row + y) - place.direction));
     }
     return most;
   }
@@ -298,7 +360,7 @@ class LightTree {
       const int half = (box.first.face + box.end.face) / 2;
       return part([=](const Corner& corner) { return corner.face < half; });
     }
-    const double steep = density_at({false, 1, std::max(shape_.rows, 1)}, 0.0, 0.5 * (box.first.row + box.end.row));
+    const double steep = shape_.cubemap ? 1.0 : directions_.density_at(0.0, 0.5 * (box.first.row + box.end.row));
     const double wide =
         (shape_.cubemap ? 1.0 : steep * 2.0 * shape_.rows / shape_.columns) * (box.end.column - box.first.column);
     const int high = box.end.row - box.first.row;
@@ -329,7 +391,7 @@ class LightTree {
     if (end - first == 1) {
       const BrightTexel& texel = *places_[first].texel;
       const auto smooth = static_cast<int>(samples_.size());
-      add_points(texel, shape_, smooth_, samples_);
+      add_points(texel, directions_, smooth_, samples_);
       lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
       const LobeRun parts = cut_lights_of(texel);
       lights_.nodes_[index].parts = parts;
@@ -409,8 +471,8 @@ class LightTree {
     const double column = 0.5 * (box.first.column + box.end.column);
     const double row = 0.5 * (box.first.row + box.end.row);
     const glm::dvec3 normal = glm::normalize(mean);
-    const glm::dvec3 step = direction_at(shape_, box.first.face, column + 0.5, row) -
-                            direction_at(shape_, box.first.face, column - 0.5, row);
+    const glm::dvec3 step =
+        directions_.at(box.first.face, column + 0.5, row) - directions_.at(box.first.face, column - 0.5, row);
     const glm::dvec3 across = glm::normalize(step - glm::dot(step, normal) * normal);
     const glm::dvec3 below = glm::cross(normal, across);
     // 3 spread = along along^T + down down^T in that plane, and rows lie along `across`
@@ -455,15 +517,19 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
+    for (const float excess : texel.excess) {
+      const double light = texel.steradians * static_cast<double>(excess);
+      lights_.squares_ += light * light;
+    }
     if (parts_ == 0) {
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
       return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
     const auto first = static_cast<int>(lights_.cut_lights_.size());
     cut_.clear();
-    add_parts(texel, shape_, parts_, cut_);
+    add_parts(texel, directions_, parts_, use_, cut_);
     for (const Sample& sample : cut_) {
-      lights_.cut_lights_.push_back(cut_light_of(shape_, sample, parts_));
+      lights_.cut_lights_.push_back(cut_light_of(directions_, sample, parts_, use_));
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += sample.light[c];
     }
     return {first, static_cast<int>(cut_.size())};
@@ -519,8 +585,8 @@ class LightTree {
     for (const double x : {0.0, 0.5, 1.0}) {
       for (const double y : {0.0, 0.5, 1.0}) {
         const glm::dvec3 place =
-            direction_at(shape_, box.first.face, box.first.column + x * (box.end.column - box.first.column),
-                         box.first.row + y * (box.end.row - box.first.row));
+            directions_.at(box.first.face, box.first.column + x * (box.end.column - box.first.column),
+                           box.first.row + y * (box.end.row - box.first.row));
         most = std::max(most, glm::length(place - centre));
       }
     }
@@ -541,6 +607,7 @@ class LightTree {
   }
 
   PictureShape shape_;
+  mutable Directions directions_;
   BrightLights& lights_;
   math::GaussRule rule_;
   int smooth_ = 2;
@@ -549,6 +616,7 @@ class LightTree {
   std::vector<Sample> samples_;
   std::vector<Sample> cut_;  ///< of a texel
   double most_cut_radius_ = 0.0;
+  LightsOf use_;
 };
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
@@ -564,7 +632,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, *this);
+                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, use, *this);
   make_rooms();
 }
 
@@ -585,7 +653,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const std::size_t cut = is_coarse(shape, use) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0)) +
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0, use)) +
          cut * sizeof(CutLight) + cutting;
 }
 

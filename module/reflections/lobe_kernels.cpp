@@ -9,8 +9,6 @@ namespace {
 
 using simd::DoubleLanes, simd::kDoubleWidth, simd::kWidth, simd::Lanes;
 
-constexpr float kLeastCosine = 1e-3F;  ///< of a light at the horizon, by which a kernel is divided
-
 /// Lights added to one register of texels.
 struct Sums {
   Lanes red = Lanes(0.0F), green = Lanes(0.0F), blue = Lanes(0.0F);
@@ -140,37 +138,80 @@ WELKIN_INLINE Lanes mean_cosine(const Directions& texel, const CutLight& light, 
                     Lanes(light.least));
 }
 
-/// Mean of a table's kernel over 4 x 4 places of a light.
-WELKIN_INLINE Lanes mean_looked_up(const LobeBlock& texels, const Directions& texel, const CutLight& light) {
-  constexpr int kPlaces = 4;
+WELKIN_INLINE float square_of(const float* axis) { return axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]; }
+
+/// A kernel's Int (c - x) k(x) dx up to c.
+WELKIN_INLINE Lanes twice_integrated(const LobeBlock& texels, Lanes c) {
+  const Lanes place = xsimd::max(c, Lanes(0.0F)) * Lanes(texels.cells_of_c);
+  const simd::Integers cell = xsimd::min(xsimd::to_int(place), simd::Integers(texels.cosine_cells - 1));
+  const Lanes t = place - xsimd::to_float(cell);
+  const simd::Pairs low = simd::load_pairs(texels.twice_integrated, cell + cell);
+  const simd::Pairs high = simd::load_pairs(texels.twice_integrated, cell + cell + simd::Integers(1));
+  return low.first + t * (low.second + t * (high.first + t * high.second));
+}
+
+/// A light as one texel's kernel sees it: the cosine is c + a s + b t over -1 < s, t < 1, divided by the length of the
+/// direction there.
+struct SeenLight {
+  Lanes c, a, b;
+  float along_square, down_square;
+};
+
+/// Mean of a kernel that meets its horizon there, by its second integral as in `mean_above`.
+WELKIN_INLINE Lanes mean_at_horizon(const LobeBlock& texels, const SeenLight& seen, Lanes least) {
+  const Lanes high = xsimd::max(xsimd::abs(seen.a), least);
+  const Lanes wide = xsimd::max(xsimd::abs(seen.b), least);
+  const Lanes both = high + wide;
+  const Lanes one = high - wide;
+  const Lanes c = seen.c * Lanes(1.0F - (seen.along_square + seen.down_square) / 6.0F);
+  const Lanes differences = (twice_integrated(texels, c + both) - twice_integrated(texels, c + one)) -
+                            (twice_integrated(texels, c - one) - twice_integrated(texels, c - both));
+  return differences / (Lanes(4.0F) * high * wide);
+}
+
+/// Mean of a kernel by Gauss' rule of so many points along an edge.
+template <int points>
+WELKIN_INLINE Lanes mean_of_points(const LobeBlock& texels, const SeenLight& seen) {
+  constexpr float node = points == 2 ? 0.577350269F : 0.774596669F;
+  constexpr float end = points == 2 ? 0.5F : 5.0F / 18.0F;
+  constexpr float middle = 4.0F / 9.0F;
   Lanes sum(0.0F);
-  for (int look = 0; look < kPlaces * kPlaces; ++look) {
-    const float s = (2.0F * static_cast<float>(look % kPlaces) + 1.0F) / kPlaces - 1.0F;
-    const int down = look / kPlaces;
-    const float t = (2.0F * static_cast<float>(down) + 1.0F) / kPlaces - 1.0F;
-    const LobeLight at{light.light.x + s * light.along[0] + t * light.down[0],
-                       light.light.y + s * light.along[1] + t * light.down[1],
-                       light.light.z + s * light.along[2] + t * light.down[2],
-                       0.0F,
-                       0.0F,
-                       0.0F};
-    sum = sum + looked_up(texels, chord_of(texel, at));
+  for (int j = 0; j < points; ++j) {
+    const bool across = points == 3 && j == 1;
+    const float t = across ? 0.0F : (j == 0 ? -node : node);
+    for (int i = 0; i < points; ++i) {
+      const bool central = points == 3 && i == 1;
+      const float s = central ? 0.0F : (i == 0 ? -node : node);
+      const float longer = 0.5F * (s * s * seen.along_square + t * t * seen.down_square);
+      const Lanes cosine = (seen.c + seen.a * Lanes(s) + seen.b * Lanes(t)) * Lanes(1.0F - longer);
+      const float weight = (central ? middle : end) * (across ? middle : end);
+      const Lanes chord = xsimd::max(Lanes(2.0F) - Lanes(2.0F) * cosine, Lanes(0.0F));
+      sum = sum + Lanes(weight) * looked_up(texels, chord);
+    }
   }
-  return sum * Lanes(1.0F / (kPlaces * kPlaces));
+  return sum;
+}
+
+/// Mean of a table's kernel over a light.
+WELKIN_INLINE Lanes mean_looked_up(const LobeBlock& texels, const Directions& texel, const CutLight& light) {
+  const SeenLight seen{Lanes(1.0F) - Lanes(0.5F) * chord_of(texel, light.light), along(texel, light.along),
+                       along(texel, light.down), square_of(light.along), square_of(light.down)};
+  const Lanes least(light.least);
+  const Lanes both = xsimd::max(xsimd::abs(seen.a), least) + xsimd::max(xsimd::abs(seen.b), least);
+  if (!xsimd::any(seen.c > Lanes(0.0F) - both)) return Lanes(0.0F);
+  const auto above = seen.c > both;
+  Lanes sum(0.0F);
+  if (xsimd::any(above))
+    sum = light.least <= texels.small ? mean_of_points<2>(texels, seen) : mean_of_points<3>(texels, seen);
+  if (xsimd::all(above)) return sum;
+  return xsimd::select(above, sum, mean_at_horizon(texels, seen, least));
 }
 
 void sum_cut_lobes(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count, float* sums) {
   if (texels.lines != nullptr) {
     sum_each(texels, lights, runs, run_count, sums,
-             [&](const Directions& texel, const CutLight& light, Sums& all) WELKIN_INLINE_LAMBDA {
-               if (light.least > texels.steady)
-                 return add_light(light.light, mean_looked_up(texels, texel, light), all);
-               const Lanes chord = chord_of(texel, light.light);
-               const Lanes cosine = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord, Lanes(kLeastCosine));
-               const Lanes over_cosine =
-                   looked_up(texels, xsimd::min(chord, Lanes(2.0F - 2.0F * kLeastCosine))) / cosine;
-               add_light(light.light, mean_cosine(texel, light, chord) * over_cosine, all);
-             });
+             [&](const Directions& texel, const CutLight& light, Sums& all)
+                 WELKIN_INLINE_LAMBDA { add_light(light.light, mean_looked_up(texels, texel, light), all); });
     return;
   }
   sum_each(texels, lights, runs, run_count, sums,

@@ -47,14 +47,18 @@ struct LobeBlock {
   float cells_of_s = 0.0F;
   float nearest = 0.0F;  ///< square of the distance of a light, less and more of which nothing is seen
   float farthest = 4.0F;
-  float steady = 0.0F;  ///< most `CutLight::least` over which the kernel is the cosine times a constant
+  const float* twice_integrated = nullptr;  ///< and the parts of lights that the horizon cuts
+  int cosine_cells = 0;
+  float cells_of_c = 0.0F;
+  float small = 0.0F;  ///< most `CutLight::least` over which the kernel is all but a cubic
 };
 inline constexpr int kLobeTexels = simd::kLanes;
 
 /// Adds for each texel the sum over the runs' lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2, c
 /// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light. Of cut
 /// lights max(0, c) is its mean over the parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of
-/// the lobe is in that part. A kernel by its table is looked at in 4 x 4 places of cut lights that are not steady.
+/// the lobe is in that part. A kernel by its table is integrated over a cut light exactly, as a function of the cosine,
+/// where the horizon meets the light, and by 2 x 2 or 3 x 3 points elsewhere.
 using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count,
                           float* sums);
 using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,

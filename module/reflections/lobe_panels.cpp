@@ -20,7 +20,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kFollowed = 1e-12;    ///< what the last coefficients of a panel may be, over the largest value
 constexpr std::size_t kPanels = 2000;  ///< at most
-constexpr double kCellsOfScale = 128.0;
+constexpr double kCellsOfScale = 512.0;
 constexpr int kMostCells = 1 << 17;
 constexpr double kSeen = 1e-9;  ///< of the largest magnitude: what is less is dark
 
@@ -76,6 +76,14 @@ double Lobe::value_at(double s) const noexcept {
   const auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, s,
                                    [](double place, const Panel& panel) { return place < panel.end; });
   return evaluate(*at, s);
+}
+
+double Lobe::smooth_over(double from, double to) const noexcept {
+  auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, from,
+                             [](double place, const Panel& panel) { return place < panel.end; });
+  double least = 1.0;
+  for (; at != panels_.end() && at->begin <= to; ++at) least = std::min(least, at->end - at->begin);
+  return std::max(least, 0.5 * scale_);  // panels about the axis are narrower than they need be
 }
 
 double Lobe::value(double cosine) const noexcept {
@@ -159,7 +167,8 @@ void Lobe::normalise() {
 }
 
 void Lobe::measure() {
-  constexpr int kSteps = 32;  // of a panel
+  constexpr int kSteps = 32;             // of a panel
+  constexpr double kNearHorizon = 0.45;  // s^2 at the cosine 0.1
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   double steepest = 0.0;
   double least = 0.0;
@@ -181,6 +190,8 @@ void Lobe::measure() {
       // ds = cos(theta / 2) dtheta / 2
       const double slope = std::abs(own - before) * kSteps / width * 0.5 * std::sqrt(std::max(0.0, 1.0 - s * s));
       if (width > 1e-6) steepest = std::max(steepest, slope);
+      if (s * s >= kNearHorizon && panel.end <= std::sqrt(0.5) + 1e-12)
+        horizon_slope_ = std::max(horizon_slope_, slope);
       before = own;
     }
   }
@@ -189,7 +200,6 @@ void Lobe::measure() {
   const bool broken =
       std::any_of(breaks_.begin(), breaks_.end(), [](double s) { return std::abs(s - std::sqrt(0.5)) < 1e-12; });
   hemisphere_ = broken && below == 0.0;
-  steady_horizon_ = hemisphere_ && std::abs(value(1e-6)) < 1e-4 * peak_;
 }
 
 void Lobe::make_table() {
@@ -201,17 +211,46 @@ void Lobe::make_table() {
   double first = 1.0;  // of all cells that are not dark at their ends and in between
   double last = 0.0;
   for (int cell = 0; cell < cells; ++cell) {
-    const auto at = [&](double share) { return value_at(std::min(1.0, (cell + share) / table_.cells_of_s)); };
+    const double width = std::min(1.0, table_.cells_of_s - cell);  // the last one ends at s = 1
+    const auto at = [&](double share) { return value_at(std::min(1.0, (cell + share * width) / table_.cells_of_s)); };
     const double begin = at(1e-6);  // within the cell: at a break the kernel jumps
     const double end = at(1.0 - 1e-6);
-    table_.lines.push_back(static_cast<float>(begin));
-    table_.lines.push_back(static_cast<float>(end - begin));
+    // By that much the line has the cell's mean; but none is negative where the kernel is not.
+    double higher = 2.0 / 3.0 * (at(0.5) - 0.5 * (begin + end));
+    if (std::min(begin, end) >= 0.0 && std::min(begin, end) + higher < 0.0) higher = 0.0;
+    table_.lines.push_back(static_cast<float>(begin + higher));
+    table_.lines.push_back(static_cast<float>((end - begin) / width));
     if (std::max({std::abs(begin), std::abs(at(0.5)), std::abs(end)}) < kSeen * peak_) continue;
     first = std::min(first, cell / table_.cells_of_s);
     last = (cell + 1) / table_.cells_of_s;
   }
   nearest_ = first;
   farthest_ = std::min(1.0, last);
+  if (hemisphere_) integrate_twice();
+}
+
+void Lobe::integrate_twice() {
+  constexpr double kCosineCellsOfScale = 64.0;
+  constexpr int kMostCosineCells = 1 << 14;
+  const double end = cosine_of(nearest_);  // beyond it all is dark
+  const auto cells =
+      static_cast<int>(std::ceil(std::min<double>(kMostCosineCells, end * kCosineCellsOfScale / scale_)));
+  table_.cells_of_c = cells / end;
+  const double width = 1.0 / table_.cells_of_c;
+  double once = 0.0;
+  double twice = 0.0;
+  const auto add = [this, width](double a, double b, double c, double d) {
+    for (const double value : {a, width * b, width * width * c, width * width * d})
+      table_.twice_integrated.push_back(static_cast<float>(value));
+  };
+  for (int cell = 0; cell < cells; ++cell) {
+    const double begin = value((cell + 1e-6) * width);
+    const double rise = value((cell + 1.0 - 1e-6) * width) - begin;
+    add(twice, once, begin / 2.0, rise / 6.0);
+    twice += width * (once + width * (begin / 2.0 + rise / 6.0));
+    once += width * (begin + rise / 2.0);
+  }
+  add(twice, once, 0.0, 0.0);
 }
 
 Lobe::Lobe(double alpha)

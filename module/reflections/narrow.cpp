@@ -158,13 +158,16 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   constexpr double rounding = 4e-7;
   if (!(mip.rms > 0.0)) return rounding;
   constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`, and floats
+  const int rows = source.cubemap() ? source.columns() : source.rows();
+  const TexelParts parts = parts_for(source.cubemap(), source.columns(), rows);
   double edges = 0.0;
   if (source.cubemap()) {
-    const double texel = 0.5 * kPi / source.columns();
-    edges = 1.4e-3 * mip.alpha + moved * std::sqrt(texel / mip.alpha);
+    const double texel = 0.5 * kPi / (source.columns() * parts.columns);
+    edges = (1.32e-3 + 0.36 * mip.alpha) * mip.alpha + moved * std::sqrt(texel / mip.alpha);
     if (source.columns() % (2 * mip.size) == 0) edges += 0.5 * moved * texel / mip.alpha;
   } else {
-    edges = 2.5e-5 * std::sqrt(mip.alpha) + 2.0 * moved * kPi / source.rows() / std::sqrt(mip.alpha);
+    const double texel = kPi / (rows * parts.rows);
+    edges = 3.3e-5 * std::sqrt(mip.alpha) + 4.0 * moved * texel / std::sqrt(mip.alpha);
   }
   // The largest relative error of texels' weights at any distance, which no sum of light exceeds.
   constexpr double of_weights = 9e-4;

@@ -29,7 +29,7 @@ struct NarrowSplit {
   [[nodiscard]] int rows_for_cubemap() const noexcept;
 };
 /// Times `sharpest_lobe`, the alpha that two points a texel's edge do for.
-inline constexpr double kFarLights = 3.0;
+inline constexpr double kFarLights = 2.0;
 
 /// How texels of such a source (`rows`: of a lat-long, or of a cubemap's face) are cut for narrow lobes.
 [[nodiscard]] TexelParts parts_for(bool cubemap, int columns, int rows) noexcept;
@@ -60,7 +60,7 @@ struct NarrowMip {
 };
 
 /// Returns the estimated root mean square error of a mip over its own root mean square (docs/reflections.md has
-/// measurements): what the far part's bands leave out, a share of the steps, proportional to alpha for cubemaps and to
+/// measurements): what the far part's bands leave out, a share of the steps that grows with alpha for cubemaps and with
 /// its root for lat-longs, the places of lines in floats, and no more of those two than the error of any texel's
 /// weight.
 [[nodiscard]] double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast);

@@ -82,7 +82,7 @@ WELKIN_INLINE Lanes missed_by_bend(const SplitLobe& lobe, Lanes x0, Lanes y0, La
   return a2 * bend * ((begin + end) * first - second - begin * end * zeroth);
 }
 
-void place_cube(const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
+void place(const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
   const Lanes size(group.size);
   const Lanes step(2.0F / group.size);
   for (int k = 0; k < kLanes; k += kWidth) {
@@ -124,7 +124,7 @@ WELKIN_INLINE Lanes cosine_of(Lanes x) {
   return Lanes(1.0F) - square * (Lanes(0.5F) - square * (Lanes(1.0F / 24.0F) - square * Lanes(1.0F / 720.0F)));
 }
 
-void place_lat_long(const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
+void place(const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
   const Lanes one(1.0F);
   for (int k = 0; k < kLanes; k += kWidth) {
     const Lanes sine0 = Lanes::load_unaligned(group.sine + k);
@@ -136,9 +136,11 @@ void place_lat_long(const LatLongGroup& group, int row, ColumnRange corners, con
         xsimd::min(xsimd::max(row0 + Lanes(static_cast<float>(row)), Lanes(0.0F)), Lanes(group.rows));
     const Lanes south = ((row_here - row0) - Lanes::load_unaligned(group.part_row + k)) * Lanes(group.down);
     const Lanes sine = sine_of(south);
-    const Lanes cosine_here = xsimd::max(cosine0 * cosine_of(south) + sine0 * sine, Lanes(0.0F));
+    const Lanes cosine = cosine0 * cosine_of(south) + sine0 * sine;
+    const auto pole = cosine < Lanes(1e-6F);  // a point, which rounding would make a line that is bent without limit
+    const Lanes cosine_here = xsimd::select(pole, Lanes(0.0F), cosine);
     const Lanes sine_here = sine0 * cosine_of(south) - cosine0 * sine;
-    (sine_here / xsimd::max(cosine_here, Lanes(1e-6F))).store_aligned(line.bend + k);
+    xsimd::select(pole, Lanes(0.0F), sine_here / cosine).store_aligned(line.bend + k);
     const Lanes half = sine_of(south * Lanes(0.5F));
     const Lanes half_square = half * half;
     for (int i = corners.first; i < corners.end; ++i) {
@@ -158,34 +160,10 @@ void place_lat_long(const LatLongGroup& group, int row, ColumnRange corners, con
   }
 }
 
-/// The far part's density at a point of the plane, less the lobe's factor 1 - 2 s; and whether there is a near part.
-struct Density {
-  Lanes far;
-  decltype(Lanes() < Lanes()) near;
-};
-
-WELKIN_INLINE Density density_at(const SplitLobe& lobe, Lanes square) {
-  const Lanes one(1.0F);
-  const Lanes quarter = square * Lanes(0.25F);
-  const Lanes inverse = one / (one + quarter);
-  const Lanes x = (Lanes(lobe.offset) + quarter * inverse) * Lanes(lobe.inverse_end);
-  const Lanes steradians = inverse * inverse;
-  const Lanes width = square + Lanes(lobe.width_squared);
-  const Lanes whole = Lanes(lobe.width_squared / kPi) / (width * width);
-  const auto near = x < one;
-  return {xsimd::select(near, steradians * Lanes(lobe.far_scale) * far_polynomial(xsimd::min(x, one)), whole), near};
-}
-
-void measure_corners(const SplitLobe& lobe, ColumnRange corners, const CornerLine& line) {
-  for (int i = corners.first * kLanes; i < corners.end * kLanes; i += kWidth) {
-    const Lanes x = Lanes::load_aligned(line.x + i);
-    const Lanes y = Lanes::load_aligned(line.y + i);
-    density_at(lobe, x * x + y * y).far.store_aligned(line.far + i);
-  }
-}
-
-void measure_edges(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line) {
-  for (int i = columns.first * kLanes; i < columns.end * kLanes; i += kWidth) {
+template <class Group>
+void measure_line(const SplitLobe& lobe, const Group& group, int row, ColumnRange corners, const CornerLine& line) {
+  place(group, row, corners, line);
+  for (int i = corners.first * kLanes; i < (corners.end - 1) * kLanes; i += kWidth) {
     const auto load = [i](const float* values, int step)
                           WELKIN_INLINE_LAMBDA { return Lanes::load_aligned(values + i + step); };
     const Lanes x0 = load(line.x, 0);
@@ -201,51 +179,139 @@ void measure_edges(const SplitLobe& lobe, ColumnRange columns, const CornerLine&
   }
 }
 
-/// Corners above and below at one column.
-struct Side {
-  Lanes x0, y0, x1, y1;
-};
+using Mask = decltype(Lanes() < Lanes());
 
-WELKIN_INLINE Side side_at(const CornerLine& above, const CornerLine& below, int place) {
-  return {Lanes::load_aligned(above.x + place), Lanes::load_aligned(above.y + place),
-          Lanes::load_aligned(below.x + place), Lanes::load_aligned(below.y + place)};
-}
-
-/// A texel as a parallelogram about its centroid.
+/// A texel about its centroid: s(a, b) = s + 2 b1 a + c1 a^2 + 2 b2 b + c2 b^2 + 2 mix a b, where a goes with the
+/// columns and b with the rows, each over one.
 struct Cell {
-  Lanes square, area;         ///< the centre's distance, squared; the area
-  Lanes b1, b2, c1, c2, mix;  ///< products of the centre and the sides e1 and e2: p e1, p e2, e1 e1, e2 e2, e1 e2
+  Lanes s, area;  ///< steradians
+  Lanes b1, b2, c1, c2, mix;
+  Mask there;  ///< whether there is such a texel
 };
 
-WELKIN_INLINE Cell cell_between(const Side& left, const Side& right) {
-  const Lanes half(0.5F);
-  const Lanes dx = right.x1 - left.x0;
-  const Lanes dy = right.y1 - left.y0;
-  const Lanes ex = right.x0 - left.x1;
-  const Lanes ey = right.y0 - left.y1;
-  // The centroid, by the two triangles beside a diagonal: beside a pole a texel's ends are of different lengths.
-  const Lanes above = (right.x0 - left.x0) * dy - (right.y0 - left.y0) * dx;
-  const Lanes below = dx * (left.y1 - left.y0) - dy * (left.x1 - left.x0);
-  const Lanes third = Lanes(1.0F / 3.0F) / (above + below + Lanes(kTiny));
-  const Lanes x = left.x0 + (dx * (above + below) + (right.x0 - left.x0) * above + (left.x1 - left.x0) * below) * third;
-  const Lanes y = left.y0 + (dy * (above + below) + (right.y0 - left.y0) * above + (left.y1 - left.y0) * below) * third;
-  const Lanes across_x = (dx + ex) * half;
-  const Lanes across_y = (dy + ey) * half;
-  const Lanes down_x = (dx - ex) * half;
-  const Lanes down_y = (dy - ey) * half;
-  return {.square = x * x + y * y,
-          .area = xsimd::abs(across_x * down_y - across_y * down_x),
-          .b1 = x * across_x + y * across_y,
-          .b2 = x * down_x + y * down_y,
-          .c1 = across_x * across_x + across_y * across_y,
-          .c2 = down_x * down_x + down_y * down_y,
-          .mix = across_x * down_x + across_y * down_y};
-}
+/// A row of a face. s = x / 4 + x^2 / 16, where x = sin^2(theta) = t / (n^2 n0^2) and t is a quadratic form of the way
+/// from the direction in the face's plane.
+class CubeRow {
+ public:
+  WELKIN_INLINE CubeRow(const CubeGroup& group, int row, int k)
+      : u0_(Lanes::load_unaligned(group.u + k)),
+        column_(Lanes::load_unaligned(group.column + k)),
+        size_(group.size),
+        step_(2.0F / group.size) {
+    const Lanes v0 = Lanes::load_unaligned(group.v + k);
+    const Lanes row_here = Lanes::load_unaligned(group.row + k) + Lanes(static_cast<float>(row));
+    row_there_ = row_here >= Lanes(0.0F) && row_here < size_;
+    uu_ = Lanes(1.0F) + v0 * v0;
+    vv_ = Lanes(1.0F) + u0_ * u0_;
+    uv_ = Lanes(-2.0F) * u0_ * v0;
+    inverse_ = Lanes(1.0F) / (uu_ + u0_ * u0_);
+    const Lanes shift = Lanes(0.25F) * step_ * inverse_;  // of the centroid: solid angles fall like n^-3
+    middle_ = Lanes(0.5F) - Lanes::load_unaligned(group.part + k) - shift * u0_;
+    const Lanes middle_row = Lanes(0.5F) - Lanes::load_unaligned(group.part_row + k) - shift * v0;
+    dv_ = (Lanes(static_cast<float>(row)) + middle_row) * step_;
+    v_ = v0 + dv_;
+    of_row_ = vv_ * dv_ * dv_;
+    slope_ = uv_ * dv_;
+    n_ = Lanes(1.0F) + v_ * v_;
+  }
 
-/// The mean of v^-2, v = a^2 + r^2, over a cell, by its value at the centre: to fourth order in the sides. With
-/// B = b / v and C = c / v, v(s, t)^-2 = v^-2 (1 + z)^-2, z = 2 B1 s + C1 s^2 + 2 B2 t + C2 t^2 + 2 G s t, is expanded
-/// to 1 - 2 z + 3 z^2 - 4 z^3 + 5 z^4, and the means of s^2, s^4 and s^2 t^2 are 1/12, 1/80 and 1/144.
-WELKIN_INLINE Lanes mean_of_cell(const Cell& cell, Lanes inverse) {
+  [[nodiscard]] WELKIN_INLINE Cell cell(int i) const {
+    const Lanes two(2.0F);
+    const Lanes wanted = column_ + Lanes(static_cast<float>(i));
+    const Lanes du = (Lanes(static_cast<float>(i)) + middle_) * step_;
+    const Lanes u = u0_ + du;
+    const Lanes inverse = Lanes(1.0F) / (n_ + u * u);
+    const Lanes t = (uu_ * du + slope_) * du + of_row_;
+    const Lanes tu = two * uu_ * du + slope_;
+    const Lanes tv = two * vv_ * dv_ + uv_ * du;
+    const Lanes both = inverse * inverse_;
+    const Lanes x = t * both;
+    const Lanes curve = Lanes(0.25F) * both * step_ * step_;
+    const Lanes side = Lanes(0.125F) * both * step_;
+    const Lanes lean = two * inverse;
+    return {.s = Lanes(0.25F) * x * (Lanes(1.0F) + Lanes(0.25F) * x),
+            .area = step_ * step_ * inverse * xsimd::sqrt(inverse),
+            .b1 = side * (tu - lean * u * t),
+            .b2 = side * (tv - lean * v_ * t),
+            .c1 = curve * (uu_ - lean * u * tu),
+            .c2 = curve * (vv_ - lean * v_ * tv),
+            .mix = Lanes(0.5F) * curve * (uv_ - lean * (v_ * tu + u * tv)),
+            .there = row_there_ && wanted >= Lanes(0.0F) && wanted < size_};
+  }
+  /// How a texel's width grows from its top to its bottom, over its middle one.
+  [[nodiscard]] WELKIN_INLINE Lanes growth() const { return Lanes(0.0F); }
+
+ private:
+  Lanes u0_, column_, size_, step_;
+  Lanes uu_, vv_, uv_;  ///< of the quadratic form
+  Lanes inverse_;       ///< of n0^2
+  Lanes middle_;        ///< from the direction to its own column's middle, columns
+  Lanes dv_, v_, of_row_, slope_, n_;
+  Mask row_there_;
+};
+
+/// A row of a lat-long: s is sin^2 of half the rows' angle and cos cos sin^2 of half the columns'.
+class LatLongRow {
+ public:
+  WELKIN_INLINE LatLongRow(const LatLongGroup& group, int row, int k)
+      : sine_of_middle_(Lanes::load_unaligned(group.sine_of_middle + k)),
+        cosine_of_middle_(Lanes::load_unaligned(group.cosine_of_middle + k)),
+        down_(group.down),
+        across_(group.across),
+        columns_(group.columns) {
+    const Lanes zero(0.0F);
+    const Lanes sine0 = Lanes::load_unaligned(group.sine + k);
+    const Lanes cosine0 = Lanes::load_unaligned(group.cosine + k);
+    const Lanes row_here = Lanes::load_unaligned(group.row + k) + Lanes(static_cast<float>(row));
+    there_ = row_here >= zero && row_here < Lanes(group.rows);
+    const Lanes middle = (Lanes(static_cast<float>(row) + 0.5F) - Lanes::load_unaligned(group.part_row + k)) * down_;
+    const Lanes cosine = cosine0 * cosine_of(middle) + sine0 * sine_of(middle);
+    growth_ = xsimd::select(there_, down_ * (sine0 * cosine_of(middle) - cosine0 * sine_of(middle)) / cosine, zero);
+    const Lanes south = middle + growth_ * down_ * Lanes(1.0F / 12.0F);  // of the centroid
+    sine_south_ = sine_of(south);
+    cosine_south_ = cosine_of(south);
+    const Lanes half = sine_of(south * Lanes(0.5F));
+    of_row_ = half * half;
+    area_ = cosine * down_ * across_;
+    cosines_ = cosine0 * (cosine0 * cosine_south_ + sine0 * sine_south_);
+    sines_ = cosine0 * (sine0 * cosine_south_ - cosine0 * sine_south_);
+  }
+
+  [[nodiscard]] WELKIN_INLINE Cell cell(int i) const {
+    const Lanes half(0.5F);
+    const float* const table = columns_ + 2 * i;
+    const Lanes sine = Lanes(table[0]) * cosine_of_middle_ - Lanes(table[1]) * sine_of_middle_;
+    const Lanes cosine = Lanes(table[1]) * cosine_of_middle_ + Lanes(table[0]) * sine_of_middle_;
+    const Lanes square = sine * sine;
+    const Lanes product = sine * cosine;
+    const Lanes part = cosines_ * square;
+    return {.s = of_row_ + part,
+            .area = area_,
+            .b1 = half * across_ * cosines_ * product,
+            .b2 = half * down_ * (half * sine_south_ + sines_ * square),
+            .c1 = Lanes(0.25F) * across_ * across_ * (cosines_ - Lanes(2.0F) * part),
+            .c2 = Lanes(0.25F) * down_ * down_ * (cosine_south_ - Lanes(2.0F) * part),
+            .mix = half * across_ * down_ * sines_ * product,
+            .there = there_};
+  }
+  [[nodiscard]] WELKIN_INLINE Lanes growth() const { return growth_; }
+
+ private:
+  Lanes sine_of_middle_, cosine_of_middle_, down_, across_;
+  const float* columns_;
+  Lanes growth_, sine_south_, cosine_south_, of_row_, area_;
+  Lanes cosines_, sines_;  ///< of both latitudes; of the direction's, times the row's sine
+  Mask there_;
+};
+
+WELKIN_INLINE CubeRow row_of(const CubeGroup& group, int row, int k) { return {group, row, k}; }
+WELKIN_INLINE LatLongRow row_of(const LatLongGroup& group, int row, int k) { return {group, row, k}; }
+
+/// The mean of v^-2, v = q + s, over a cell: to fourth order in its sides. With B = b / v and C = c / v it is v^-2
+/// times the mean of (1 + z)^-2, z = 2 B1 a + C1 a^2 + 2 B2 b + C2 b^2 + 2 G a b, which is expanded to 1 - 2 z + 3 z^2
+/// - 4 z^3 + 5 z^4, and the means of a^2, a^4 and a^2 b^2 are 1/12, 1/80 and 1/144.
+WELKIN_INLINE Lanes mean_by_series(const Cell& cell, Lanes v) {
+  const Lanes inverse = Lanes(1.0F) / v;
   const Lanes b1 = cell.b1 * inverse;
   const Lanes b2 = cell.b2 * inverse;
   const Lanes p = b1 * b1;
@@ -257,16 +323,56 @@ WELKIN_INLINE Lanes mean_of_cell(const Cell& cell, Lanes inverse) {
   const Lanes fourth = (c1 * c1 + c2 * c2) * Lanes(0.0375F) + (p * p + q * q) - (p * c1 + q * c2) * Lanes(0.6F);
   const Lanes mixed = (c1 * c2 + Lanes(2.0F) * g * g) * Lanes(1.0F / 24.0F) -
                       (p * c2 + q * c1 + Lanes(4.0F) * b1 * b2 * g) * Lanes(1.0F / 3.0F) + p * q * Lanes(10.0F / 3.0F);
-  return Lanes(1.0F) + (second + (fourth + mixed));
+  return inverse * inverse * (Lanes(1.0F) + (second + (fourth + mixed)));
 }
 
-/// The mean over a texel, by a rule that is exact to third order for parallelograms: 8 parts of the centre's, one of
-/// each corner's.
-WELKIN_INLINE Lanes mean_of(const float* above, const float* below, int left, Lanes centre) {
-  const auto load = [left](const float* values, int step)
-                        WELKIN_INLINE_LAMBDA { return Lanes::load_aligned(values + left + step); };
-  const Lanes corners = (load(above, 0) + load(below, 0)) + (load(above, kLanes) + load(below, kLanes));
-  return (Lanes(8.0F) * centre + corners) * Lanes(1.0F / 12.0F);
+/// The mean of v^-2 over a cell that is a trapezoid, by three by three Gauss points.
+WELKIN_INLINE Lanes mean_by_points(const Cell& cell, Lanes v, Lanes growth) {
+  constexpr float place = 0.387298335F;
+  const auto inverse_square = [](Lanes value) WELKIN_INLINE_LAMBDA { return Lanes(1.0F) / (value * value); };
+  const Lanes centre = growth * Lanes(1.0F / 12.0F);
+  const Lanes bow = cell.c1 * Lanes(place * place);
+  Lanes sum(0.0F);
+  for (int k = -1; k <= 1; ++k) {
+    const Lanes at(static_cast<float>(k) * place);
+    const Lanes b = at - centre;
+    const Lanes middle = v + (Lanes(2.0F) * cell.b2 + cell.c2 * b) * b;
+    const Lanes lean = Lanes(2.0F * place) * (cell.b1 + cell.mix * b);
+    const Lanes sides = inverse_square((middle + bow) - lean) + inverse_square((middle + bow) + lean);
+    const Lanes row = Lanes(8.0F / 18.0F) * inverse_square(middle) + Lanes(5.0F / 18.0F) * sides;
+    sum = sum + Lanes(k == 0 ? 8.0F / 18.0F : 5.0F / 18.0F) * (Lanes(1.0F) + growth * at) * row;
+  }
+  return sum;
+}
+
+/// The mean of P(x) over a cell, and what the end of the near part, which lies within the cell, adds to the near part.
+struct FarMean {
+  Lanes value, end;
+};
+
+/// By P's second derivative. About the end, where y = 1 - x is 0, the near part is 1 / x^2 - P = k y^2 for y > 0, and
+/// nothing beyond: with y even over h to either side, the mean over a cell is k (y + h)^3 / 6 h for y < 0, and that
+/// much of k (h - y)^3 / 6 h less than of the whole parabola for y > 0.
+WELKIN_INLINE FarMean far_mean(const SplitLobe& lobe, const Cell& cell, Lanes x, Lanes growth) {
+  const Lanes y = Lanes(1.0F) - xsimd::min(x, Lanes(1.0F));
+  Lanes value(kFarPart[kFarTerms - 1]);
+  Lanes slope(0.0F);
+  Lanes curve(0.0F);
+  for (int n = kFarTerms - 2; n >= 0; --n) {
+    curve = curve * y + slope;
+    slope = slope * y + value;
+    value = value * y + Lanes(kFarPart[n]);
+  }
+  const Lanes spread = Lanes(1.0F) - growth * growth * Lanes(1.0F / 12.0F);  // of a trapezoid's height
+  const Lanes scale(lobe.inverse_end);
+  const Lanes first = (cell.c1 + spread * cell.c2) * scale * Lanes(1.0F / 12.0F);
+  const Lanes second = (cell.b1 * cell.b1 + spread * cell.b2 * cell.b2) * scale * scale * Lanes(1.0F / 3.0F);
+  const Lanes zero(0.0F);
+  const Lanes half = xsimd::sqrt(Lanes(3.0F) * second);
+  const Lanes inside = Lanes(1.0F) - x;
+  const Lanes beyond = xsimd::max(half - xsimd::abs(inside), zero);
+  const Lanes end = Lanes((3.0F - kFarPart[2]) / 6.0F) * beyond * beyond * beyond / (half + Lanes(kTiny));
+  return {value - slope * first + curve * second, xsimd::select(inside > zero, zero - end, end)};
 }
 
 /// A row's weights, in parts: floats would lose what many columns beside a pole add.
@@ -285,95 +391,124 @@ class RowSum {
   Lanes part_ = Lanes(0.0F);
 };
 
-/// 1 - 2 s
-WELKIN_INLINE Lanes cosine_at(Lanes square) {
-  const Lanes quarter = square * Lanes(0.25F);
-  return (Lanes(1.0F) - quarter) / (Lanes(1.0F) + quarter);
-}
+/// The shares of a lobe in the texels between two lines, from left to right.
+class CloseShares {
+ public:
+  WELKIN_INLINE CloseShares(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, int first)
+      : lobe_(lobe), above_(above), below_(below), left_(side(first)) {}
 
-void weigh_close(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
-                 float* weights, float* sums) {
+  /// `place`: of the left corners, in floats; each call's is the next corner's.
+  WELKIN_INLINE Lanes next(int place) {
+    const Lanes zero(0.0F);
+    const Lanes right = side(place + kLanes);
+    const Lanes top = Lanes::load_aligned(above_.edge + place);
+    const Lanes bottom = Lanes::load_aligned(below_.edge + place);
+    const auto within = top >= zero && right >= zero && bottom < zero && left_ < zero;
+    const Lanes missed = ((top - bottom) + (right - left_)) * Lanes(0.5F / kPi);
+    left_ = right;
+    return xsimd::select(within, Lanes(1.0F), zero) - missed;
+  }
+
+ private:
+  [[nodiscard]] WELKIN_INLINE Lanes side(int place) const {
+    return missed_by(lobe_, edge_between(Lanes::load_aligned(above_.x + place), Lanes::load_aligned(above_.y + place),
+                                         Lanes::load_aligned(below_.x + place), Lanes::load_aligned(below_.y + place)));
+  }
+
+  const SplitLobe& lobe_;
+  const CornerLine& above_;
+  const CornerLine& below_;
+  Lanes left_;
+};
+
+template <class Group>
+void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRange& range, const CornerLine& above,
+               const CornerLine& below, float* weights, float* sums) {
   const Lanes zero(0.0F);
+  const bool cut = above.bend != nullptr;  // the own column of a lat-long is two: see `MeasureLine`
   for (int k = 0; k < kLanes; k += kWidth) {
     RowSum sum;
-    const auto edge_of = [&lobe](const Side& side) WELKIN_INLINE_LAMBDA {
-      return missed_by(lobe, edge_between(side.x0, side.y0, side.x1, side.y1));
+    const auto own = row_of(group, row, k);
+    const Lanes growth = own.growth();
+    const auto put = [&](int i, const Cell& cell, Lanes near) WELKIN_INLINE_LAMBDA {
+      const Lanes all = (Lanes(1.0F) - Lanes(2.0F) * cell.s) * near;
+      const Lanes weight = xsimd::select(cell.there, all, zero);
+      weight.store_aligned(weights + i * kLanes + k);
+      sum.add(weight, i);
     };
-    Side left = side_at(above, below, columns.first * kLanes + k);
-    Lanes left_edge = edge_of(left);
-    for (int i = columns.first; i < columns.end; ++i) {
-      const int place = i * kLanes + k;
-      const Side right = side_at(above, below, place + kLanes);
-      const Lanes right_edge = edge_of(right);
-      const Lanes top = Lanes::load_aligned(above.edge + place);
-      const Lanes bottom = Lanes::load_aligned(below.edge + place);
-      const auto within = top >= zero && right_edge >= zero && bottom < zero && left_edge < zero;
-      const Lanes missed = ((top - bottom) + (right_edge - left_edge)) * Lanes(0.5F / kPi);
-      const Lanes share = xsimd::select(within, Lanes(1.0F), zero) - missed;
-      const Cell cell = cell_between(left, right);
-      const Density centre = density_at(lobe, cell.square);
-      const Lanes far = cell.area * mean_of(above.far, below.far, place, centre.far);
-      // not clamped at 0: beside a pole thousands of columns' rounding cancels
-      const Lanes all = cosine_at(cell.square) * (share - far);
-      // rows beyond a pole, and columns beyond a face, have no area, and what is left of their edges is rounding
-      const Lanes weight = xsimd::select(centre.near && cell.area > zero, all, zero);
-      weight.store_aligned(weights + place);
-      sum.add(weight, i);
-      left = right;
-      left_edge = right_edge;
+    const auto smooth = [&](int first, int end, auto mean) WELKIN_INLINE_LAMBDA {
+      for (int i = first; i < end; ++i) {
+        const Cell cell = own.cell(i);
+        const Lanes v = cell.s + Lanes(lobe.offset);
+        const Lanes x = v * Lanes(lobe.inverse_end);
+        const Lanes whole = Lanes(lobe.scale) * mean(cell, v);
+        const FarMean far = far_mean(lobe, cell, x, growth);
+        const Lanes near = xsimd::select(x < Lanes(1.0F), whole - Lanes(lobe.far_scale) * far.value, zero);
+        put(i, cell, cell.area * xsimd::max(near + Lanes(lobe.far_scale) * far.end, zero));
+      }
+    };
+    const auto by_points = [&](const Cell& cell, Lanes v)
+                               WELKIN_INLINE_LAMBDA { return mean_by_points(cell, v, growth); };
+    const auto by_series = [](const Cell& cell, Lanes v) WELKIN_INLINE_LAMBDA { return mean_by_series(cell, v); };
+    const auto all_smooth = [&](int first, int end) WELKIN_INLINE_LAMBDA {
+      if (range.beside_pole)
+        smooth(first, end, by_points);
+      else
+        smooth(first, end, by_series);
+    };
+    all_smooth(range.columns.first, range.close.first);
+    if (range.close.first < range.close.end) {
+      int place = range.close.first * kLanes + k;
+      CloseShares shares(lobe, above, below, place);
+      for (int i = range.close.first; i < range.close.end; ++i, place += kLanes) {
+        Lanes share = shares.next(place);
+        if (cut && i == 0) {
+          place += kLanes;
+          share = share + shares.next(place);
+        }
+        const Cell cell = own.cell(i);
+        const Lanes x = (cell.s + Lanes(lobe.offset)) * Lanes(lobe.inverse_end);
+        // not clamped at 0: beside a pole thousands of columns' rounding cancels
+        const Lanes far = Lanes(lobe.far_scale) * cell.area * far_mean(lobe, cell, x, growth).value;
+        put(i, cell, xsimd::select(x < Lanes(1.0F), share - far, zero));
+      }
     }
+    all_smooth(range.close.end, range.columns.end);
     (Lanes::load_aligned(sums + k) + sum.all()).store_aligned(sums + k);
   }
 }
 
-void weigh_far(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
-               float* weights, float* sums) {
-  for (int k = 0; k < kLanes; k += kWidth) {
-    RowSum sum;
-    Side left = side_at(above, below, columns.first * kLanes + k);
-    for (int i = columns.first; i < columns.end; ++i) {
-      const int place = i * kLanes + k;
-      const Side right = side_at(above, below, place + kLanes);
-      const Cell cell = cell_between(left, right);
-      const Density centre = density_at(lobe, cell.square);
-      const Lanes inverse = Lanes(1.0F) / (cell.square + Lanes(lobe.width_squared));
-      const Lanes whole = Lanes(lobe.width_squared / kPi) * inverse * inverse * mean_of_cell(cell, inverse);
-      const Lanes far = mean_of(above.far, below.far, place, centre.far);
-      const Lanes all = cosine_at(cell.square) * cell.area * xsimd::max(whole - far, Lanes(0.0F));
-      const Lanes weight = xsimd::select(centre.near, all, Lanes(0.0F));
-      weight.store_aligned(weights + place);
-      sum.add(weight, i);
-      left = right;
-    }
-    (Lanes::load_aligned(sums + k) + sum.all()).store_aligned(sums + k);
-  }
-}
-
+/// Of each run two sums, of every other texel: one would wait for itself.
 void sum_runs(const TexelRun* runs, int count, float* sums) {
   constexpr int kParts = kImageFloats / kWidth;
   Lanes sum[kParts];
   for (Lanes& part : sum) part = Lanes(0.0F);
   for (const TexelRun* run = runs; run != runs + count; ++run) {
-    const float* texel = run->texels;
-    Lanes own[kParts];
-    for (Lanes& part : own) part = Lanes(0.0F);
-    for (int i = 0; i < run->count; ++i, texel += kImageFloats) {
+    Lanes even[kParts];
+    Lanes odd[kParts];
+    for (int p = 0; p < kParts; ++p) even[p] = odd[p] = Lanes(0.0F);
+    const auto add = [run](Lanes* own, int i) WELKIN_INLINE_LAMBDA {
       const Lanes weight(run->weights[i * kLanes]);
-      for (int p = 0; p < kParts; ++p) own[p] = own[p] + weight * Lanes::load_aligned(texel + p * kWidth);
+      for (int p = 0; p < kParts; ++p)
+        own[p] = own[p] + weight * Lanes::load_aligned(run->texels + i * kImageFloats + p * kWidth);
+    };
+    int i = 0;
+    for (; i + 1 < run->count; i += 2) {
+      add(even, i);
+      add(odd, i + 1);
     }
-    for (int p = 0; p < kParts; ++p) sum[p] = sum[p] + own[p];
+    if (i < run->count) add(even, i);
+    for (int p = 0; p < kParts; ++p) sum[p] = sum[p] + (even[p] + odd[p]);
   }
   for (int p = 0; p < kParts; ++p) sum[p].store_aligned(sums + p * kWidth);
 }
 
 }  // namespace
 
-const NarrowKernels narrow_kernels_table = {.place_cube = place_cube,
-                                            .place_lat_long = place_lat_long,
-                                            .measure_corners = measure_corners,
-                                            .measure_edges = measure_edges,
-                                            .weigh_close = weigh_close,
-                                            .weigh_far = weigh_far,
+const NarrowKernels narrow_kernels_table = {.measure_cube = measure_line<CubeGroup>,
+                                            .measure_lat_long = measure_line<LatLongGroup>,
+                                            .weigh_cube = weigh_row<CubeGroup>,
+                                            .weigh_lat_long = weigh_row<LatLongGroup>,
                                             .sum_runs = sum_runs};
 
 }  // namespace welkin::reflections::WELKIN_ISA

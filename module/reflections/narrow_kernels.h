@@ -21,21 +21,21 @@ template <class Number>
   return sum;
 }
 
-/// A lobe in the plane that touches the sphere at its direction, r = 2 tan(theta / 2) (stereographic), split in two.
+/// A lobe split in two: 1 over the whole sphere, so much per steradian.
 struct SplitLobe {
-  float width_squared;  ///< (2 alpha)^2: the share within r is r^2 / (r^2 + width_squared)
+  float width_squared;  ///< (2 alpha)^2: in the plane, the share within r is r^2 / (r^2 + width_squared)
   float offset;         ///< q = alpha^2 / (1 - alpha^2)
   float inverse_end;    ///< 1 / (q + s) where the near part ends
-  float far_scale;      ///< of P(x), so that it is a density per steradian where the lobe's is 1 over the whole sphere
+  float scale;          ///< of the lobe 1 / (q + s)^2
+  float far_scale;      ///< of the far part P(x)
 };
 
-/// A line of texels' corners, [count][16] each: positions in the plane (x with the columns, y with the rows), the far
-/// part's density there per unit of the plane, and what the edge from each corner to the next takes of the lobe
-/// (count - 1 of them).
+/// A line of texels' corners, [count][16] each, in the plane that touches the sphere at a lobe's direction, r = 2
+/// tan(theta / 2) (stereographic): positions (x with the columns, y with the rows), and what the edge from each corner
+/// to the next takes of the lobe (count - 1 of them).
 struct CornerLine {
   float* x;
   float* y;
-  float* far;
   float* edge;
   float* bend;  ///< [16], of a lat-long: the line's curvature, above 0 where its middle lies at larger y. Else null
 };
@@ -63,31 +63,37 @@ struct LatLongGroup {
   float cosine[simd::kLanes];
   float sine_of_part[simd::kLanes];  ///< of half the angle from the direction's own column's line
   float cosine_of_part[simd::kLanes];
+  float sine_of_middle[simd::kLanes];  ///< and from that column's middle
+  float cosine_of_middle[simd::kLanes];
   float row[simd::kLanes];       ///< whole
   float part_row[simd::kLanes];  ///< and the rest
   float rows;
   float down;            ///< radians of a row
+  float across;          ///< and of a column
   const float* columns;  ///< sine and cosine of half the angle of `column` columns; any that corners need
 };
 
-/// Fills x and y for the corners of a line (and of a lat-long its bend); corners beyond the edges of the face, or the
-/// poles, are moved to them. `row`, `corners`: whole texels from the direction's own. In a lat-long corner 1 is at the
-/// direction's own meridian, and corner i > 1 is where column i - 1 begins: a parallel is bent where the lobe is cut by
-/// it.
-using PlaceCube = void (*)(const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line);
-using PlaceLatLong = void (*)(const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line);
+/// Fills a line for those corners (of a lat-long its bend too); corners beyond the edges of the face, or the poles, are
+/// moved to them. `row`, `corners`: whole texels from the direction's own. In a lat-long corner 1 is at the direction's
+/// own meridian, and corner i > 1 is where column i - 1 begins: a parallel is bent where the lobe is cut by it.
+template <class Group>
+using MeasureLine = void (*)(const SplitLobe& lobe, const Group& group, int row, ColumnRange corners,
+                             const CornerLine& line);
 
-/// Fills `far` of corners whose positions are known.
-using MeasureCorners = void (*)(const SplitLobe& lobe, ColumnRange corners, const CornerLine& line);
-/// Fills `edge` of those texels' edges.
-using MeasureEdges = void (*)(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line);
+/// The columns of a row that some lobes reach.
+struct RowRange {
+  ColumnRange columns;
+  ColumnRange close;  ///< those that are integrated in closed form
+  bool beside_pole;   ///< of a lat-long: a texel's width changes from its top to its bottom
+};
 
-/// Writes to those texels' entries of [][16] their share of the near part, between two lines that were measured there,
-/// and adds them up to `sums`, [16]. `weigh_close`: with the lobe's share in closed form. `weigh_far`: by the lobe's
-/// series about the texel's centre, relative error 4e-3 two texels away, 1e-3 at two and a half, falling like the sixth
-/// power.
-using WeighRow = void (*)(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, ColumnRange columns,
-                          float* weights, float* sums);
+/// Writes the near part's share of a row's texels to [][16], and adds them up to `sums`, [16]; of texels that are close
+/// between two lines that were measured there, of others by the lobe's series about the texel's centroid: relative
+/// error 4e-3 two texels away, 1e-3 at two and a half, falling like the sixth power. Beside a pole those are integrated
+/// by three by three Gauss points.
+template <class Group>
+using WeighRow = void (*)(const SplitLobe& lobe, const Group& group, int row, const RowRange& range,
+                          const CornerLine& above, const CornerLine& below, float* weights, float* sums);
 
 inline constexpr int kImages = 16;  ///< of each texel, see `TexelImages`
 inline constexpr int kImageFloats = 3 * kImages;
@@ -103,12 +109,10 @@ struct TexelRun {
 using SumRuns = void (*)(const TexelRun* runs, int count, float* sums);
 
 struct NarrowKernels {
-  PlaceCube place_cube;
-  PlaceLatLong place_lat_long;
-  MeasureCorners measure_corners;
-  MeasureEdges measure_edges;
-  WeighRow weigh_close;
-  WeighRow weigh_far;
+  MeasureLine<CubeGroup> measure_cube;
+  MeasureLine<LatLongGroup> measure_lat_long;
+  WeighRow<CubeGroup> weigh_cube;
+  WeighRow<LatLongGroup> weigh_lat_long;
   SumRuns sum_runs;
 };
 WELKIN_KERNEL_TABLES(NarrowKernels, narrow_kernels)

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -25,14 +24,22 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kLanes = simd::kLanes;
 constexpr int kGroupsPerTile = 8;
 constexpr int kLongestRun = 64;  ///< texels that floats add up without loss
-constexpr double kClose =
-    2.0;  ///< texels from the direction to the middles of those that are integrated in closed form
-constexpr double kInset = 0.3;  ///< of a texel beyond its middle, which counts if the near part reaches so far
+/// Texels from the direction to the middles of those that are integrated in closed form.
+constexpr double kClose = 2.0;
+constexpr int kRowsBesidePole = 10;  ///< whose texels' series converge badly
+constexpr double kInset = 0.2;       ///< of a texel from its middle, which counts if the near part reaches it
+
+int whole_below(double number) {
+  const int whole = static_cast<int>(number);
+  return whole - (number < whole ? 1 : 0);
+}
+
+int whole_above(double number) { return -whole_below(-number); }
 
 /// A position clear of lines between texels, whose corners it would see under no angle: some 1e-7 of a texel away, much
 /// less than the narrowest lobe is wide.
 double clear_of_lines(double position) {
-  const double line = std::round(position);
+  const double line = whole_below(position + 0.5);
   return std::abs(position - line) < 0x1p-23 ? line + 0x1p-23 : position;
 }
 
@@ -52,29 +59,29 @@ std::vector<glm::ivec3> originals_of(int size) {
 
 using Directions = std::array<glm::dvec3, kLanes>;
 
-/// Texels about each of 16 directions, rows and columns from the direction's own: for each row from -rows to rows a
-/// range of columns, and of those that are close by.
+/// Texels about each of 16 directions, rows and columns from the direction's own: those of each row from -rows to rows.
 struct Window {
   int rows = 0;
-  std::vector<ColumnRange> columns;
-  std::vector<ColumnRange> close;
+  std::vector<RowRange> ranges;
 
   void clear(int rows_to_either_side) {
     rows = rows_to_either_side;
-    columns.clear();
-    close.clear();
+    ranges.clear();
   }
-  void add(const ColumnRange& row, const ColumnRange& near) {
-    const bool some = row.first < row.end;
-    columns.push_back(some ? row : ColumnRange{0, 0});
-    const ColumnRange both{std::max(row.first, near.first), std::min(row.end, near.end)};
-    close.push_back(some && both.first < both.end ? both : ColumnRange{row.first, row.first});
+  void add(const ColumnRange& columns, const ColumnRange& close, bool beside_pole) {
+    const auto within = [](const ColumnRange& all, const ColumnRange& part) -> ColumnRange {
+      const ColumnRange both{std::max(all.first, part.first), std::min(all.end, part.end)};
+      return both.first < both.end ? both : ColumnRange{all.end, all.end};
+    };
+    const ColumnRange all = within(columns, columns);
+    ranges.push_back({all, within(all, close), beside_pole});
   }
-  /// What both rows about the line above a row have.
-  [[nodiscard]] ColumnRange about_line(const std::vector<ColumnRange>& ranges, int row) const {
+  [[nodiscard]] const RowRange& range(int row) const { return ranges[static_cast<std::size_t>(row + rows)]; }
+  /// Those that are close in a row above a line or below it.
+  [[nodiscard]] ColumnRange close_to_line(int row) const {
     ColumnRange all{0, 0};
     for (const int k : {std::max(row - 1, -rows), std::min(row, rows)}) {
-      const ColumnRange& own = ranges[static_cast<std::size_t>(k + rows)];
+      const ColumnRange& own = range(k).close;
       if (own.first >= own.end) continue;
       all = all.first >= all.end ? own : ColumnRange{std::min(all.first, own.first), std::max(all.end, own.end)};
     }
@@ -159,19 +166,13 @@ class NearField {
   void add_lat_long(const Directions& directions, Scratch& scratch) const;
   template <class Group>
   void add_window(const Group& group, int patch, Scratch& scratch) const;
-  void weigh_row(const CornerLine& above, const CornerLine& below, const ColumnRange& columns, const ColumnRange& close,
-                 float* weights, Scratch& scratch) const;
-  void add_lane(int patch, std::size_t lane, int cut, const float* weights, Scratch& scratch) const;
+  void add_lane(int patch, std::size_t lane, const float* weights, Scratch& scratch) const;
   void write(const glm::ivec3& original, const float* sums, float share) const;
 
-  static void place(const NarrowKernels& kernels, const CubeGroup& group, int row, ColumnRange corners,
-                    const CornerLine& line) {
-    kernels.place_cube(group, row, corners, line);
-  }
-  static void place(const NarrowKernels& kernels, const LatLongGroup& group, int row, ColumnRange corners,
-                    const CornerLine& line) {
-    kernels.place_lat_long(group, row, corners, line);
-  }
+  [[nodiscard]] MeasureLine<CubeGroup> measure(const CubeGroup&) const { return kernels_.measure_cube; }
+  [[nodiscard]] MeasureLine<LatLongGroup> measure(const LatLongGroup&) const { return kernels_.measure_lat_long; }
+  [[nodiscard]] WeighRow<CubeGroup> weigh(const CubeGroup&) const { return kernels_.weigh_cube; }
+  [[nodiscard]] WeighRow<LatLongGroup> weigh(const LatLongGroup&) const { return kernels_.weigh_lat_long; }
 
   const NearPart& part_;
   SplitLobe lobe_;
@@ -253,8 +254,8 @@ void NearField::add_face(const Directions& directions, int patch, Scratch& scrat
     const double v = along_v / normal;
     const double column = clear_of_lines(0.5 * (u + 1.0) * size);
     const double row = clear_of_lines(0.5 * (v + 1.0) * size);
-    scratch.column[k] = static_cast<int>(std::floor(column));
-    scratch.row[k] = static_cast<int>(std::floor(row));
+    scratch.column[k] = whole_below(column);
+    scratch.row[k] = whole_below(row);
     group.u[k] = static_cast<float>(u);
     group.v[k] = static_cast<float>(v);
     group.column[k] = static_cast<float>(scratch.column[k]);
@@ -287,11 +288,11 @@ void NearField::add_face(const Directions& directions, int patch, Scratch& scrat
       const double side = half * std::sqrt(width * left) + kInset - 0.5;
       const auto [first, end] =
           std::minmax({slant.least * high, slant.largest * high, slant.least * low, slant.largest * low});
-      const double from = std::floor(first - side + part_columns.least);
-      const double to = std::ceil(end + side + part_columns.largest);
-      return {static_cast<int>(std::max(from, -columns.largest)), static_cast<int>(std::min(to, size - columns.least))};
+      const int from = whole_below(first - side + part_columns.least);
+      const int to = whole_above(end + side + part_columns.largest);
+      return {std::max(from, -static_cast<int>(columns.largest)), std::min(to, size - static_cast<int>(columns.least))};
     };
-    window.add(range_within(1.0), range_within(close));
+    window.add(range_within(1.0), range_within(close), false);
   }
   add_window(group, patch, scratch);
 }
@@ -303,6 +304,7 @@ void NearField::add_lat_long(const Directions& directions, Scratch& scratch) con
   LatLongGroup group{};
   group.rows = static_cast<float>(rows);
   group.down = static_cast<float>(kPi / rows);
+  group.across = static_cast<float>(2.0 * kPi / columns);
   group.columns = column_table_.data() + columns / 2 * 2;
   Extent latitude;  // turns
   Extent part_rows;
@@ -313,49 +315,51 @@ void NearField::add_lat_long(const Directions& directions, Scratch& scratch) con
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
     const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
     latitude.take(own);
-    part_rows.take(row - std::floor(row));
-    scratch.column[k] = static_cast<int>(std::floor(column));
-    scratch.row[k] = std::min(static_cast<int>(std::floor(row)), rows - 1);
+    part_rows.take(row - whole_below(row));
+    scratch.column[k] = whole_below(column);
+    scratch.row[k] = std::min(whole_below(row), rows - 1);
     const math::SineCosine part = math::sine_cosine_of_turns(0.5 * (column - scratch.column[k]) / columns);
     group.sine[k] = static_cast<float>(d.y);
     group.cosine[k] = static_cast<float>(flat);
     group.sine_of_part[k] = static_cast<float>(part.sine);
     group.cosine_of_part[k] = static_cast<float>(part.cosine);
+    const math::SineCosine middle = math::sine_cosine_of_turns(0.5 * (column - scratch.column[k] - 0.5) / columns);
+    group.sine_of_middle[k] = static_cast<float>(middle.sine);
+    group.cosine_of_middle[k] = static_cast<float>(middle.cosine);
     group.row[k] = static_cast<float>(scratch.row[k]);
     group.part_row[k] = static_cast<float>(row - scratch.row[k]);
   }
   Window& window = scratch.window;
   window.clear(static_cast<int>(std::ceil(reach * rows / kPi)));
   const int highest_row = *std::max_element(scratch.row.begin(), scratch.row.end());
+  const int lowest_row = *std::min_element(scratch.row.begin(), scratch.row.end());
   const auto sine_squared = [](double radians) {
     const double sine = math::sine_cosine_of_turns(radians / (4.0 * kPi)).sine;
     return sine * sine;
   };
-  // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2); `up`: the most rows up, `away`: the least
-  const auto side_at = [&](double up, double away, double radius) {
-    const double other = latitude.largest + 0.5 * up / rows;
-    const double cosines =
-        math::sine_cosine_of_turns(latitude.largest).cosine * math::sine_cosine_of_turns(other).cosine;
-    const double left = sine_squared(radius) - sine_squared(std::max(0.0, away - kInset) * kPi / rows);
-    if (left <= 0.0) return 0;
-    if (other >= 0.25 || left >= 0.99 * cosines) return columns / 2;
-    const double half_angle = math::arc_sine(std::sqrt(left / cosines));
-    return std::min(columns / 2, static_cast<int>(std::ceil(half_angle * columns / kPi + kInset - 0.5)));
-  };
-  // a column more, because the direction's own is two
-  const auto range_of = [&](int side) {
-    return side >= columns / 2 ? ColumnRange{-columns / 2, columns / 2 + 1} : ColumnRange{-side, side + 2};
+  const double own_cosine = math::sine_cosine_of_turns(latitude.largest).cosine;
+  // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2)
+  const auto range_of = [&](double cosines, double left) -> ColumnRange {
+    if (left <= 0.0) return {0, 0};
+    int side = columns / 2;
+    if (left < 0.99 * cosines) {
+      const double half_angle = math::arc_sine(std::sqrt(left / cosines));
+      side = std::min(side, whole_above(half_angle * columns / kPi + kInset - 0.5));
+    }
+    return side == columns / 2 ? ColumnRange{-side, side} : ColumnRange{-side, side + 1};
   };
   const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.least).cosine);
+  const double close = sine_squared(kClose * texel);
+  const double all = sine_squared(reach);
   for (int row = -window.rows; row <= window.rows; ++row) {
     const double high = row + 0.5 - part_rows.least;
     const double low = row + 0.5 - part_rows.largest;
-    const double away = std::max({0.0, low, -high});
-    const auto range_within = [&](double radius) {
-      const bool there = row + highest_row >= 0 && away - kInset < radius * rows / kPi;
-      return there ? range_of(side_at(0.5 - low, away, radius)) : ColumnRange{0, 0};
-    };
-    window.add(range_within(reach), range_within(kClose * texel));
+    const double nearest =
+        row + highest_row < 0 ? 10.0 : sine_squared(std::max({0.0, low - kInset, -high - kInset}) * kPi / rows);
+    const double other = latitude.largest + 0.5 * (0.5 - low) / rows;  // the northernmost
+    const double cosines = other >= 0.25 ? 0.0 : own_cosine * math::sine_cosine_of_turns(other).cosine;
+    window.add(range_of(cosines, all - nearest), range_of(cosines, close - nearest),
+               row + lowest_row < kRowsBesidePole);
   }
   add_window(group, 0, scratch);
 }
@@ -363,67 +367,45 @@ void NearField::add_lat_long(const Directions& directions, Scratch& scratch) con
 template <class Group>
 void NearField::add_window(const Group& group, int patch, Scratch& scratch) const {
   const Window& window = scratch.window;
-  // the first column that begins at the direction's own meridian, which cuts a lat-long's: see `PlaceLatLong`
-  const int cut = part_.images.cubemap() ? std::numeric_limits<int>::max() : 1;
-  ColumnRange all{0, 0};
+  const int cut = part_.images.cubemap() ? 0 : 1;  // a lat-long's own column is two: see `MeasureLine`
+  ColumnRange all{0, 0};                           // that are close
   std::size_t texels = 0;
   scratch.first_weights.clear();
-  for (const ColumnRange& row : window.columns) {
-    all = {std::min(all.first, row.first), std::max(all.end, row.end)};
+  for (const RowRange& row : window.ranges) {
+    if (row.close.first < row.close.end) all = {std::min(all.first, row.close.first), std::max(all.end, row.close.end)};
     scratch.first_weights.push_back(texels);
-    texels += static_cast<std::size_t>(row.end - row.first);
+    texels += static_cast<std::size_t>(row.columns.end - row.columns.first);
   }
-  const auto width = static_cast<std::size_t>(all.end + 1 - all.first) * kLanes;
-  float* const corners = Scratch::floats(scratch.corners, 8 * width) - static_cast<std::ptrdiff_t>(all.first) * kLanes;
+  const auto width = static_cast<std::size_t>(all.end + 1 + cut - all.first) * kLanes;
+  float* const corners = Scratch::floats(scratch.corners, 6 * width) - static_cast<std::ptrdiff_t>(all.first) * kLanes;
   float* const weights = Scratch::floats(scratch.weights, texels * kLanes);
   const auto line = [&](int row) -> CornerLine {
-    float* const first = corners + (row & 1) * static_cast<std::ptrdiff_t>(4 * width);
-    return {first, first + width, first + 2 * width, first + 3 * width,
-            part_.images.cubemap() ? nullptr : scratch.bends[row & 1]};
+    float* const first = corners + (row & 1) * static_cast<std::ptrdiff_t>(3 * width);
+    return {first, first + width, first + 2 * width, cut == 0 ? nullptr : scratch.bends[row & 1]};
   };
   for (int row = -window.rows; row <= window.rows + 1; ++row) {
-    const CornerLine below = line(row);
-    const ColumnRange both = window.about_line(window.columns, row);
-    if (both.first >= both.end) continue;
-    place(kernels_, group, row, {both.first, both.end + 1}, below);
-    kernels_.measure_corners(lobe_, {both.first, both.end + 1}, below);
-    kernels_.measure_edges(lobe_, window.about_line(window.close, row), below);
+    const ColumnRange close = window.close_to_line(row);
+    if (close.first < close.end) measure(group)(lobe_, group, row, {close.first, close.end + 1 + cut}, line(row));
     if (row == -window.rows) continue;
-    const auto index = static_cast<std::size_t>(row - 1 + window.rows);
-    const ColumnRange own = window.columns[index];
-    if (own.first >= own.end) continue;
-    float* const to = weights + (static_cast<std::ptrdiff_t>(scratch.first_weights[index]) - own.first) * kLanes;
-    weigh_row(line(row - 1), below, {own.first, std::min(own.end, cut)}, window.close[index], to, scratch);
-    if (own.end <= cut) continue;
-    // the direction's own column is two
-    std::array<float, kLanes> left{};
-    if (own.first < cut) std::copy(to, to + kLanes, left.begin());
-    weigh_row(line(row - 1), below, {std::max(own.first, cut), own.end}, window.close[index], to - kLanes, scratch);
-    for (std::size_t k = 0; k < kLanes; ++k) to[k] += left[k];
+    const RowRange& own = window.range(row - 1);
+    if (own.columns.first >= own.columns.end) continue;
+    const std::size_t first = scratch.first_weights[static_cast<std::size_t>(row - 1 + window.rows)];
+    weigh(group)(lobe_, group, row - 1, own, line(row - 1), line(row),
+                 weights + (static_cast<std::ptrdiff_t>(first) - own.columns.first) * kLanes, scratch.shares);
   }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) add_lane(patch, lane, cut, weights + lane, scratch);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) add_lane(patch, lane, weights + lane, scratch);
 }
 
-void NearField::weigh_row(const CornerLine& above, const CornerLine& below, const ColumnRange& columns,
-                          const ColumnRange& close, float* weights, Scratch& scratch) const {
-  const ColumnRange exact{std::clamp(close.first, columns.first, columns.end),
-                          std::clamp(close.end, columns.first, columns.end)};
-  kernels_.weigh_far(lobe_, above, below, {columns.first, exact.first}, weights, scratch.shares);
-  kernels_.weigh_close(lobe_, above, below, exact, weights, scratch.shares);
-  kernels_.weigh_far(lobe_, above, below, {exact.end, columns.end}, weights, scratch.shares);
-}
-
-/// `cut`: see `add_window`.
-void NearField::add_lane(int patch, std::size_t lane, int cut, const float* weights, Scratch& scratch) const {
+void NearField::add_lane(int patch, std::size_t lane, const float* weights, Scratch& scratch) const {
   const Window& window = scratch.window;
   const int column = scratch.column[lane];
   scratch.runs.clear();
   for (int row = -window.rows; row <= window.rows; ++row) {
     const auto index = static_cast<std::size_t>(row + window.rows);
-    const ColumnRange own = window.columns[index];
+    const ColumnRange own = window.ranges[index].columns;
     const TexelImages::Row& there = part_.images.row(patch, scratch.row[lane] + row);
     const int from = std::max(own.first, there.columns.first - column);
-    const int end = std::min(own.end - (own.end > cut ? 1 : 0), there.columns.end - column);
+    const int end = std::min(own.end, there.columns.end - column);
     if (from >= end) continue;
     const std::size_t first = scratch.first_weights[index] + static_cast<std::size_t>(from - own.first);
     const float* texels =
@@ -447,6 +429,7 @@ SplitLobe split_lobe(const NarrowSplit& split, double alpha) {
   lobe.width_squared = static_cast<float>(4.0 * square);
   lobe.offset = static_cast<float>(square / rest);
   lobe.inverse_end = static_cast<float>(1.0 / split.end(alpha));
+  lobe.scale = static_cast<float>(square / (4.0 * kPi * rest * rest));
   lobe.far_scale = static_cast<float>(square / (4.0 * kPi * rest * rest * split.end(alpha) * split.end(alpha)));
   return lobe;
 }

@@ -230,6 +230,7 @@ class LobeChain {
   [[nodiscard]] NarrowSplit split_of(int size) const;
   void narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control);
   void keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
+  [[nodiscard]] double seconds_to_integrate(const MipPlan& mip) const;
   [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(const Target& target, const MipPlan& mip, const Control& control);
@@ -436,36 +437,48 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   target.record.bands = mip.bands.bands();
   target.record.bright_texels = static_cast<int>(extracted_);
   const double rms = target.rms(*mip.lobe);
-  target.record.error_estimate = spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, rms), rms);
+  // Few texels may lie where the error of a lobe with kinks is largest.
+  const double by_chance = mip.alpha > 0.0 ? 1.0 : std::min(2.0, 1.0 + 4.0 / mip.size);
+  target.record.error_estimate =
+      by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms), rms);
   keep_or_integrate(target, mip, watch, control);
 }
 
-/// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws. Mips of lobes other than GGX
-/// that would take longer than that are kept: their estimates exceed the bound on noise that is within it.
+/// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws.
 void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch,
                                   const Control& control) {
   const double estimate = *target.record.error_estimate;
-  if (mip.near.face > 0 && estimate > target.bounds.rms) {
+  if (estimate <= target.bounds.rms) {
+    end_mip(target, mip, watch, control);
+    return;
+  }
+  if (mip.method == MipMethod::spectral && !spectral_.near_mips.empty()) {  // more bands may do
     near_fails_ = true;
     return;
   }
-  if (mip.lobe->last_band() == 0 && estimate > target.bounds.rms) {
-    if (may_integrate(target, mip)) {
-      integrate_mip(target, mip, {control.stop, {}});
-      target.record.bands = 0;
-      target.record.bright_texels = 0;
-      return;
-    }
-    if (mip.alpha > 0.0) refuse_rms_error(estimate, target.bounds.rms, target.name);
+  if (!may_integrate(target, mip)) refuse_rms_error(estimate, target.bounds.rms, target.name);
+  integrate_mip(target, mip, {control.stop, {}});
+  target.record.bands = 0;
+  target.record.bright_texels = 0;
+}
+
+/// Returns seconds that one core takes to integrate a mip, within a factor of 2 of those measured.
+double LobeChain::seconds_to_integrate(const MipPlan& mip) const {
+  const double texels = static_cast<double>(source_.columns()) * source_.rows();
+  double each = 1e-8 * texels;
+  if (mip.alpha == 0.0) {
+    // a lobe's table is looked up at some points of each texel, and each texel at the horizon is cut along it
+    constexpr double kOfTexel = 1e-7;
+    constexpr double kOfCutTexel = 2e-5;
+    constexpr double kOfHorizon = 5e-5;
+    each = kOfTexel * texels + kOfCutTexel * source_.columns() + kOfHorizon / mip.lobe->scale();
   }
-  end_mip(target, mip, watch, control);
+  return 6.0 * mip.size * mip.size * each;
 }
 
 /// Returns whether the integral itself, texel by texel, keeps the bound within about a second.
 bool LobeChain::may_integrate(const Target& target, const MipPlan& mip) const {
-  const double most_pairs = mip.alpha > 0.0 ? 1e8 : 2.5e5;  // of texels, 10 ns each, of other lobes 4 us
-  const double pairs = 6.0 * mip.size * mip.size * source_.columns() * source_.rows();
-  return plan_.may_integrate && kReferenceError <= target.bounds.rms && pairs <= most_pairs;
+  return plan_.may_integrate && kReferenceError <= target.bounds.rms && seconds_to_integrate(mip) <= 1.0;
 }
 
 IrradianceMap LobeChain::irradiance_times(double factor) {
@@ -550,10 +563,6 @@ void LobeChain::narrow_mip(std::size_t level, const NarrowSource& narrow, const 
       {mip.size, mip.alpha, rms, blurred_rms(narrow.energies, zonal), lost_of_far(far, zonal, narrow.energies)},
       narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
-  // What decides is the most probable error; beside lone lamps one mip in ten of a cubemap errs by up to half as much
-  // more.
-  constexpr double kOfLamps = 1.6;
-  if (source_.cubemap() && record(level).method == MipMethod::narrow) *record(level).error_estimate *= kOfLamps;
 }
 
 void LobeChain::copy_mip(std::size_t level, const Control& control) {

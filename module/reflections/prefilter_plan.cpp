@@ -309,7 +309,7 @@ int first_bands(const Lobe& lobe, double rms_error) {
 /// Adds the mips of other lobes, whose bands the picture decides.
 void plan_kernels(const std::vector<ZonalKernel>& kernels, bool reference, PrefilterPlan& plan) {
   const PrefilterOptions usual;
-  plan.reach = reach_for(usual.rms_error, usual.maximum_error);
+  plan.reach = reach_for(std::min(usual.rms_error, plan.bounds.rms), usual.maximum_error);
   plan.lights = LightsOf::any;
   for (std::size_t level = 0; level < kernels.size(); ++level) {
     MipPlan mip;

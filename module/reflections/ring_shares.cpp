@@ -176,6 +176,7 @@ std::vector<CellLight> light_of_rings(int rows) {
   const double step = std::numbers::pi / rows;
   const Moments moments(step);
   std::vector<CellLight> light;
+  light.reserve(static_cast<std::size_t>(rows / 2 + 1));
   Spreading above = spreading_of_rings(moments, 0, rows);
   for (int row = 0; row <= rows / 2; ++row) {
     const Spreading below = spreading_of_rings(moments, row + 1, rows);
@@ -253,7 +254,8 @@ RingShares::RingShares(int rows)
     for (std::size_t k = 0; k < kSpread; ++k) {
       const int ring = static_cast<int>(row + k) - kMiddle;
       double& sum = sums[row + k];
-      for (double& coefficient : light[row][k]) coefficient /= area_of(ring, rows);
+      const double area = area_of(ring, rows);
+      for (double& coefficient : light[row][k]) coefficient /= area;
       const double passed = at_end(light[row][k]);
       light[row][k][0] += sum;
       sum += passed;

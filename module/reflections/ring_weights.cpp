@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <type_traits>
 
 #include "image/image_kernels.h"
+#include "platform/memory.h"
 
 namespace welkin::reflections {
 namespace {
@@ -30,17 +33,18 @@ void split(const double* places, int count, int last_cell, int* cells, float* re
 class RingWeights::EdgeLine {
  public:
   EdgeLine(const RingWeights& weights, std::size_t edges, std::size_t parts)
-      : weights_(weights), edges_(edges), first_parts_(edges + 1), columns_(parts), points_(kPartPoints * parts) {
-    for (std::vector<double>* list : {&ends_, &distances_, &places_}) list->resize(2 * parts);
-    end_cells_.resize(2 * parts);
-    rest_.resize(2 * parts);
-    for (std::vector<float>* list : {&end_shares_, &point_shares_, &across_, &along_})
-      list->resize(2 * parts * kShareLanes);
-    point_cells_.resize(points_);
-    rings_.resize(points_);
-    all_alike_.resize(points_);
-    widths_.resize(points_);
-    horizontals_.resize(points_);
+      : weights_(weights), edges_(edges), first_parts_(edges + 1), memory_(parts * kPartBytes) {
+    std::byte* next = memory_.data();
+    const auto take = [&](auto*& values, std::size_t count) {
+      values = reinterpret_cast<std::remove_reference_t<decltype(values)>>(next);
+      next += count * parts * sizeof(*values);
+    };
+    for (double** values : {&ends_, &distances_, &places_, &horizontals_}) take(*values, kPartPoints);
+    for (float** values : {&end_shares_, &point_shares_, &across_, &along_}) take(*values, kPartPoints * kShareLanes);
+    for (float** values : {&rest_, &widths_}) take(*values, kPartPoints);
+    for (int** values : {&end_cells_, &point_cells_, &rings_, &all_alike_}) take(*values, kPartPoints);
+    take(columns_, 1);
+    std::fill_n(all_alike_, kPartPoints * parts, 0);
   }
 
   struct Edge {
@@ -48,6 +52,8 @@ class RingWeights::EdgeLine {
     double from;
     double to;
   };
+  static constexpr std::size_t kPartBytes =
+      kPartPoints * (4 * sizeof(double) + (4 * kShareLanes + 2) * sizeof(float)) + (4 * kPartPoints + 1) * sizeof(int);
   [[nodiscard]] Edge& edge(int index) noexcept { return edges_[static_cast<std::size_t>(index)]; }
 
   /// `mirrored`: lines that run away from the middle of the face, whose longitudes count from the other end of a
@@ -57,7 +63,7 @@ class RingWeights::EdgeLine {
   void find_rings(const EdgeLine& line, int first, int end, double height);
 
   [[nodiscard]] RingEdges edges(const EdgeLine& cut) const noexcept {
-    return {cut.first_parts_.data(), cut.columns_.data(), cut.across_.data(), rings_.data(), along_.data()};
+    return {cut.first_parts_.data(), cut.columns_, cut.across_, rings_, along_};
   }
   [[nodiscard]] std::uint32_t first_part(int edge) const noexcept {
     return first_parts_[static_cast<std::size_t>(edge)];
@@ -70,20 +76,18 @@ class RingWeights::EdgeLine {
   const RingWeights& weights_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> first_parts_;
-  std::vector<int> columns_;
-  std::size_t points_;
-  std::vector<double> ends_, distances_, places_;
-  std::vector<int> end_cells_, point_cells_, rings_;
-  std::vector<int> all_alike_;  ///< columns' shares are those of one cell
-  std::vector<float> rest_, end_shares_, point_shares_, across_, along_, widths_;
-  std::vector<double> horizontals_;
+  platform::AlignedBuffer<std::byte> memory_;  ///< of all that is below
+  double *ends_, *distances_, *places_, *horizontals_;
+  float *end_shares_, *point_shares_, *across_, *along_, *rest_, *widths_;
+  int *end_cells_, *point_cells_, *rings_, *columns_;
+  int* all_alike_;  ///< columns' shares are those of one cell
 };
 
 void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
-  weights_.find_angles(ends_.data(), distances_.data(), count, places_.data());
+  weights_.find_angles(ends_, distances_, count, places_);
   if (!mirrored) return;
   const double quarter = 0.25 * weights_.columns_;
-  for (int i = 0; i < count; ++i) places_[static_cast<std::size_t>(i)] = quarter - places_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < count; ++i) places_[i] = quarter - places_[i];
 }
 
 void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored) {
@@ -131,9 +135,8 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
   find_longitudes(count, mirrored);
   const RingShares& shares = weights_.shares_;
   const int last_column = 2 * weights_.rows_;
-  split(places_.data(), count, last_column, end_cells_.data(), rest_.data());
-  weights_.kernels_.evaluate_shares(shares.columns_before.data(), all_alike_.data(), rest_.data(), count,
-                                    end_shares_.data());
+  split(places_, count, last_column, end_cells_, rest_);
+  weights_.kernels_.evaluate_shares(shares.columns_before.data(), all_alike_, rest_, count, end_shares_);
   for (std::size_t i = 0; i < k; i += 2) {
     const double middle = 0.5 * (ends_[i] + ends_[i + 1]);
     const double half = 0.5 * (ends_[i + 1] - ends_[i]);
@@ -146,23 +149,22 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     }
   }
   find_longitudes(count, mirrored);
-  split(places_.data(), count, last_column, point_cells_.data(), rest_.data());
-  weights_.kernels_.evaluate_shares(shares.columns.data(), all_alike_.data(), rest_.data(), count,
-                                    point_shares_.data());
-  weights_.kernels_.share_columns({end_cells_.data(), end_shares_.data(), point_cells_.data(), point_shares_.data(),
-                                   widths_.data(), count / kPartPoints, mirrored},
-                                  columns_.data(), across_.data());
+  split(places_, count, last_column, point_cells_, rest_);
+  weights_.kernels_.evaluate_shares(shares.columns.data(), all_alike_, rest_, count, point_shares_);
+  weights_.kernels_.share_columns(
+      {end_cells_, end_shares_, point_cells_, point_shares_, widths_, count / kPartPoints, mirrored}, columns_,
+      across_);
 }
 
 void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end, double height) {
   if (first >= end) return;
   const auto from = std::size_t{kPartPoints} * line.first_part(first);
   const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
-  std::fill_n(distances_.begin(), count, height);
-  weights_.find_angles(line.horizontals_.data() + from, distances_.data(), count, places_.data());
-  split(places_.data(), count, weights_.rows_ / 2, rings_.data() + from, rest_.data());
-  weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_.data() + from, rest_.data(), count,
-                                    along_.data() + kShareLanes * from);
+  std::fill_n(distances_, count, height);
+  weights_.find_angles(line.horizontals_ + from, distances_, count, places_);
+  split(places_, count, weights_.rows_ / 2, rings_ + from, rest_);
+  weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_ + from, rest_, count,
+                                    along_ + kShareLanes * from);
 }
 
 /// What one thread needs for itself.
@@ -184,8 +186,7 @@ std::size_t RingWeights::parts_of_line(int texels, int rows) noexcept {
 }
 
 std::size_t RingWeights::making_bytes(int face_size, int rows, std::size_t threads) noexcept {
-  constexpr std::size_t kPartBytes = 400;  // of an `EdgeLine`
-  constexpr std::size_t kLines = 4;        // of a `Workspace`
+  constexpr std::size_t kLines = 4;  // of a `Workspace`
   constexpr std::size_t kCornerBytes = 12;
   constexpr std::size_t kTexelBytes = 20;  // with images along the sixteenth's edges
   const int texels = (face_size + 1) / 2;
@@ -198,7 +199,7 @@ std::size_t RingWeights::making_bytes(int face_size, int rows, std::size_t threa
   const std::size_t block =
       sizeof(float) * (rings / static_cast<std::size_t>(texels) + 2 * kSpread) * (rings / 2 + 2 * kSpread);
   return kCornerBytes * corners + kTexelBytes * near_corners + shares +
-         std::min(bands, threads) * (kLines * kPartBytes * parts_of_line(texels, rows) + block);
+         std::min(bands, threads) * (kLines * EdgeLine::kPartBytes * parts_of_line(texels, rows) + block);
 }
 
 std::size_t RingWeights::bytes() const noexcept {
@@ -210,7 +211,8 @@ std::size_t RingWeights::bytes() const noexcept {
 
 RingWeights::Workspace::Workspace(const RingWeights& weights)
     : side(weights, static_cast<std::size_t>(weights.texels_), weights.parts_),
-      lines{side, side},
+      lines{{weights, static_cast<std::size_t>(weights.texels_), weights.parts_},
+            {weights, static_cast<std::size_t>(weights.texels_), weights.parts_}},
       steps(weights, static_cast<std::size_t>(weights.texels_ + 1), weights.parts_),
       block(weights.block_floats_ + kShareLanes) {
   const std::vector<double>& lines_on_face = weights.lines_;

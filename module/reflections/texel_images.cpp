@@ -100,7 +100,7 @@ void TexelImages::fill(const projection::SanitizedSource& source, const TexelPar
     const image::CubeImage image = image::cube_image_of(index);
     float* to = this->row(patch, row).texels + 3 * index;
     const auto copy = [&](const float* rgb) {
-      std::copy(rgb, rgb + 3, to);
+      for (int c = 0; c < 3; ++c) to[c] = rgb[c];  // a call of a function otherwise
       to += kImageFloats;
     };
     if (cubemap_) {

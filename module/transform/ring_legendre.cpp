@@ -192,16 +192,17 @@ void LegendreFactors::fill_order(int m, int count) {
   double* const beta = alpha + length_;
   a[0] = alpha[0] = beta[0] = 0.0;  // not used
   gamma[0] = 1.0;
-  double ratio_before = 0.0;  // e(l - 1)
+  // Loop by loop, so that compilers make registers of all but one: `beta` has e(l) meanwhile.
+  for (int i = 1; i < count; ++i) beta[i] = ratio(m + i, m);
+  for (int i = 1; i < count; ++i) alpha[i] = beta[i - 1] / beta[i];
+  gamma[1] = 1.0;
+  for (int i = 2; i < count; ++i) gamma[i] = alpha[i] * gamma[i - 2];
   for (int i = 1; i < count; ++i) {
     const double l = m + i;
-    const double ratio_here = ratio(l, m);
-    gamma[i] = i == 1 ? 1.0 : ratio_before / ratio_here * gamma[i - 2];
-    a[i] = gamma[i - 1] / (ratio_here * gamma[i]);
-    alpha[i] = (l - 2.0) * ratio_before / ((l + 1.0) * ratio_here);
-    beta[i] = gamma[i - 1] / ((l + 1.0) * ratio_here);
-    ratio_before = ratio_here;
+    a[i] = gamma[i - 1] / (beta[i] * gamma[i]);
+    alpha[i] = (l - 2.0) * beta[i - 1] / ((l + 1.0) * beta[i]);
   }
+  for (int i = 1; i < count; ++i) beta[i] = gamma[i - 1] / ((m + i + 1.0) * beta[i]);
 }
 
 }  // namespace welkin::transforms

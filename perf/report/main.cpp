@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "perf/report/calibrate.h"
 #include "perf/report/comparison.h"
 #include "perf/report/measurement.h"
 #include "perf/report/plot_svg.h"
@@ -48,7 +47,6 @@ Examples:
   welkin report --passes prefilter,brdf --csv figures.csv
   welkin report --environment city.hdr --plots plots
   welkin report --stability                   extreme cases against their promises
-  welkin report --calibrate -o costs.json     for welkin bake --costs costs.json
   welkin report --node-modules build/release/tests/engine
 
 Units: errors are relative, 0.01 is 1 %; the text below each table defines rms
@@ -70,7 +68,6 @@ struct ReportCommandOptions {
   bool quick = false;
   bool no_peers = false;
   bool stability = false;
-  bool calibrate = false;
   std::string stability_subject;
 };
 
@@ -179,26 +176,8 @@ std::string stability(const ReportCommandOptions& options) {
   return file + '\n';
 }
 
-/// What work costs here, into the file that -o or --json names.
-std::string calibration(const ReportCommandOptions& options) {
-  const std::string& file = one_output(options);
-  require_folder(file);
-  CostModel costs;
-  {
-    ProgressBar bar;
-    begin_stage("calibrate");
-    costs = report::calibrate_costs(bar.control());
-  }
-  Json json = Json::object();
-  for (const CostUnit& unit : cost_units()) json[unit.name] = costs.*unit.value;
-  if (file.empty()) return json_text(json);
-  write_text_file(file, json_text(json));
-  return file + '\n';
-}
-
 std::string answer(ReportCommandOptions& options) {
   if (options.stability) return stability(options);
-  if (options.calibrate) return calibration(options);
   settle(options);
   std::optional<report::Report> older;
   if (!options.against.empty()) {
@@ -305,16 +284,6 @@ void add_stability(Options& table, ReportCommandOptions& options) {
                    .needs = {kStability}});
 }
 
-void add_calibration(Options& table, ReportCommandOptions& options) {
-  table.push_back({.names = "--calibrate",
-                   .target = &options.calibrate,
-                   .text =
-                       "Measure the cost of work on this machine instead, for 'welkin bake --costs'. Prints JSON or "
-                       "writes it with -o, after about four seconds on one thread",
-                   .excludes = {"--stability", "--scale", "--quick", "--csv", "--plots", "--passes", "--environment",
-                                "--threads", "--against"}});
-}
-
 Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
   Command command{"report", "Error against run time of every method and setting", kReportFooter};
@@ -325,10 +294,9 @@ Command report_command() {
   add_comparisons(command.options, *options);
   in_group(command.options, "Comparisons");
   add_stability(command.options, *options);
-  add_calibration(command.options, *options);
   in_group(command.options, "Other measurements");
-  command.everyday = {"--output",  "--json",    "--quick",     "--passes",    "--environment",
-                      "--threads", "--against", "--stability", "--calibrate", "--quiet"};
+  command.everyday = {"--output",  "--json",    "--quick",     "--passes", "--environment",
+                      "--threads", "--against", "--stability", "--quiet"};
   command.run = [options](const Given& /*given*/) { print_result(answer(*options)); };
   return command;
 }

@@ -381,7 +381,6 @@ TEST_CASE("A moving sun has a curve, one that stands still has one light", "[pla
   const SkyPlan still = plan(earth(), {.sun_moves = false}, small_sky());
   CHECK(action(still, "curve") == PassAction::skip);
   CHECK(action(still, "project") == PassAction::run);
-  CHECK(still.milliseconds() < moving.milliseconds());
 }
 
 TEST_CASE("What a planet has not is planned without", "[plan][sky]") {
@@ -398,7 +397,6 @@ TEST_CASE("What a planet has not is planned without", "[plan][sky]") {
   once.tables.orders = 1;
   const SkyPlan single = plan(earth(), {}, once);
   CHECK(single.pass("orders").reason.find("multiple scattering falls away") != std::string::npos);
-  CHECK(single.pass("orders").predicted_milliseconds < all.pass("orders").predicted_milliseconds);
 }
 
 TEST_CASE("Matter without any effect is as good as none, bit for bit", "[plan][sky]") {

@@ -15,7 +15,6 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/error_budget.h"
 #include "welkin/plan.h"
 #include "welkin/requests.h"
 #include "welkin/result_cache.h"
@@ -96,7 +95,7 @@ TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call",
     const Plan planned = plan(view, {}, options);
     CHECK(same_bits(bake(view, planned).specular->cubemap, truth.cubemap));
     CHECK(planned.pass("specular").reason.find(name(family.options.lobe)) != std::string::npos);
-    CHECK(planned.pass("specular").predicted_milliseconds > 0.0);
+    CHECK(planned.pass("specular").bytes > 0);
   };
   for (const Family& family : all_families()) {
     check(wide.view(), family);
@@ -244,13 +243,6 @@ TEST_CASE("lobes: what does not go together is refused, and the message says wha
   refused({.size = 4, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0}}}, "each mip needs one");
   refused({.size = 4, .lobe = LobeFamily::spectra, .spectra = {{-1.0}}}, "must be above 0");
   refused({.size = 4, .roughness = {1.5}, .lobe = LobeFamily::phong}, "roughness of mip 0");
-  const ThrownError budget = thrown_by([&] {
-    static_cast<void>(choose_prefilter(cube.view(), {.size = 4, .lobe = LobeFamily::charlie}, {.relative = 0.01}));
-  });
-  CHECK(budget.says("the lobe is charlie"));
-  const BakeOptions whole = bake_of({.size = 4, .lobe = LobeFamily::charlie});
-  const Plan planned = plan(cube.view(), {.error_budget = 0.01}, whole);
-  CHECK(planned.pass("specular").reason.find("no estimate for this lobe") != std::string::npos);
 }
 
 }  // namespace welkin::test

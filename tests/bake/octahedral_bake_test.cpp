@@ -50,7 +50,7 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
     CHECK(action_of(result) == PassAction::run);
     const Plan planned = plan(view, {}, options);
     CHECK(same_bits(bake(view, planned), result));
-    CHECK(planned.pass("octahedral").predicted_milliseconds > 0.0);
+    CHECK(planned.pass("octahedral").bytes > 0);
     // It stays where the cubemap goes to targets.
     const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 16, .levels = 4};
     std::vector<std::byte> memory(upload_bytes(layout));

@@ -35,7 +35,7 @@ std::vector<PassRecord> records_of(const std::vector<PlannedPass>& passes) {
 }
 
 void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
-  const SceneNeeds rough{.glossy = RoughnessRange{0.4, 1.0}, .error_budget = 0.02};
+  const SceneNeeds rough{.glossy = RoughnessRange{0.4, 1.0}};
   const SourceShape shape = shape_of(wide.view());
   calls.call("check(SceneNeeds", [&] {
     check(rough);
@@ -46,7 +46,6 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("plan(CubemapView", [&] { return plan(cube.view(), rough, small_bake()).passes; });
   const Plan of_wide = plan(wide.view(), {}, small_bake());
   const Plan of_cube = plan(cube.view(), {}, small_bake());
-  calls.call("Plan::milliseconds(", [&] { return of_wide.milliseconds(3); });
   const std::vector<PassRecord> records = records_of(of_wide.passes);
   calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
   calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
@@ -68,14 +67,6 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   });
   calls.call("bake(LatLongView const&, Plan", [&] { return bake(wide.view(), of_wide); });
   calls.call("bake(CubemapView const&, Plan", [&] { return bake(cube.view(), of_cube); });
-
-  const EnvironmentChange change{.turn = turn_about_y(40.0), .scale = {2.0, 1.1, 0.3}};
-  calls.call("plan_change(", [&] { return plan_change(small_bake(), change).passes; });
-  BakeResult result = bake(wide.view(), small_bake());
-  calls.call("apply_change(", [&] {
-    apply_change(result, small_bake(), change);
-    return std::cref(result);
-  });
 }
 
 void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {

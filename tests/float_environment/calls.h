@@ -16,7 +16,6 @@
 #include "welkin/atmosphere.h"
 #include "welkin/bc6h.h"
 #include "welkin/engines.h"
-#include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/plan.h"
 #include "welkin/probes.h"
@@ -53,7 +52,6 @@ inline void add_bits(BitHash& hash, const IrradianceError& error) {
 inline void add_bits(BitHash& hash, const PlannedPass& pass) {
   add_bits(hash, pass.name);
   add_bits(hash, pass.reason);
-  add_bits(hash, pass.predicted_milliseconds);
   add_bits(hash, pass.bytes);
 }
 inline void add_bits(BitHash& hash, const DensityLayer& layer) {
@@ -113,26 +111,6 @@ template <class Value>
 void add_bits(BitHash& hash, const std::reference_wrapper<Value>& value) {
   add_bits(hash, value.get());
 }
-/// The settings that were tried, by their errors and costs; which of them was chosen, likewise.
-template <class Setting>
-void add_bits(BitHash& hash, const BudgetChoice<Setting>& choice) {
-  add_bits(hash, choice.error_estimate);
-  add_bits(hash, choice.predicted_nanoseconds);
-  add_bits(hash, choice.met);
-  add_bits(hash, choice.relative_to);
-  for (const EstimatedSetting<Setting>& tried : choice.tried) {
-    add_bits(hash, tried.error_estimate);
-    add_bits(hash, tried.predicted_nanoseconds);
-  }
-}
-inline void add_bits(BitHash& hash, const PrefilterChoice& choice) {
-  add_bits(hash, static_cast<const BudgetChoice<PrefilterOptions>&>(choice));
-  for (const MipNeed& mip : choice.mips) {
-    for (const double value : {mip.roughness, mip.error_estimate, mip.source_size_error}) add_bits(hash, value);
-    add_bits(hash, mip.source_size);
-  }
-}
-
 /// What a process does in its mode: each call twice, and a line for each with the bits of both results.
 class Calls {
  public:

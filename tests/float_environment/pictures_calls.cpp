@@ -12,7 +12,6 @@
 #include "pictures.h"
 #include "welkin/bc6h.h"
 #include "welkin/directional_light.h"
-#include "welkin/error_budget.h"
 #include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
@@ -253,23 +252,6 @@ void call_bc6h(Calls& calls, const CubemapImage& cube) {
   calls.call("bc6h_errors(", [&] { return bc6h_errors(blocks, mips.views()); });
 }
 
-void call_budgets(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
-  const ErrorBudget budget{.relative = 0.05};
-  const CubemapChain mips = build_mips(cube.view());
-  const std::vector<CubemapView> views = mips.views();
-  calls.call("choose_projection(span<CubemapView", [&] { return choose_projection(views, {}, budget); });
-  calls.call("choose_projection(CubemapView", [&] { return choose_projection(cube.view(), {}, budget); });
-  calls.call("choose_projection(LatLongView", [&] { return choose_projection(wide.view(), {}, budget); });
-  const SphericalHarmonics radiance = project(cube.view(), {.bands = 6}).radiance;
-  calls.call("choose_irradiance_bands(SphericalHarmonics",
-             [&] { return choose_irradiance_bands(radiance, {.energy = 0.123, .absolute = 0.456}, budget); });
-  calls.call("choose_irradiance_bands(CubemapView", [&] { return choose_irradiance_bands(cube.view(), budget); });
-  calls.call("choose_irradiance_bands(LatLongView", [&] { return choose_irradiance_bands(wide.view(), budget); });
-  const PrefilterOptions options{.size = 8, .roughness = {0.2, 0.9}};
-  calls.call("choose_prefilter(LatLongView", [&] { return choose_prefilter(wide.view(), options, budget); });
-  calls.call("choose_prefilter(CubemapView", [&] { return choose_prefilter(cube.view(), options, budget, true); });
-}
-
 }  // namespace
 
 void call_pictures(Calls& calls) {
@@ -286,7 +268,6 @@ void call_pictures(Calls& calls) {
   call_reflections(calls, wide, cube);
   call_upload(calls, cube);
   call_bc6h(calls, cube);
-  call_budgets(calls, wide, cube);
 }
 
 }  // namespace welkin::test

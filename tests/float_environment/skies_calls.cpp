@@ -10,7 +10,6 @@
 #include "support/temporary_directory.h"
 #include "welkin/atmosphere.h"
 #include "welkin/bake_file.h"
-#include "welkin/error_budget.h"
 #include "welkin/result_cache.h"
 #include "welkin/sky.h"
 #include "welkin/sky_plan.h"
@@ -94,19 +93,9 @@ void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
   });
   calls.refused("SkyCurve::at(dvec3 const&, ", [&] { curve.at(sun, std::span(coefficients).first(3)); });
   calls.call("SkyCurve::sun_irradiance(", [&] { return curve.sun_irradiance(sun); });
-
-  const std::vector<glm::dvec3> suns{sun, sun_direction(50.0, 0.0)};
-  calls.call("choose_sky_harmonics(", [&] { return choose_sky_harmonics(view, suns, harmonics, {.relative = 0.1}); });
 }
 
-void call_budgets_and_bakes(Calls& calls, const Atmosphere& air) {
-  SkyTableOptions most = tiny_tables();
-  most.orders = 2;
-  const SkyProbe probe{.altitude_m = 10.0, .suns = {sun_direction(20.0, 30.0)}};
-  const ErrorBudget generous{.relative = 0.5};
-  calls.call("choose_sky_tables(", [&] { return choose_sky_tables(air, probe, most, generous); });
-  calls.call("choose_sky_orders(", [&] { return choose_sky_orders(air, probe, most, generous); });
-
+void call_bakes(Calls& calls, const Atmosphere& air) {
   SkyBakeOptions options;
   options.tables = tiny_tables();
   options.curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}};
@@ -116,7 +105,6 @@ void call_budgets_and_bakes(Calls& calls, const Atmosphere& air) {
   const SceneNeeds needs{.brdf_table = false};
   calls.call("plan(Atmosphere", [&] { return plan(air, needs, options).passes; });
   const SkyPlan planned = plan(air, needs, options);
-  calls.call("SkyPlan::milliseconds(", [&] { return planned.milliseconds(3); });
   calls.call("plan_text(SkyPlan", [&] { return plan_text(planned); });
   const glm::dvec3 sun = sun_direction(7.3, 41.0);
   calls.call("bake(SkyPlan", [&] { return bake(planned, sun); });
@@ -131,7 +119,7 @@ void call_skies(Calls& calls) {
   SkyTableOptions options = tiny_tables();
   options.orders = 2;
   call_views(calls, std::make_shared<const SkyTables>(precompute_sky(air, options)));
-  call_budgets_and_bakes(calls, air);
+  call_bakes(calls, air);
 }
 
 }  // namespace welkin::test

@@ -152,7 +152,6 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   options.irradiance->size = 4;
   options.background->size = 8;
   welkin::BakeResult bake = welkin::bake(cubemap.view(), options);
-  welkin::apply_change(bake, options, {.turn = turn, .scale = glm::dvec3(2.0, 1.0, 0.5)});
   print("bake", *bake.radiance);
   print("bake", std::span<const float>(bake.irradiance->pixels));
   print("bake", bake.diagnostics);

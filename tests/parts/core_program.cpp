@@ -8,7 +8,6 @@
 
 #include "welkin/bake.h"
 #include "welkin/engines.h"
-#include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/plan.h"
 #include "welkin/projection.h"

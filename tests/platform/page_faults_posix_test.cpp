@@ -59,9 +59,14 @@ TEST_CASE("A warm bake takes no page faults beyond its result", "[platform][memo
     CHECK(warm_faults([&] { bake_into(result, lat_long.view(), options); }) <= few);
     CHECK(warm_faults([&] { bake_into(result, cubemap.view(), options); }) <= few);
   }
-  // Without kept memory a cubemap's rings take hundreds, which is what is counted.
+  // Without kept memory a cubemap's rings take hundreds, which is what is counted. malloc may have room for them, left
+  // by other tests.
   const KeptMemory kept(0);
-  CHECK(warm_faults([&] { bake_into(result, cubemap.view(), options); }) > 10 * few);
+  const auto bake = [&] {
+    malloc_trim(0);
+    bake_into(result, cubemap.view(), options);
+  };
+  CHECK(warm_faults(bake) > 10 * few);
 }
 
 }  // namespace welkin::test

@@ -87,14 +87,73 @@ TEST_CASE("Memory that no call uses is freed when asked for", "[platform][memory
 }
 
 TEST_CASE("Small blocks stay with the heap, and many blocks are bounded", "[platform][memory]") {
-  const KeptMemory kept(512 * kMebi);
+  const KeptMemory kept(1024 * kMebi);
   give_working_memory(take_working_memory(platform::kLeastKeptBlock - 1));
   CHECK(kept_working_memory() == 0);
   constexpr std::size_t most = 256;
   std::vector<WorkingMemory> blocks(most + 20);
-  for (WorkingMemory& block : blocks) block = take_working_memory(platform::kLeastKeptBlock);
+  for (WorkingMemory& block : blocks) block = take_working_memory(platform::kLeastOwnBlock);
   for (const WorkingMemory& block : blocks) give_working_memory(block);
   CHECK(kept_working_memory() == most * blocks.front().bytes);
+}
+
+TEST_CASE("Blocks below a mebibyte share huge pages, which are kept when none is in use", "[platform][memory]") {
+  const KeptMemory kept(8 * kMebi);
+  constexpr std::size_t large = platform::kLeastOwnBlock - 1;
+  std::vector<WorkingMemory> others;  // fill the pages that tables of earlier tests use
+  for (;; others.push_back(take_working_memory(platform::kLeastKeptBlock))) {
+    REQUIRE(others.size() < 2000);
+    give_working_memory(take_working_memory(platform::kLeastKeptBlock));
+    if (kept_working_memory() > 0) break;
+  }
+  REQUIRE(kept_working_memory() == 2 * kMebi);
+
+  const WorkingMemory first = take_working_memory(large);
+  CHECK(kept_working_memory() == 0);
+  const WorkingMemory second = take_working_memory(100'000);
+  const WorkingMemory third = take_working_memory(platform::kLeastKeptBlock);
+  for (const WorkingMemory& block : {second, third}) {
+    CHECK(block.page == first.page);
+    CHECK(reinterpret_cast<std::uintptr_t>(block.data) % platform::kCacheLine == 0);
+  }
+  CHECK(second.bytes >= 100'000);
+  std::memset(first.data, 1, first.bytes);
+  std::memset(second.data, 2, second.bytes);
+  std::memset(third.data, 3, third.bytes);
+  const auto filled = [](const WorkingMemory& block, char value) {
+    const auto* const bytes = static_cast<const char*>(block.data);
+    return std::all_of(bytes, bytes + block.bytes, [=](char byte) { return byte == value; });
+  };
+  CHECK(filled(first, 1));
+  CHECK(filled(second, 2));
+  CHECK(filled(third, 3));
+  const WorkingMemory fourth = take_working_memory(large);  // too large for the rest
+  CHECK(fourth.page != first.page);
+  give_working_memory(second);
+  const WorkingMemory again = take_working_memory(90'000);
+  CHECK(again.data == second.data);
+  release_working_memory();  // they are in use
+  for (const WorkingMemory& block : {first, again}) give_working_memory(block);
+  CHECK(kept_working_memory() == 0);
+  give_working_memory(third);
+  CHECK(kept_working_memory() == 2 * kMebi);
+  give_working_memory(fourth);
+  CHECK(kept_working_memory() == 4 * kMebi);
+  const WorkingMemory own = take_working_memory(6 * kMebi);
+  give_working_memory(own);  // one of the pages makes room
+  CHECK(kept_working_memory() == 8 * kMebi);
+  keep_working_memory(2 * kMebi);
+  CHECK(kept_working_memory() == 2 * kMebi);
+  release_working_memory();
+  CHECK(kept_working_memory() == 0);
+  keep_working_memory(kMebi);
+  give_working_memory(take_working_memory(large));  // a page is above the limit
+  CHECK(kept_working_memory() == 0);
+  keep_working_memory(0);
+  const WorkingMemory heap = take_working_memory(large);
+  CHECK(heap.page < 0);
+  give_working_memory(heap);
+  for (const WorkingMemory& block : others) give_working_memory(block);
 }
 
 TEST_CASE("A block belongs to one thread at a time", "[platform][memory][threads]") {
@@ -103,8 +162,9 @@ TEST_CASE("A block belongs to one thread at a time", "[platform][memory][threads
   std::vector<char> mixed(4, 0);
   for (std::size_t k = 0; k < mixed.size(); ++k) {
     threads.emplace_back([k, &mixed] {
-      for (int turn = 0; turn < 200; ++turn) {
-        platform::AlignedBuffer<std::size_t> buffer(platform::kLeastKeptBlock / sizeof(std::size_t));
+      for (std::size_t turn = 0; turn < 400; ++turn) {
+        const std::size_t bytes = turn % 8 == 7 ? platform::kLeastOwnBlock : (1 + turn % 7) * platform::kLeastKeptBlock;
+        platform::AlignedBuffer<std::size_t> buffer(bytes / sizeof(std::size_t));
         std::fill_n(buffer.data(), buffer.size(), k);
         if (std::any_of(buffer.data(), buffer.data() + buffer.size(), [&](std::size_t value) { return value != k; }))
           mixed[k] = 1;

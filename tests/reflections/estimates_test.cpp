@@ -18,13 +18,10 @@ namespace {
 double largest_median(const std::string& kind) {
   // Few of the levels that are picked have an error to speak of, and smooth pictures of odd sizes more than their
   // share.
-  if (kind == "budget, level of a mip chain") return 12.0;
   // A bound for any picture: on faces of 4 to 16 texels with many bands it is loose.
   if (kind == "projection, midpoint rule, cubemap") return 8.0;
   // Safe beside the lights of small cubemaps, whose mips meet a lamp's peak or miss it.
   if (kind == "prefilter, spectral, cubemap") return 6.5;
-  // Safe beside the poles, where few texels lie, and beside lone lamps.
-  if (kind == "prefilter, narrow, lat-long" || kind == "prefilter, narrow, cubemap") return 9.0;
   return 5.0;
 }
 
@@ -40,10 +37,10 @@ void check(const EstimateTrials& trials) {
 
 }  // namespace
 
-TEST_CASE("True errors lie under their estimates", "[estimates][specular][projection][budget]") {
+TEST_CASE("True errors lie under their estimates", "[estimates][specular][projection]") {
   EstimateTrials trials;
   add_estimate_trials(100'000, 300, {0.12, 1.0}, {}, trials);
-  CHECK(trials.size() >= 12);
+  CHECK(trials.size() >= 9);
   check(trials);
 }
 
@@ -66,10 +63,21 @@ TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][
 
 TEST_CASE("True errors of narrow lobes lie under their estimates", "[estimates][specular][narrow]") {
   EstimateTrials trials;
-  add_estimate_trials(110'000, 60, {0.02, 0.0545}, {}, trials);
+  add_estimate_trials(110'000, 30, {0.02, 0.0545}, {}, trials);
+  add_family_trials(111'000, 30, {0.02, 0.0545}, false, trials);
   std::erase_if(trials, [](const auto& entry) { return entry.first.rfind("prefilter, narrow", 0) != 0; });
   CHECK(trials.size() == 2);
   check(trials);
+}
+
+// Panels, lamps, noise and all else, within 1e-3 and 1e-4. Lights at horizons were 10 to 300 times as wrong once.
+TEST_CASE("True errors of other lobes lie under their estimates, and few are refused", "[estimates][zonal]") {
+  EstimateTrials trials;
+  CHECK(add_lobe_trials(130'000, 24, {}, trials) <= 2);
+  for (const auto& [kind, honesty] : trials) {
+    CAPTURE(kind, honesty->count(), honesty->worst(), honesty->worst_case());
+    CHECK(honesty->share() == 1.0);
+  }
 }
 
 // Seen: 7e-5, 3.5 times the estimate. Parts of lamps, which are there for texels whose horizon cuts them, served all

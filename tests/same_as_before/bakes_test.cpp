@@ -72,7 +72,6 @@ const std::vector<NamedNeeds>& scenes() {
       {"rough_of_other_bits", {.glossy = RoughnessRange{0.4, 1.0}, .same_bits = false}},
       {"smooth", {.glossy = RoughnessRange{0.0, 0.3}, .background_mips = false}},
       {"backdrop", {.diffuse_bands = 0, .irradiance_cubemap = false, .glossy = std::nullopt, .brdf_table = false}},
-      {"error_budget", {.error_budget = 0.02}},
   };
   return all;
 }
@@ -186,11 +185,6 @@ TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
     results.emplace_back(
         name, [&cube, needs = scene.needs] { return bake(cube.view(), plan(cube.view(), needs, small_bake())); });
   }
-  results.emplace_back("changed", [&] {
-    BakeResult result = bake(wide.view(), small_bake());
-    apply_change(result, small_bake(), {.turn = turn_about_y(40.0), .scale = {2.0, 1.0, 0.5}});
-    return result;
-  });
   require_as_recorded("planned_bake", results);
 }
 

@@ -13,7 +13,6 @@
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/result_cache.h"
 #include "welkin/spherical_harmonics.h"
@@ -84,15 +83,6 @@ std::uint64_t bits_without_sun(Image image, const SunOptions& options = {}) {
 LatLongImage wide_picture(Content content) { return {128, 64, make_lat_long(content, 128, 64, 31).pixels}; }
 
 CubemapImage cube_picture(Content content) { return {64, make_cubemap(content, 64, 3, 32).pixels}; }
-
-template <class Choice>
-std::uint64_t bits_of_errors_tried(const Choice& choice) {
-  BitHash hash;
-  add_bits(hash, choice.error_estimate);
-  add_bits(hash, choice.met);
-  for (const auto& tried : choice.tried) add_bits(hash, tried.error_estimate);
-  return hash.value();
-}
 
 }  // namespace
 
@@ -229,16 +219,6 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
           {"harmonics_cubemap_64", [] { return irradiance_cubemap(harmonics(3, 32), 64); }},
           {"direct_cubemap_of_cubemap", [&] { return direct_irradiance_cubemap(cube.view(), 3); }},
           {"direct_cubemap_of_lat_long", [&] { return direct_irradiance_cubemap(wide.view(), 4); }},
-          {"bands_by_budget",
-           [&] {
-             const BudgetChoice<int> choice = choose_irradiance_bands(wide.view(), {.relative = 0.02});
-             return bits_of(choice.setting, bits_of_errors_tried(choice));
-           }},
-          {"target_by_budget",
-           [&] {
-             const BudgetChoice<ProjectionOptions> choice = choose_projection(cube.view(), {}, {.relative = 0.1});
-             return bits_of(choice.setting.target_size.value_or(0), bits_of_errors_tried(choice));
-           }},
       });
 }
 

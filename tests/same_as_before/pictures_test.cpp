@@ -6,7 +6,6 @@
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"
-#include "welkin/error_budget.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
@@ -161,20 +160,6 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
            [&] {
              return bits_of(reference_specular(texel.view(), 0.3, directions()),
                             reference_specular(smooth.view(), 0.05, directions()));
-           }},
-          {"bounds_by_budget",
-           [&] {
-             const PrefilterChoice choice =
-                 choose_prefilter(smooth.view(), scheduled(RoughnessSchedule::linear, 16, 5), {.relative = 0.01}, true);
-             BitHash hash;
-             add_bits(hash, choice.setting.rms_error);
-             add_bits(hash, choice.setting.maximum_error);
-             add_bits(hash, choice.error_estimate);
-             for (const MipNeed& mip : choice.mips) {
-               add_bits(hash, mip.source_size);
-               for (const double x : {mip.roughness, mip.error_estimate, mip.source_size_error}) add_bits(hash, x);
-             }
-             return hash.value();
            }},
       });
 }

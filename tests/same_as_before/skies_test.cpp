@@ -9,7 +9,6 @@
 #include "support/temporary_directory.h"
 #include "welkin/atmosphere.h"
 #include "welkin/bake_file.h"
-#include "welkin/error_budget.h"
 #include "welkin/sky.h"
 #include "welkin/sky_plan.h"
 
@@ -235,11 +234,6 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
   results.emplace_back("curve_ground", [&] { return bits_of_curve(SkyCurve(ground, small_curve(3, 24))); });
   results.emplace_back("curve_high", [&] { return bits_of_curve(SkyCurve(high, small_curve(5, 17))); });
   results.emplace_back("curve_custom", [&] { return bits_of_curve(SkyCurve(custom, small_curve(1, 8))); });
-  results.emplace_back("directions_by_budget", [&] {
-    const std::array sun{sun_direction(20.0, 0.0)};
-    const BudgetChoice<SkyHarmonicsOptions> choice = choose_sky_harmonics(ground, sun, {}, {.relative = 0.05});
-    return bits_of(choice.setting.zeniths, choice.setting.azimuths, choice.error_estimate);
-  });
   require_as_recorded("sky_harmonics", results);
 }
 

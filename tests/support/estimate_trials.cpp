@@ -9,11 +9,11 @@
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/random_environments.h"
-#include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
+#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 namespace {
@@ -86,13 +86,14 @@ double gradient_square(const CubemapChain& chain, int level, int texel) {
 /// A chain's mip by its root mean square, and the square of its error at probes.
 class MipTruth {
  public:
-  MipTruth(const CubemapChain& chain, int level, RandomEnvironments& random)
-      : chain_(chain), level_(level), shares_(shares_of(chain.level_size(level))) {
+  /// `probes`: texels that are drawn; of up to twice as many, all are taken.
+  MipTruth(const CubemapChain& chain, int level, RandomEnvironments& random, int probes = kProbes)
+      : chain_(chain), level_(level), count_(probes), shares_(shares_of(chain.level_size(level))) {
     for (std::size_t k = 0; k < shares_.size(); ++k) {
       const glm::dvec3 value = value_of(chain, level, static_cast<int>(k));
       square_ += shares_[k] * glm::dot(value, value);
     }
-    if (shares_.size() <= std::size_t{2} * kProbes) {
+    if (shares_.size() <= 2 * static_cast<std::size_t>(count_)) {
       for (std::size_t k = 0; k < shares_.size(); ++k) add_probe(k, shares_[k]);
     } else {
       draw(random);
@@ -101,7 +102,15 @@ class MipTruth {
 
   template <class View>
   [[nodiscard]] double error(const View& view, double roughness) const {
-    const std::vector<glm::dvec3> truth = reference_specular(view, roughness, probes_.directions);
+    return error(reference_specular(view, roughness, probes_.directions));
+  }
+  template <class View>
+  [[nodiscard]] double error(const View& view, const ZonalKernel& kernel) const {
+    return error(reference_by_kernel(view, kernel, probes_.directions));
+  }
+
+ private:
+  [[nodiscard]] double error(const std::vector<glm::dvec3>& truth) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const glm::dvec3 difference = value_of(chain_, level_, probes_.texels[k]) - truth[k];
@@ -110,7 +119,6 @@ class MipTruth {
     return square_ > 0.0 ? std::sqrt(sum / square_) : 0.0;
   }
 
- private:
   void add_probe(std::size_t texel, double weight) {
     probes_.texels.push_back(static_cast<int>(texel));
     probes_.directions.push_back(direction_of(chain_.level_size(level_), static_cast<int>(texel)));
@@ -136,18 +144,19 @@ class MipTruth {
       ends.push_back(end);
     }
     const double offset = random.number();
-    for (int i = 0; i < kProbes; ++i) {
-      const double place = (i + offset) / kProbes * end;
+    for (int i = 0; i < count_; ++i) {
+      const double place = (i + offset) / count_ * end;
       const auto found = std::min<std::ptrdiff_t>(std::lower_bound(ends.begin(), ends.end(), place) - ends.begin(),
                                                   static_cast<std::ptrdiff_t>(ends.size()) - 1);
       const auto texel = static_cast<std::size_t>(found);
       const double chance = (ends[texel] - (texel > 0 ? ends[texel - 1] : 0.0)) / end;
-      add_probe(texel, shares_[texel] / (chance * kProbes));
+      add_probe(texel, shares_[texel] / (chance * count_));
     }
   }
 
   const CubemapChain& chain_;
   int level_;
+  int count_;
   std::vector<double> shares_;
   double square_ = 0.0;
   Probes probes_;
@@ -180,13 +189,11 @@ class Trial {
     project_it(view, "cubemap");
     prefilter_it(view, "cubemap");
     if (random_.chance(0.3)) project_levels(view);
-    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
   void run(const LatLongView& view) {
     project_it(view, "lat-long");
     prefilter_it(view, "lat-long");
-    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
  private:
@@ -216,7 +223,7 @@ class Trial {
         ", " + std::to_string(bands_) + " bands, target " + std::to_string(options.target_size.value_or(0)));
   }
 
-  /// A level of a mip chain, by `project` and by a budget.
+  /// A level of a mip chain.
   void project_levels(const CubemapView& view) {
     const SphericalHarmonics truth = reference_projection(view);
     const CubemapChain chain = build_mips(view, MipFilter::solid_angle);
@@ -226,23 +233,6 @@ class Trial {
     const Projection projection = project(views, {.target_size = chain.level_size(level)});
     add("projection, level of a mip chain", distance_between(projection.radiance, truth),
         projection.diagnostics.error_estimate, ", level " + std::to_string(level));
-    const auto choice = choose_projection(views, {}, {random_.scale(1e-5, 0.3)});
-    add("budget, level of a mip chain", distance_between(project(views, choice.setting).radiance, truth),
-        choice.error_estimate, "");
-  }
-
-  template <class View>
-  void pick_bands(const View& view) {
-    const bool largest = random_.chance(0.5);
-    const auto choice =
-        choose_irradiance_bands(view, {random_.scale(1e-3, 0.3), largest ? ErrorMeasure::maximum : ErrorMeasure::rms});
-    if (choice.setting > 15) return;
-    const auto errors = irradiance_errors(view, project(view, {.bands = choice.setting}).radiance, kNormals);
-    const IrradianceError& error = errors.back();
-    constexpr double kTruthError = 1e-5;  // of the integrals that these are held to
-    add(std::string("budget, bands of irradiance, ") + (largest ? "largest" : "rms"),
-        std::max(0.0, (largest ? error.maximum : error.rms) - kTruthError), choice.error_estimate,
-        ", " + std::to_string(choice.setting) + " bands");
   }
 
   template <class View>
@@ -266,16 +256,6 @@ class Trial {
     const MipTruth truth(result.cubemap, level, random_);
     add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth.error(view, mip.roughness),
         *mip.error_estimate, place);
-    if (family_ || mip.method != MipMethod::spectral || !random_.chance(0.1)) return;
-    pick_bounds(view, options, place);
-  }
-
-  template <class View>
-  void pick_bounds(const View& view, PrefilterOptions options, const std::string& place) {
-    const PrefilterChoice choice = choose_prefilter(view, options, {random_.scale(1e-3, 0.1)});
-    const PrefilteredSpecular result = prefilter_specular(view, choice.setting);
-    const MipTruth truth(result.cubemap, 0, random_);
-    add("budget, bounds of the prefilter", truth.error(view, options.roughness[0]), choice.error_estimate, place);
   }
 
   std::uint32_t seed_;
@@ -285,6 +265,59 @@ class Trial {
   RandomEnvironments& random_;
   EstimateTrials& trials_;
 };
+
+struct NamedKernel {
+  std::string family;
+  std::string name;
+  ZonalKernel kernel;
+};
+
+NamedKernel random_kernel(RandomEnvironments& random) {
+  const double choice = random.number();
+  if (choice < 0.5) {
+    const double roughness = random.scale(kLeastCharlieRoughness, 1.0);
+    return {"Charlie", "Charlie " + std::to_string(roughness), ZonalKernel::charlie(roughness)};
+  }
+  if (choice < 0.8) {
+    const double power = random.scale(1.0, 2000.0);
+    const bool blinn = random.chance(0.5);
+    return {blinn ? "Blinn" : "Phong", (blinn ? "Blinn " : "Phong ") + std::to_string(power),
+            blinn ? ZonalKernel::blinn(power) : ZonalKernel::phong(power)};
+  }
+  if (choice < 0.9) return {"Lambert", "Lambert", ZonalKernel::lambert()};
+  std::vector<double> spectrum(static_cast<std::size_t>(random.whole(2, 40)));
+  const double width = random.scale(0.01, 1.0);
+  for (std::size_t l = 0; l < spectrum.size(); ++l)
+    spectrum[l] = std::exp(-0.5 * width * static_cast<double>(l * (l + 1)));
+  return {"spectra", "a spectrum of " + std::to_string(spectrum.size()), ZonalKernel::from_spectrum(spectrum)};
+}
+
+/// A mip by a lobe other than GGX, and its error. Returns false if it was refused.
+template <class View>
+bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed, RandomEnvironments& random,
+                EstimateTrials& trials) {
+  const NamedKernel lobe = random_kernel(random);
+  KernelChainOptions options{.size = random.chance(0.1) ? 64 : 1 << random.whole(2, 5), .kernels = {lobe.kernel}};
+  if (random.chance(0.5)) options.rms_error = 1e-4;
+  PrefilteredSpecular result;
+  try {
+    result = prefilter_by_kernels(view, options);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::limit_exceeded) throw;
+    return false;
+  }
+  constexpr double kTruthError = 7e-6;  // of the integrals, where a lobe has a fraction's power at its axis or horizon
+  constexpr int kLobeProbes = 48;       // an integral takes up to 20 ms
+  const MipTruth truth(result.cubemap, 0, random, kLobeProbes);
+  const std::string kind = std::string("prefilter, ") + lobe.family + ", " + layout;
+  auto& honesty = trials[kind];
+  if (!honesty) honesty = std::make_unique<Honesty>(kind);
+  honesty->add(std::max(0.0, truth.error(view, lobe.kernel) - kTruthError), *result.mips[0].error_estimate,
+               "seed " + std::to_string(seed) + ", " + random.description() + " " + lobe.name + ", " +
+                   std::to_string(options.size) + " texels",
+               kRounding);
+  return true;
+}
 
 CubemapImage picture_of(const std::vector<CubemapImage>& pictures, RandomEnvironments& random) {
   const CubemapImage& picture =
@@ -330,11 +363,39 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
   }
 }
 
-void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
-                       EstimateTrials& trials) {
+int add_lobe_trials(std::uint32_t seed, int count, const std::vector<CubemapImage>& pictures, EstimateTrials& trials) {
+  int refused = 0;
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
-    const auto family = static_cast<Family>(own % static_cast<std::uint32_t>(Family::count));
+    const bool cubemap = random.chance(0.5);
+    const int rows = random.chance(0.15) ? random.whole(32, 48) : random.whole(4, 24);
+    const int kind = random.whole(0, 9);
+    CubemapImage cube;
+    LatLongImage image;
+    if (kind == 9 && !pictures.empty()) {
+      cube = picture_of(pictures, random);
+      if (!cubemap) image = to_lat_long(cube.view(), 4 * cube.size, 2 * cube.size);
+    } else if (kind >= 7) {
+      if (cubemap) cube = random.cubemap(4, 24);
+      if (!cubemap) image = random.lat_long(6, 32);
+    } else {
+      const Family family = kind < 3 ? Family::studio : static_cast<Family>(random.whole(0, 4));
+      if (cubemap) cube = random.cubemap(family, rows);
+      if (!cubemap) image = random.lat_long(family, 2 * rows, rows);
+    }
+    const bool made = cubemap ? judge_lobe(cube.view(), "cubemap", own, random, trials)
+                              : judge_lobe(image.view(), "lat-long", own, random, trials);
+    if (!made) ++refused;
+  }
+  return refused;
+}
+
+void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
+                       EstimateTrials& trials) {
+  constexpr std::uint32_t kFamilies = 5;  // the first ones
+  for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
+    RandomEnvironments random(own);
+    const auto family = static_cast<Family>(own % kFamilies);
     const int rows = rows_of_family(random, large);
     if (random.chance(0.5)) {
       const CubemapImage cube = random.cubemap(family, rows);

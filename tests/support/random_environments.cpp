@@ -32,6 +32,7 @@ const char* name(Family family) noexcept {
     case Family::lamps: return "lamps";
     case Family::half_black: return "half black";
     case Family::log_normal: return "log-normal";
+    case Family::studio: return "studio";
     case Family::count: break;
   }
   return "";
@@ -200,6 +201,29 @@ RandomEnvironments::Radiance RandomEnvironments::log_normal() {
   };
 }
 
+RandomEnvironments::Radiance RandomEnvironments::studio(int columns, int rows) {
+  struct Panel {
+    int column;
+    int row;
+    int width;
+    int height;
+    glm::dvec3 radiance;
+  };
+  const glm::dvec3 background = scale(1e-4, 1.0) * colour();
+  std::vector<Panel> all(static_cast<std::size_t>(whole(1, 4)));
+  for (Panel& panel : all)
+    panel = {whole(0, columns - 1), whole(0, rows - 1), whole(1, 8), whole(1, 8), scale(10.0, 1e5) * colour()};
+  return [=](const glm::dvec3&, double u, double v) {
+    glm::dvec3 sum = background;
+    for (const Panel& panel : all) {
+      const bool inside =
+          u >= panel.column && u < panel.column + panel.width && v >= panel.row && v < panel.row + panel.height;
+      if (inside) sum += panel.radiance;
+    }
+    return sum;
+  };
+}
+
 RandomEnvironments::Radiance RandomEnvironments::of_family(Family family, int columns, int rows) {
   description_ += std::string(" ") + name(family);
   switch (family) {
@@ -223,6 +247,7 @@ RandomEnvironments::Radiance RandomEnvironments::of_family(Family family, int co
         return (glm::dot(axis, d) > 0.0 ? lit : glm::dvec3(0.0)) + own(d, u, v);
       };
     }
+    case Family::studio: return studio(columns, rows);
     default: return log_normal();
   }
 }

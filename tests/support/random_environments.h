@@ -19,6 +19,7 @@ enum class Family {
   lamps,       ///< up to three texels of 1e4 to 1e8 over an even or soft background
   half_black,  ///< one half of the sphere is 0; a lamp anywhere
   log_normal,  ///< noise of up to sigma 4, a value a texel
+  studio,      ///< up to four panels of up to 8 x 8 texels of 10 to 1e5 over an even background
   count,
 };
 [[nodiscard]] const char* name(Family family) noexcept;
@@ -61,6 +62,7 @@ class RandomEnvironments {
   Radiance checkers(int rows);
   Radiance lamps(int columns, int rows);
   Radiance log_normal();
+  Radiance studio(int columns, int rows);
   Radiance of_family(Family family, int columns, int rows);
 
   std::mt19937 engine_;

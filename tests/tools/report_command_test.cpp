@@ -108,9 +108,6 @@ TEST_CASE("report: what cannot be done is refused before any work", "[tools][rep
   require_refused("report --passes nonsense", 2, "nonsense");
   require_refused("report --threads -1", 2, "--threads");
   require_refused("report --stability --passes brdf", 2, "--stability");
-  require_refused("report --calibrate --stability", 2, "--calibrate");
-  require_refused("report --calibrate --quick", 2, "--calibrate");
-  require_refused("report --calibrate -o " + quoted(folder.path() / "none" / "costs.json"), 1, "there is no folder");
   require_refused("report --stability-subject windows", 2, "--stability");
   require_refused("report --error-factor 2", 2, "--against");
   require_refused("report --against old.json --time-factor 0.5", 2, "--time-factor");
@@ -119,8 +116,7 @@ TEST_CASE("report: what cannot be done is refused before any work", "[tools][rep
   require_refused("report -o " + quoted(folder.path()), 1, "is a directory");
   require_refused("report --json -", 2, "is no file");
   require_refused("report --stability --against old.json", 2, "--stability");
-  for (const char* const kind : {"--stability", "--calibrate"})
-    require_refused(std::string("report ") + kind + " --json a.json -o b.md", 2, "not both");
+  require_refused("report --stability --json a.json -o b.md", 2, "not both");
   std::ofstream(folder.path() / "file") << "no folder";
   require_refused("report --plots " + quoted(folder.path() / "file"), 1, "no folder can be made");
   std::ofstream(folder.path() / "cut.json") << "{\"format\": \"welkin report\", \"version\": 1";

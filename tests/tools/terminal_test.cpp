@@ -129,7 +129,7 @@ TEST_CASE("command: --help has the defaults, and what makes a bake quick", "[too
       CHECK(contains(help, part));
     }
   };
-  has("bake", {"faces (default 256, or by the budget)", "Roughness of mips (default filament, or by --for)",
+  has("bake", {"faces (default 256)", "Roughness of mips (default filament, or by --for)",
                "Formats of cubemaps (default ktx2, or by --for)", "(default by the picture)",
                "-o,--output DIR The folder to write to (default the input's name without extension, or sky)",
                "--no-previews No previews, which take two thirds of the time", "(default no limit)", "(default 0)",

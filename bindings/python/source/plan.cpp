@@ -41,7 +41,6 @@ SceneNeeds needs_of(const py::dict& given) {
   options.read("brdf_table", needs.brdf_table);
   options.read("stored_results", needs.stored_results);
   options.read("same_bits", needs.same_bits);
-  options.read("error_budget", needs.error_budget);
   options.finish();
   return needs;
 }
@@ -64,10 +63,10 @@ PlanOfSource plan_of(const py::object& pixels, const py::kwargs& given) {
   const BakeOptions whole = bake_options(options);
   Call call("plan", options);
   options.finish();
-  PlanOfSource made{call.run([&](const Control& control) {
+  PlanOfSource made{call.run([&](const Control& /*control*/) {
                       if (file) return plan(*file, needs, whole);
                       if (shape) return plan(*shape, needs, whole);
-                      return source->visit([&](const auto& view) { return plan(view, needs, whole, {}, control); });
+                      return source->visit([&](const auto& view) { return plan(view, needs, whole); });
                     }),
                     file, py::none()};
   if (file) made.keeps = pixels;
@@ -80,7 +79,6 @@ void bind_passes(py::module_& module) {
       .def_property_readonly(
           "action", [](const PlannedPass& self) { return name(self.action); }, "\"run\", \"reuse\", \"skip\"")
       .def_readonly("reason", &PlannedPass::reason, "What is done, or why it is not.")
-      .def_readonly("predicted_milliseconds", &PlannedPass::predicted_milliseconds, "Processor time of one thread.")
       .def_readonly("bytes", &PlannedPass::bytes, "Memory that it holds at most beside the source.")
       .def("__repr__", [](const PlannedPass& self) {
         return "<welkin.PlannedPass: " + self.name + ", " + name(self.action) + ", " + self.reason + ">";
@@ -102,9 +100,6 @@ void bind_plan(py::module_& module) {
       .def_property_readonly(
           "working_bytes", [](const PlanOfSource& self) { return self.plan.working_bytes; },
           "At most, beside results and source.")
-      .def(
-          "milliseconds", [](const PlanOfSource& self, int threads) { return self.plan.milliseconds(threads); },
-          py::arg("threads") = 1, "milliseconds(self, threads=1)\n--\n\nPredicted time.")
       .def("__str__", [](const PlanOfSource& self) { return plan_text(self.plan); })
       .def("__repr__", [](const PlanOfSource& self) {
         std::size_t running = 0;
@@ -119,7 +114,7 @@ void bind_plan(py::module_& module) {
       "     threads=None)\n--\n\n"
       "Which passes a scene needs, why, and what each will cost, as a `Plan`. Pixels, a file, or a shape alone,\n"
       "(height, width, channels). `needs`: a dictionary of diffuse_bands, irradiance_cubemap, glossy (a range of\n"
-      "roughness, or False), background, background_mips, brdf_table, stored_results, same_bits, error_budget\n"
+      "roughness, or False), background, background_mips, brdf_table, stored_results, same_bits\n"
       "(relative). The other options are those of the whole bake.");
 }
 

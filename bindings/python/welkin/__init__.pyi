@@ -94,7 +94,6 @@ class _Needs(TypedDict, total=False):
     brdf_table: bool
     stored_results: bool
     same_bits: bool
-    error_budget: float
 
 # What calls give.
 class _Written(TypedDict):
@@ -545,8 +544,6 @@ class PlannedPass:
     @property
     def reason(self) -> str: ...
     @property
-    def predicted_milliseconds(self) -> float: ...
-    @property
     def bytes(self) -> int: ...
 
 class Plan:
@@ -558,7 +555,6 @@ class Plan:
     def result_bytes(self) -> int: ...
     @property
     def working_bytes(self) -> int: ...
-    def milliseconds(self, threads: int = 1) -> float: ...
 
 def bake(
     pixels: _Pixels,
