@@ -18,7 +18,6 @@ constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
 constexpr int kSmallestBall = 8;
 constexpr int kLargestBall = 1024;
-constexpr double kLargestOverRms = 10.0;  ///< largest error of a texel over the rms error, of bounds
 constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
@@ -205,11 +204,17 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
        {"reference", PrefilterMethod::reference}},
       "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
       "reference (the integral itself; slow)"));
+  table.push_back(choice<Quality>(
+      "--quality", options.quality,
+      {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
+      "How exact reflections and irradiance are: fast (--rms-error 1e-2), normal (1e-3, the default), or reference "
+      "(the integrals themselves, which takes minutes). An --rms-error that is given wins"));
   table.push_back(
       {.names = "--rms-error",
        .target = &options.rms_error,
        .text = "The most that each mip and the irradiance cubemap may err: root mean square error over root mean "
-               "square, 1e-6 to 1; default 1e-3. No texel errs by more than ten times that, relative to its own value. "
+               "square, 1e-6 to 1; default by --quality. No texel errs by more than ten times that, relative to its "
+               "own value. "
                "Unlike --error-budget it is the same bound on every input and chooses nothing but how mips are made",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0)});
@@ -311,7 +316,7 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   in_group(table, "Diffuse light and BRDF table");
   add_needs_options(table, options.scene);
   in_group(table, "What the scene needs");
-  option(table, "--error-budget").excludes = {"--rms-error"};  // it picks those bounds
+  option(table, "--error-budget").excludes = {"--quality", "--rms-error"};  // it picks those bounds
   add_turn_options(table, options.turn);
   option(table, "--for").text =
       "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with "
@@ -449,15 +454,18 @@ BakeOptions library_options(const BakeCommandOptions& options) {
                     std::to_string(mips));
   }
   specular.mips = mips;
-  specular.rms_error = options.rms_error;
-  specular.maximum_error = std::min(1.0, kLargestOverRms * options.rms_error);
+  const BakeOptions preset = BakeOptions::at(options.rms_error ? Quality::normal : options.quality);
+  specular.rms_error = options.rms_error.value_or(preset.specular->rms_error);
+  if (specular.method == PrefilterMethod::automatic) specular.method = preset.specular->method;
   specular.roughness = numbers > 0 ? table : roughness_of_mips(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
   // Where previews alone would look at it, it is not worth a refusal for want of harmonics.
   if (options.irradiance_size > 0 && (options.irradiance_method != IrradianceMethod::harmonics || bake.bands > 0 ||
-                                      contains(options.files, Content::irradiance)))
-    bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method, options.rms_error};
+                                      contains(options.files, Content::irradiance))) {
+    bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method,
+                                        options.rms_error.value_or(preset.irradiance->rms_error)};
+  }
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;

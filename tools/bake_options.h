@@ -53,11 +53,12 @@ struct BakeCommandOptions {
   bool all_mips = false;    ///< down to 1 texel
   bool brdf_named = false;  ///< by --brdf or --brdf-model
   RoughnessChoice roughness;
-  std::set<LobeFamily> lobes;  ///< of which there are chains, too
-  double rms_error = 1e-3;     ///< bound on reflections and irradiance
-  int octahedral_size = 0;     ///< of the specular chain as an octahedral map; 0: none
-  int background_size = 0;     ///< 0: the specular cubemap's
-  int irradiance_size = 64;    ///< 0: no irradiance cubemap
+  std::set<LobeFamily> lobes;         ///< of which there are chains, too
+  Quality quality = Quality::normal;  ///< of reflections and irradiance, unless `rms_error` is there
+  std::optional<double> rms_error;    ///< bound on reflections and irradiance
+  int octahedral_size = 0;            ///< of the specular chain as an octahedral map; 0: none
+  int background_size = 0;            ///< 0: the specular cubemap's
+  int irradiance_size = 64;           ///< 0: no irradiance cubemap
   IrradianceMethod irradiance_method = IrradianceMethod::automatic;
   BakeOptions bake;  ///< what is not said above
   BrdfTableOptions brdf;

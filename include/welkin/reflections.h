@@ -42,6 +42,16 @@ enum class LobeFamily {
 /// "ggx", "charlie", "lambert", "phong", "blinn", "spectra"
 [[nodiscard]] const char* name(LobeFamily lobe) noexcept;
 
+/// Presets of how exact reflections and irradiance are: see `PrefilterOptions::at` and `BakeOptions::at`.
+enum class Quality {
+  normal,     ///< `rms_error` 1e-3: the default
+  fast,       ///< `rms_error` 1e-2: for probes that are captured anew each frame
+  reference,  ///< the integrals themselves, in double: what the others are measured against. Takes minutes.
+};
+
+/// "normal", "fast", "reference"
+[[nodiscard]] const char* name(Quality quality) noexcept;
+
 /// Sizes, lobes and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
@@ -62,11 +72,15 @@ struct PrefilterOptions {
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
-  /// Bound on |result - truth| / truth at any texel. A channel that is darker than 1e-6 / `maximum_error` of the root
-  /// mean square of its mip (without very bright lights) may exceed it: the pass "mip N: dark channels" reports it.
-  double maximum_error = 1e-2;
+  /// Bound on |result - truth| / truth at any texel; none: ten times `rms_error`, at most 1. A channel that is darker
+  /// than 1e-6 / `maximum_error` of the root mean square of its mip (without very bright lights) may exceed it: the
+  /// pass "mip N: dark channels" reports it.
+  std::optional<double> maximum_error = std::nullopt;
 
   PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
+
+  /// Returns the default options with the method and the bounds of a preset, which may be changed afterwards.
+  [[nodiscard]] static PrefilterOptions at(Quality quality);
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };

@@ -139,6 +139,10 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
 
 // Reflections.
 
+static_assert(WELKIN_QUALITY_NORMAL == static_cast<int>(welkin::Quality::normal));
+static_assert(WELKIN_QUALITY_FAST == static_cast<int>(welkin::Quality::fast));
+static_assert(WELKIN_QUALITY_REFERENCE == static_cast<int>(welkin::Quality::reference));
+
 static_assert(WELKIN_ROUGHNESS_FILAMENT == static_cast<int>(welkin::RoughnessSchedule::filament));
 static_assert(WELKIN_ROUGHNESS_BABYLON == static_cast<int>(welkin::RoughnessSchedule::babylon));
 static_assert(WELKIN_ROUGHNESS_UNITY == static_cast<int>(welkin::RoughnessSchedule::unity));
@@ -215,9 +219,11 @@ void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wante
 
 }  // namespace
 
-PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels) {
+PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels, Quality otherwise) {
   const auto given = read_options(options, "prefilter options");
-  PrefilterOptions wanted;
+  const Quality named = enumerator("quality", given.quality, Quality::reference);
+  const Quality quality = named != Quality::normal ? named : otherwise;
+  PrefilterOptions wanted = PrefilterOptions::at(given.rms_error == 0.0 ? quality : Quality::normal);
   wanted.size = given.size != 0 ? given.size : size;
   if (given.mips != 0) wanted.mips = given.mips;
   if (given.roughness_count < 0 || given.roughness_count > kMostRoughness) {
@@ -229,9 +235,9 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
   read_spectra(given, wanted);
-  wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
+  set_unless_zero(wanted.method, enumerator("method", given.method, PrefilterMethod::reference));
   set_unless_zero(wanted.rms_error, given.rms_error);
-  set_unless_zero(wanted.maximum_error, given.maximum_error);
+  if (given.maximum_error != 0.0) wanted.maximum_error = given.maximum_error;
   if (pixels) {
     wanted.pixels = pixel_policy(given.pixels);
   } else if (given.pixels != nullptr) {
@@ -380,7 +386,8 @@ BakeOptions bake_options(const welkin_bake_options* options) {
     refuse("leave_out is " + std::to_string(given.leave_out) + "; it must be a sum of WELKIN_PART_ flags");
   }
   const auto wants = [&](welkin_parts part) { return (given.leave_out & part) == 0; };
-  BakeOptions wanted;
+  const auto quality = enumerator("quality", given.quality, Quality::reference);
+  BakeOptions wanted = BakeOptions::at(given.irradiance_rms_error == 0.0 ? quality : Quality::normal);
   if (given.background_size != 0) wanted.background->size = given.background_size;
   wanted.background->mips = !flag("background_without_mips", given.background_without_mips);
   require_enumerator("mip_filter", given.mip_filter, WELKIN_MIP_FILTER_BOX);
@@ -392,7 +399,7 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance.reset();
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
-  wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);
+  wanted.specular = prefilter_options(given.specular, kDefaultReflections, false, quality);
   if (given.octahedral_size != 0) {
     wanted.octahedral = OctahedralOptions{.size = given.octahedral_size, .border = given.octahedral_border};
     set_unless_zero(wanted.octahedral->levels, given.octahedral_levels);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
 #include "welkin/result_cache.h"
 
@@ -339,11 +340,14 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
 
 ContentHash hash_options(const PrefilterOptions& options) {
   const auto& [size, mips, roughness, lobe, spectra, method, rms_error, maximum_error, pixels] = options;
+  const reflections::ErrorBounds bounds = reflections::bounds_of(options);
+  static_cast<void>(rms_error);
+  static_cast<void>(maximum_error);
   // Stand where options stood once, so that recorded hashes stay the same.
   constexpr int removed = 0;
   constexpr int removed_samples = 1024;
   OptionWriter writer("prefilter");
-  writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, removed_samples,
+  writer.all(size, mips.value_or(0), roughness, removed, removed, method, bounds.rms, bounds.maximum, removed_samples,
              cache::pixel_key(pixels));
   if (lobe != LobeFamily::ggx) writer.all(lobe);
   for (const std::vector<double>& spectrum : spectra) writer.all(spectrum);

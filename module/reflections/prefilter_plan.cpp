@@ -162,8 +162,14 @@ PrefilterPlan PrefilterPlan::largest() const {
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
-  const PrefilterOptions usual;
-  return std::max(plan.reach, reach_for(usual.rms_error, usual.maximum_error));
+  const ErrorBounds usual;
+  return std::max(plan.reach, reach_for(usual.rms, usual.maximum));
+}
+
+ErrorBounds bounds_of(const PrefilterOptions& options) noexcept {
+  const ErrorBounds usual;
+  const double in_proportion = std::min(1.0, options.rms_error / usual.rms * usual.maximum);
+  return {options.rms_error, options.maximum_error.value_or(in_proportion)};
 }
 
 std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
@@ -230,8 +236,8 @@ int first_bands(const Lobe& lobe, double rms_error) {
 
 /// Adds the mips of other lobes, whose bands the picture decides.
 void plan_kernels(const std::vector<ZonalKernel>& kernels, bool reference, PrefilterPlan& plan) {
-  const PrefilterOptions usual;
-  plan.reach = reach_for(usual.rms_error, usual.maximum_error);
+  const ErrorBounds usual;
+  plan.reach = reach_for(usual.rms, usual.maximum);
   plan.lights = LightsOf::any;
   for (std::size_t level = 0; level < kernels.size(); ++level) {
     MipPlan mip;
@@ -285,15 +291,16 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
            "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
   }
   check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
-  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
+  if (options.maximum_error)
+    check_error_bound("maximum_error", *options.maximum_error, kLeastMaximumError, options.method);
   projection::check_policy(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
   PrefilterPlan plan;
   plan.size = options.size;
   plan.chain_mips = mips;
-  plan.reach = reach_for(options.rms_error, options.maximum_error);
-  plan.bounds = {options.rms_error, options.maximum_error};
+  plan.bounds = bounds_of(options);
+  plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   if (options.lobe == LobeFamily::ggx) {
     plan_ggx(options, roughness, plan);
@@ -321,8 +328,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   PrefilterPlan plan;
   plan.size = options.size;
   plan.chain_mips = static_cast<int>(options.kernels.size());
-  const PrefilterOptions usual;
-  plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
+  plan.bounds = bounds_of({.rms_error = options.rms_error});
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);
   return plan;
@@ -331,6 +337,26 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
 }  // namespace welkin::reflections
 
 namespace welkin {
+
+const char* name(Quality quality) noexcept {
+  switch (quality) {
+    case Quality::normal: break;
+    case Quality::fast: return "fast";
+    case Quality::reference: return "reference";
+  }
+  return "normal";
+}
+
+PrefilterOptions PrefilterOptions::at(Quality quality) {
+  if (static_cast<int>(quality) < 0 || quality > Quality::reference) {
+    reflections::refuse(ErrorCode::invalid_argument,
+                        "the quality " + std::to_string(static_cast<int>(quality)) + " is not one that Welkin knows");
+  }
+  PrefilterOptions options;
+  if (quality == Quality::fast) options.rms_error = 1e-2;
+  if (quality == Quality::reference) options.method = PrefilterMethod::reference;
+  return options;
+}
 
 const char* name(LobeFamily lobe) noexcept {
   switch (lobe) {

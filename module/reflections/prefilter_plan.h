@@ -88,6 +88,9 @@ struct PrefilterPlan {
 /// The reach of narrow mips, which look at bounds that are tighter than the default's only.
 [[nodiscard]] double narrow_reach(const PrefilterPlan& plan) noexcept;
 
+/// Returns the bounds of a chain.
+[[nodiscard]] ErrorBounds bounds_of(const PrefilterOptions& options) noexcept;
+
 /// Roughness of each mip of the whole chain. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<double> roughness_of_chain(const PrefilterOptions& options);
 

@@ -38,7 +38,7 @@ struct WantedReflections {
 };
 
 std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
-  std::vector<WantedReflections> all(5, {{.size = 16}, c_struct<welkin_prefilter_options>()});
+  std::vector<WantedReflections> all(7, {{.size = 16}, c_struct<welkin_prefilter_options>()});
   for (auto& wanted : all) wanted.c_options.size = 16;
   all[1].options = {.size = 32,
                     .roughness = kRoughness,
@@ -57,6 +57,13 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[2].c_options.leave_out_rough = 1;
   all[2].c_options.rms_error = 1e-2;
   all[2].c_options.maximum_error = 5e-2;
+  all[5].options = PrefilterOptions::at(Quality::fast);
+  all[5].options.size = 16;
+  all[5].c_options.quality = WELKIN_QUALITY_FAST;
+  all[6].options = {.size = 16, .mips = 3, .rms_error = 2e-3};  // which wins over the quality
+  all[6].c_options.mips = 3;
+  all[6].c_options.rms_error = 2e-3;
+  all[6].c_options.quality = WELKIN_QUALITY_REFERENCE;
   all[3].options = {.size = 16, .roughness = {0.5, 0.8}, .lobe = LobeFamily::charlie};
   all[3].c_options.roughness = kWide.data();
   all[3].c_options.roughness_count = 2;
@@ -291,12 +298,16 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(6, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  std::vector<WantedBake> all(7, {{.specular = specular}, c_struct<welkin_bake_options>()});
   for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
   all[4].options.irradiance->rms_error = 1e-6;
   all[4].options.irradiance->size = 4;
   all[4].c_options.irradiance_rms_error = 1e-6;
   all[4].c_options.irradiance_size = 4;
+  all[6].options.specular = PrefilterOptions::at(Quality::fast);
+  all[6].options.specular->size = 16;
+  all[6].options.irradiance->rms_error = 1e-2;
+  all[6].c_options.quality = WELKIN_QUALITY_FAST;
   all[5].options.octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4};
   all[5].c_options.octahedral_size = 24;
   all[5].c_options.octahedral_levels = 2;

@@ -168,7 +168,7 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
                  choose_prefilter(smooth.view(), scheduled(RoughnessSchedule::linear, 16, 5), {.relative = 0.01}, true);
              BitHash hash;
              add_bits(hash, choice.setting.rms_error);
-             add_bits(hash, choice.setting.maximum_error);
+             add_bits(hash, choice.setting.maximum_error.value());
              add_bits(hash, choice.error_estimate);
              for (const MipNeed& mip : choice.mips) {
                add_bits(hash, mip.source_size);

@@ -154,12 +154,18 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
   const nlohmann::json loose = said("--rms-error 1e-2");
   CHECK(loose.at("rms_error") == 1e-2);
   CHECK(loose.at("maximum_error") == 0.1);
+  const nlohmann::json fast = said("--quality fast");
+  CHECK(fast.at("rms_error") == 1e-2);
+  CHECK(fast.at("maximum_error") == 0.1);
+  CHECK(said("--quality reference --rms-error 2e-3").at("method") == "automatic");  // the bound wins
   static_cast<void>(said("--irradiance-method direct"));
   const std::vector<float> truth = irradiance();
   CHECK(said("--irradiance-method harmonics").at("irradiance_method") == "harmonics");
   CHECK(irradiance() != truth);
   static_cast<void>(said("--rms-error 1e-6 --method reference --roughness 0,1"));
   CHECK(irradiance() == truth);  // no harmonics are that exact
+  CHECK(said("--quality reference --roughness 0,1").at("method") == "reference");
+  CHECK(irradiance() == truth);
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {

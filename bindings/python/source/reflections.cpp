@@ -23,6 +23,8 @@ namespace {
 constexpr Named<PrefilterMethod> kMethods[] = {{"automatic", PrefilterMethod::automatic},
                                                {"spectral", PrefilterMethod::spectral},
                                                {"reference", PrefilterMethod::reference}};
+constexpr Named<Quality> kQualities[] = {
+    {"normal", Quality::normal}, {"fast", Quality::fast}, {"reference", Quality::reference}};
 constexpr Named<RoughnessSchedule> kSchedules[] = {{"linear", RoughnessSchedule::linear},
                                                    {"filament", RoughnessSchedule::filament},
                                                    {"babylon", RoughnessSchedule::babylon},
@@ -216,8 +218,14 @@ std::string counted(std::size_t count, const char* one) {
   return std::to_string(count) + ' ' + one + (count == 1 ? "" : "s");
 }
 
-PrefilterOptions prefilter_options(Options& options, bool policy) {
-  PrefilterOptions how;
+Quality read_quality(Options& options, Quality otherwise) {
+  options.read("quality", otherwise, kQualities);
+  return otherwise;
+}
+
+PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise) {
+  const Quality quality = read_quality(options, otherwise);
+  PrefilterOptions how = PrefilterOptions::at(options.has("rms_error") ? Quality::normal : quality);
   options.read("size", how.size);
   options.read("mips", how.mips);
   read_roughness(options, how);
@@ -265,9 +273,8 @@ void bind_reflections(py::module_& module) {
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
       "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
-      "          rms_error=1e-3, maximum_error=1e-2, kernels=None, policy=None, layout=None, encoding=None, "
-      "read=None,\n"
-      "          progress=None, threads=None)\n--\n\n"
+      "          quality='normal', rms_error=1e-3, maximum_error=None, kernels=None, policy=None, layout=None,\n"
+      "          encoding=None, read=None, progress=None, threads=None)\n--\n\n"
       "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
       "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe`: \"ggx\", \"charlie\" (sheen), "
       "\"lambert\",\n"
@@ -275,7 +282,9 @@ void bind_reflections(py::module_& module) {
       "are\n"
       "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over a "
       "mip,\n"
-      "and at any texel. `kernels`: a list of `ZonalKernel`, one for each mip, in place of `lobe`.");
+      "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
+      "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
+      "mip, in place of `lobe`.");
   module.def(
       "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
       "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"

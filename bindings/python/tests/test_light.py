@@ -52,6 +52,10 @@ def test_a_bake_is_its_parts(picture):
     assert (bands == welkin.irradiance(picture, size=8).cubemap).all() and not np.allclose(bands, direct, rtol=2e-3)
     exact = welkin.bake(picture, specular=False, brdf=False, irradiance={"size": 8, "rms_error": 1e-6}).irradiance
     assert (exact == direct).all()
+    truth = welkin.bake(picture, specular={"size": 4}, brdf=False, irradiance={"size": 8}, quality="reference")
+    assert (truth.irradiance == direct).all() and truth.specular.mips[-1].method == "reference"
+    loose = welkin.bake(picture, specular={"size": 32, "mips": 3, "rms_error": 1e-3}, quality="fast").specular
+    assert all((a == b).all() for a, b in zip(loose.levels, chain.levels))  # a bound that is given wins
     with pytest.raises(welkin.InvalidArgument, match="irradiance.rms_error"):
         welkin.bake(picture, irradiance={"rms_error": 0.0})
     assert len(light.background) == 5 and light.brdf.values.shape == (64, 64, 3)

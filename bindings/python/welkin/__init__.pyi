@@ -32,6 +32,7 @@ _TexelFormat: TypeAlias = Literal[
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
 _Method: TypeAlias = Literal["automatic", "spectral", "reference"]
+_Quality: TypeAlias = Literal["normal", "fast", "reference"]
 _Lobe: TypeAlias = Literal["ggx", "charlie", "lambert", "phong", "blinn", "spectra"]
 _Schedule: TypeAlias = Literal["linear", "filament", "babylon", "unity", "unreal"]
 _Window: TypeAlias = Literal["none", "hanning", "lanczos", "min-laplacian"]
@@ -66,6 +67,7 @@ class _Specular(TypedDict, total=False):
     lobe: _Lobe
     spectra: Sequence[Sequence[float]]
     method: _Method
+    quality: _Quality
     rms_error: float
     maximum_error: float
 
@@ -443,8 +445,9 @@ def prefilter(
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
+    quality: _Quality = "normal",
     rms_error: float = 1e-3,
-    maximum_error: float = 1e-2,
+    maximum_error: float | None = None,
     kernels: Sequence[ZonalKernel] | None = None,
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
@@ -569,6 +572,7 @@ def bake(
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
+    quality: _Quality = "normal",
     policy: PixelPolicy | None = None,
     memory_limit: int = 8589934592,
     plan: Plan | None = None,
@@ -600,8 +604,9 @@ def bake_many(
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
+    quality: _Quality = "normal",
     rms_error: float = 1e-3,
-    maximum_error: float = 1e-2,
+    maximum_error: float | None = None,
     policy: PixelPolicy | None = None,
     bands: int = 3,
     type: Literal["float16", "float32"] = "float16",
@@ -621,6 +626,7 @@ def plan(
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
+    quality: _Quality = "normal",
     policy: PixelPolicy | None = None,
     memory_limit: int = 8589934592,
     layout: _Layout = None,

@@ -15,6 +15,7 @@ export const FORMATS = {
   srgba8: [7, 4],
 };
 const LOBES = ['ggx', 'charlie', 'lambert', 'phong', 'blinn'];
+const QUALITIES = ['normal', 'fast', 'reference'];
 const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
@@ -155,9 +156,10 @@ function policy({ clamp, preserveColour, gamma, replaceNegatives, rejectNonFinit
   return [clamp ?? 0, preserveColour ? 1 : 0, gamma ? 1 : 0, replaceNegatives ? 1 : 0, rejectNonFinite ? 1 : 0];
 }
 
-function chain({ size, mips, schedule, lobe, rmsError, maximumError, floats }) {
+function chain({ size, mips, schedule, lobe, quality, rmsError, maximumError, floats }) {
   return [size ?? 0, mips ?? 0, numberOf(SCHEDULES, schedule ?? 'filament', 'schedule'), rmsError ?? 0,
-    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe')];
+    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe'),
+    numberOf(QUALITIES, quality ?? 'normal', 'quality')];
 }
 
 function light(request) {

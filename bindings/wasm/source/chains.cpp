@@ -18,7 +18,9 @@ void require_edge(const char* name, int size) {
 }
 
 PrefilterOptions prefilter_options(const Options& options, int first) {
-  PrefilterOptions wanted;
+  const bool bounded = options.number(first + kChainError) > 0.0;
+  PrefilterOptions wanted =
+      PrefilterOptions::at(bounded ? Quality::normal : static_cast<Quality>(options.whole(first + kChainQuality)));
   const auto schedule = static_cast<RoughnessSchedule>(options.whole(first + kChainSchedule));
   if (options.whole(first + kChainSize) != 0) wanted.size = options.whole(first + kChainSize);
   require_edge("size", wanted.size);
@@ -30,7 +32,7 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
     wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
     wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
   }
-  if (options.number(first + kChainError) > 0.0) wanted.rms_error = options.number(first + kChainError);
+  if (bounded) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)
     wanted.maximum_error = options.number(first + kChainLargestError);
   return wanted;
