@@ -171,6 +171,7 @@ class Truth {
     options.size = roughness < 0.3 ? kTruthSize : 128;  // texels of a fourth of the lobe's width and less
     options.mips = 1;
     options.roughness = {roughness};
+    options.lobe_roughness.clear();
     return options;
   }
 

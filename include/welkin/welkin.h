@@ -523,6 +523,11 @@ enum {
 WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                                   double* roughness);
 
+/* The roughness of lobes for a shader that reads mips by the schedule's formula, bilinearly in a mip and linearly
+ * between two: `roughness` has room for `mips` doubles. For `lobe_roughness` of welkin_prefilter_options. */
+WELKIN_API welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                                         double* roughness);
+
 /* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
@@ -562,19 +567,22 @@ typedef struct welkin_prefilter_options {
   int32_t spectrum_bands;            /* numbers of each mip's spectrum, 1 to 1536; only of SPECTRA, as `spectra` */
   const double* spectra;             /* mips times spectrum_bands: what degrees are multiplied by; copied */
   welkin_quality quality;            /* method and bounds; where `rms_error` is not 0, WELKIN_QUALITY_NORMAL */
+  const double* lobe_roughness;      /* of each mip's lobe, `roughness_count` numbers; null: `roughness`; copied */
 } welkin_prefilter_options;
 
 /* How one mip was made, and how good it is. */
 typedef struct welkin_mip {
   uint32_t struct_size;
   int32_t size;                   /* texels along an edge */
-  double roughness;               /* perceptual */
+  double roughness;               /* perceptual, at which a shader finds the mip */
   welkin_prefilter_method method; /* never automatic */
   int32_t bands;                  /* spectral */
   int32_t bright_texels;          /* spectral: that were added one by one */
   double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (stored) */
   double mean[3];                 /* of the texels, by solid angle: lamps narrower than they are change it */
   double milliseconds;            /* wall time */
+  double lobe_roughness;          /* of the mip's lobe */
+  double error_between; /* predicted rms error of lookups between this mip and the next; NaN: not known */
 } welkin_mip;
 
 /* Of a prefiltered chain. */

@@ -132,6 +132,8 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.error_estimate = record.error_estimate.value_or(std::numeric_limits<double>::quiet_NaN());
     write_triple(record.mean, values.mean);
     values.milliseconds = record.milliseconds;
+    values.lobe_roughness = record.lobe_roughness;
+    values.error_between = record.error_between.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(mip, values, "mip");
     return WELKIN_OK;
   });
@@ -154,6 +156,17 @@ welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32
     require(roughness, "roughness");
     const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
     const auto table = welkin::roughness_of_mips(wanted, mips, size);
+    std::copy(table.begin(), table.end(), roughness);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                              double* roughness) {
+  return guarded([&] {
+    require(roughness, "roughness");
+    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
+    const auto table = welkin::fitted_roughness_of_mips(wanted, mips, size);
     std::copy(table.begin(), table.end(), roughness);
     return WELKIN_OK;
   });
@@ -233,6 +246,10 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   if (given.roughness_count > 0) {
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
+  }
+  if (given.lobe_roughness != nullptr) {
+    if (given.roughness_count == 0) refuse("lobe_roughness is given, and roughness_count is 0; pass roughness too");
+    wanted.lobe_roughness.assign(given.lobe_roughness, given.lobe_roughness + given.roughness_count);
   }
   read_spectra(given, wanted);
   set_unless_zero(wanted.method, enumerator("method", given.method, PrefilterMethod::reference));

@@ -41,6 +41,19 @@ def test_schedules_are_named():
         welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="steep")
 
 
+def test_lobes_are_fitted_to_lookups():
+    pixels = np.random.default_rng(1).random((16, 32, 3), np.float32)
+    lobes = welkin.fitted_roughness_of_mips("filament", 4, 16)
+    chain = welkin.prefilter(pixels, size=16, mips=4, lobe_roughness="fitted")
+    assert [mip.lobe_roughness for mip in chain.mips] == lobes
+    assert [mip.roughness for mip in chain.mips] == welkin.roughness_of_mips("filament", 4, 16)
+    assert chain.mips[0].error_between > 0 and chain.mips[-1].error_between is None
+    same = welkin.prefilter(pixels, size=16, roughness=lobes)
+    assert all((a == b).all() for a, b in zip(chain.levels, same.levels))
+    with pytest.raises(welkin.InvalidArgument, match="name a schedule"):
+        welkin.prefilter(pixels, size=16, roughness=[0.0, 1.0], lobe_roughness="fitted")
+
+
 def test_a_bake_is_its_parts(picture):
     light = welkin.bake(picture, specular={"size": 32, "mips": 3}, background={"size": 16}, irradiance={"size": 8})
     assert (light.radiance.coefficients == welkin.project(picture).radiance.coefficients).all()

@@ -64,6 +64,7 @@ class _Specular(TypedDict, total=False):
     size: int
     mips: int
     roughness: Sequence[float] | _Schedule
+    lobe_roughness: Sequence[float] | Literal["fitted"]
     lobe: _Lobe
     spectra: Sequence[Sequence[float]]
     method: _Method
@@ -384,6 +385,8 @@ class MipRecord:
     @property
     def roughness(self) -> float: ...
     @property
+    def lobe_roughness(self) -> float: ...
+    @property
     def method(self) -> Literal["copy", "spectral", "reference", "stored", "narrow"]: ...
     @property
     def bands(self) -> int: ...
@@ -391,6 +394,8 @@ class MipRecord:
     def bright_texels(self) -> int: ...
     @property
     def error_estimate(self) -> float | None: ...
+    @property
+    def error_between(self) -> float | None: ...
     @property
     def mean(self) -> NDArray[np.float64]: ...
     @property
@@ -442,6 +447,7 @@ def prefilter(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe_roughness: Sequence[float] | Literal["fitted"] | None = None,
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
@@ -488,6 +494,7 @@ def build_mips(
     threads: int | None = None,
 ) -> Chain: ...
 def roughness_of_mips(schedule: _Schedule, mips: int, size: int) -> list[float]: ...
+def fitted_roughness_of_mips(schedule: _Schedule, mips: int, size: int) -> list[float]: ...
 def charlie_roughness_of_mips(mips: int, size: int) -> list[float]: ...
 def mip_of_roughness(table: Sequence[float], roughness: float) -> float: ...
 def to_octahedral(
@@ -601,6 +608,7 @@ def bake_many(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe_roughness: Sequence[float] | Literal["fitted"] | None = None,
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",

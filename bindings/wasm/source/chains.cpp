@@ -31,6 +31,8 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   } else {
     wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
     wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+    if (options.flag(first + kChainFitted))
+      wanted.lobe_roughness = fitted_roughness_of_mips(schedule, *wanted.mips, wanted.size);
   }
   if (bounded) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)
@@ -50,7 +52,8 @@ void give_texels(const CubemapChain& chain, bool floats) {
 void give_chain(const PrefilteredSpecular& chain, bool floats) {
   std::vector<double> numbers{static_cast<double>(chain.cubemap.size()), static_cast<double>(chain.mips.size())};
   for (const MipRecord& mip : chain.mips) {
-    numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0)});
+    numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0),
+                                   mip.error_between.value_or(-1.0)});
   }
   give(std::move(numbers));
   give_texels(chain.cubemap, floats);

@@ -21,12 +21,13 @@ enum ChainOption {
   kChainFloats,
   kChainLobe,
   kChainQuality,
+  kChainFitted,
   kChainOptions
 };
 [[nodiscard]] PrefilterOptions prefilter_options(const Options& options, int first);
 
-/// Results: numbers (size, mips, then for each mip its size, roughness and estimated error, negative where there is
-/// none), then the texels level by level, face by face, RGBA.
+/// Results: numbers (size, mips, then for each mip its size, roughness and estimated errors at it and between it and
+/// the next, negative where there is none), then the texels level by level, face by face, RGBA.
 void give_chain(const PrefilteredSpecular& chain, bool floats);
 /// Only the texels.
 void give_texels(const CubemapChain& chain, bool floats);
