@@ -450,9 +450,9 @@ bool fits_lookups(const BakeCommandOptions& options) {
                 "--fit-lookups on needs a formula, and --roughness has numbers; name a schedule, or leave it out");
   }
   if (options.fit_lookups) return *options.fit_lookups;
-  if (options.roughness.schedule) return false;
-  const bool env_alone = options.containers == std::set<Container>{Container::env};
-  return options.turn.to == Engine::three ? false : schedule_of_engine(options).has_value() || env_alone;
+  const RoughnessSchedule schedule = schedule_of(options);
+  if (options.containers.contains(Container::env) && schedule == RoughnessSchedule::babylon) return true;
+  return options.turn.to != Engine::three && schedule_of_engine(options) == schedule;
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {
