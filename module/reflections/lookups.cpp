@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMirror = 1e-3;  ///< roughness below which a lobe leaves every degree as it is
 constexpr int kDegrees = 512;     ///< that a picture's energies have
-constexpr int kSamples = 4;       ///< roughnesses that are looked at between two mips
+constexpr int kSamples = 3;       ///< roughnesses that are looked at between two mips
 
 double log2(double x) noexcept { return math::logarithm(x) / std::numbers::ln2; }
 
@@ -64,8 +64,8 @@ std::vector<Lookup> lookups_between(const MipPair& mips, const LookupFormula& fo
 std::vector<double> spectrum_of(double roughness, int degrees) {
   if (roughness < kMirror) return std::vector<double>(static_cast<std::size_t>(degrees), 1.0);
   const double alpha = roughness * roughness;
-  // Beyond 2 alpha l = 20 there is nothing but the horizon's kink.
-  std::vector<double> spectrum = lobe_spectrum(alpha, std::min(degrees, 16 + static_cast<int>(10.0 / alpha)));
+  // Beyond 2 alpha l = 12 there is nothing but the horizon's kink.
+  std::vector<double> spectrum = lobe_spectrum(alpha, std::min(degrees, 16 + static_cast<int>(6.0 / alpha)));
   spectrum.resize(static_cast<std::size_t>(degrees), 0.0);
   return spectrum;
 }
@@ -164,7 +164,7 @@ std::vector<float> whole_energies(std::span<const double> rest, const std::vecto
   std::vector<double> energies(rest.begin(), rest.begin() + std::min<std::ptrdiff_t>(std::ssize(rest), kDegrees));
   continue_energies(energies, kDegrees, -1.0, 3.0);
   if (!lights.empty()) {
-    constexpr int kBands = 64;
+    constexpr int kBands = 48;
     std::vector<double> of_lights = energies_of_lights(lights, shape, kBands, control);
     continue_energies(of_lights, kDegrees, -1.0, 3.0);  // a light by itself has as much in each order: slope -1
     const double mean = std::sqrt(energies.front()) + std::sqrt(of_lights.front());
