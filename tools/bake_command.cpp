@@ -197,14 +197,16 @@ std::string file_lines(const OutputFolder& folder) {
 }
 
 std::string mip_lines(const std::vector<MipRecord>& mips) {
-  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels      rms error, about\n";
+  std::string text =
+      "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels      rms error, about  to the next\n";
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
             pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(name(mip.method), 10) +
             pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
             pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 15) +
-            pad_left(mip.error_estimate ? significant(*mip.error_estimate, 2) : "-", 22) + '\n';
+            pad_left(mip.error_estimate ? significant(*mip.error_estimate, 2) : "-", 22) +
+            pad_left(mip.error_between ? significant(*mip.error_between, 2) : "-", 13) + '\n';
   }
   return text;
 }

@@ -11,6 +11,7 @@ std::string what_of(LobeFamily lobe) {
 PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options, const PrefilterOptions& specular) {
   PrefilterOptions chain = specular;
   chain.lobe = lobe;
+  chain.lobe_roughness.clear();
   if (lobe == LobeFamily::phong) return chain;
   chain.mips.reset();
   chain.roughness.clear();

@@ -76,9 +76,10 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
   Json json = {{"size", specular.size},
                {"mips", specular.mips.value()},
                {"roughness", roughness_words(options)},
+               {"fit_lookups", !specular.lobe_roughness.empty()},
                {"method", welkin::name(specular.method)},
                {"rms_error", specular.rms_error},
-               {"maximum_error", specular.maximum_error},
+               {"maximum_error", specular.maximum_error.value_or(std::min(1.0, 10.0 * specular.rms_error))},
                {"background_size", options.background_size},
                {"irradiance_size", options.irradiance_size},
                {"irradiance_method", name_of(options.irradiance_method)},
@@ -119,7 +120,11 @@ Json made_json(const MipRecord& mip) {
 }
 
 Json mip_json(const MipRecord& mip, std::size_t number) {
-  Json json = {{"mip", number}, {"roughness", mip.roughness}, {"alpha", mip.roughness * mip.roughness}};
+  Json json = {{"mip", number},
+               {"roughness", mip.roughness},
+               {"alpha", mip.roughness * mip.roughness},
+               {"lobe_roughness", mip.lobe_roughness},
+               {"error_between", mip.error_between ? Json(*mip.error_between) : Json(nullptr)}};
   const Json made = made_json(mip);
   for (const auto& [key, value] : made.members()) json[key] = value;
   return json;

@@ -18,7 +18,6 @@ constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
 constexpr int kSmallestBall = 8;
 constexpr int kLargestBall = 1024;
-constexpr double kLargestOverRms = 10.0;  ///< largest error of a texel over the rms error, of bounds
 constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
@@ -69,13 +68,18 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   return choice;
 }
 
-/// Where nobody names one: that of the engine that the files are for, if it is known; of an .env alone Babylon.js's;
-/// else the library's default.
-RoughnessSchedule default_schedule(const BakeCommandOptions& options) {
+std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& options) {
   const std::string engine = convention(options.turn.to).name;
   for (const auto& [word, schedule] : schedule_words()) {
     if (word == engine) return schedule;
   }
+  return std::nullopt;
+}
+
+/// Where nobody names one: that of the engine that the files are for, if it is known; of an .env alone Babylon.js's;
+/// else the library's default.
+RoughnessSchedule default_schedule(const BakeCommandOptions& options) {
+  if (const auto schedule = schedule_of_engine(options)) return *schedule;
   return options.containers == std::set<Container>{Container::env} ? RoughnessSchedule::babylon
                                                                    : RoughnessSchedule::filament;
 }
@@ -180,7 +184,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
        .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
        .text = std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
                            "as --roughness has numbers, else as many as its schedule wants: filament and linear end at "
-                           "16 texels, unity has seven, babylon and unreal all"),
+                           "4 texels, unity has seven, babylon and unreal all"),
        .type = "N|all"});
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
@@ -191,6 +195,10 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
                            "default filament, or by --for",
                    .type = schedule_names() + "|LIST",
                    .list = List::commas});
+  table.push_back(choice<std::optional<bool>>(
+      "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
+      "Whether mips are blurred by lobes that shaders show best which interpolate linearly between mips by the formula "
+      "of --roughness; materials look mips up as before. Default on by --for (not of three) and of .env, else off"));
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
       {{"automatic", PrefilterMethod::automatic},
@@ -198,11 +206,17 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
        {"reference", PrefilterMethod::reference}},
       "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
       "reference (the integral itself; slow)"));
+  table.push_back(choice<Quality>(
+      "--quality", options.quality,
+      {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
+      "How exact reflections and irradiance are: fast (--rms-error 1e-2), normal (1e-3, the default), or reference "
+      "(the integrals themselves, which takes minutes). An --rms-error that is given wins"));
   table.push_back(
       {.names = "--rms-error",
        .target = &options.rms_error,
        .text = "The most that each mip and the irradiance cubemap may err: root mean square error over root mean "
-               "square, 1e-6 to 1; default 1e-3. No texel errs by more than ten times that, relative to its own value",
+               "square, 1e-6 to 1; default by --quality. No texel errs by more than ten times that, relative to its "
+               "own value",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0)});
 }
@@ -239,7 +253,7 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
                "lamp, 3 for 0.09, 5 for 0.05, 15 for 0.01",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0),
-       .excludes = {"--rms-error", "--bands"}});
+       .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.
@@ -449,11 +463,23 @@ glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {
 
 int mips_wanted(const BakeCommandOptions& options) {
   const int size = options.specular.size;
-  int mips = mips_of_chain(schedule_of(options), size);
-  // three.js's own chain ends at 8 texels, and balls that ours lights are nearer to the truth if it does, too.
-  const bool ends_at_eight = is_engine_folder(options) && options.turn.to == Engine::three;
-  while (ends_at_eight && (size >> mips) >= 8) ++mips;
-  return mips;
+  const int mips = mips_of_chain(schedule_of(options), size);
+  // three.js's last mip is the diffuse light too, which four texels would blur. Its own chain also ends at 8.
+  constexpr int kLeastMips = 5;
+  const int to_eight = size >= 8 ? full_chain_levels(size / 8) : 1;
+  return options.turn.to == Engine::three ? std::min(mips, std::max(kLeastMips, to_eight)) : mips;
+}
+
+bool fits_lookups(const BakeCommandOptions& options) {
+  if (!options.roughness.table.empty()) {
+    if (!options.fit_lookups.value_or(false)) return false;
+    throw Error(ErrorCode::invalid_argument,
+                "--fit-lookups on needs a formula, and --roughness has numbers; name a schedule, or leave it out");
+  }
+  if (options.fit_lookups) return *options.fit_lookups;
+  const RoughnessSchedule schedule = schedule_of(options);
+  if (options.containers.contains(Container::env) && schedule == RoughnessSchedule::babylon) return true;
+  return options.turn.to != Engine::three && schedule_of_engine(options) == schedule;
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {
@@ -476,15 +502,19 @@ BakeOptions library_options(const BakeCommandOptions& options) {
                     std::to_string(mips));
   }
   specular.mips = mips;
-  specular.rms_error = options.rms_error;
-  specular.maximum_error = std::min(1.0, kLargestOverRms * options.rms_error);
+  const BakeOptions preset = BakeOptions::at(options.rms_error ? Quality::normal : options.quality);
+  specular.rms_error = options.rms_error.value_or(preset.specular->rms_error);
+  if (specular.method == PrefilterMethod::automatic) specular.method = preset.specular->method;
   specular.roughness = numbers > 0 ? table : roughness_of_mips(schedule, mips, specular.size);
+  if (fits_lookups(options)) specular.lobe_roughness = fitted_roughness_of_mips(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
   // Where previews alone would look at it, it is not worth a refusal for want of harmonics.
   if (options.irradiance_size > 0 && (options.irradiance_method != IrradianceMethod::harmonics || bake.bands > 0 ||
-                                      contains(options.files, Content::irradiance)))
-    bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method, options.rms_error};
+                                      contains(options.files, Content::irradiance))) {
+    bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method,
+                                        options.rms_error.value_or(preset.irradiance->rms_error)};
+  }
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;

@@ -50,11 +50,13 @@ struct BakeCommandOptions {
   bool all_mips = false;    ///< down to 1 texel
   bool brdf_named = false;  ///< by --brdf or --brdf-model
   RoughnessChoice roughness;
-  std::set<LobeFamily> lobes;  ///< of which there are chains, too
-  double rms_error = 1e-3;     ///< bound on reflections and irradiance
-  int octahedral_size = 0;     ///< of the specular chain as an octahedral map; 0: none
-  int background_size = 0;     ///< 0: the specular cubemap's
-  int irradiance_size = 64;    ///< 0: no irradiance cubemap
+  std::optional<bool> fit_lookups;    ///< by --fit-lookups
+  std::set<LobeFamily> lobes;         ///< of which there are chains, too
+  Quality quality = Quality::normal;  ///< of reflections and irradiance, unless `rms_error` is there
+  std::optional<double> rms_error;    ///< bound on reflections and irradiance
+  int octahedral_size = 0;            ///< of the specular chain as an octahedral map; 0: none
+  int background_size = 0;            ///< 0: the specular cubemap's
+  int irradiance_size = 64;           ///< 0: no irradiance cubemap
   IrradianceMethod irradiance_method = IrradianceMethod::automatic;
   BakeOptions bake;  ///< what is not said above
   BrdfTableOptions brdf;
@@ -100,6 +102,10 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 
 /// The schedule that was asked for, else the one of the engine that the files are for.
 [[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);
+
+/// Whether the lobes of mips are fitted to lookups between them: where nobody says so, for engines that read their own
+/// mips by a known formula. Not for three.js, whose last mip is the diffuse light too.
+[[nodiscard]] bool fits_lookups(const BakeCommandOptions& options);
 
 /// The schedule's name, or the numbers with commas between them.
 [[nodiscard]] std::string roughness_words(const BakeCommandOptions& options);

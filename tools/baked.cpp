@@ -268,12 +268,16 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
     env.size = gltf_light_size(specular.size);
     env.mips = gltf_light_mips(env.size);
     env.roughness = gltf_light_roughness(env.size, *env.mips);
+    env.lobe_roughness.clear();
     return env;
   }
   env.size = env_size(specular.size);
   const int mips = full_chain_levels(env.size);
   env.mips = mips;
   env.roughness = roughness_of_mips(RoughnessSchedule::babylon, mips, env.size);
+  env.lobe_roughness.clear();
+  if (options.fit_lookups.value_or(true))
+    env.lobe_roughness = fitted_roughness_of_mips(RoughnessSchedule::babylon, mips, env.size);
   return env;
 }
 

@@ -79,6 +79,10 @@ struct BakeOptions {
   /// Results and working memory together; a bake that may need more is refused before it begins.
   std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U;
 
+  /// Returns the default options with the methods and bounds of a preset for reflections and irradiance:
+  /// `BakeOptions::at(Quality::fast)`. They may be changed afterwards.
+  [[nodiscard]] static BakeOptions at(Quality quality);
+
   friend bool operator==(const BakeOptions&, const BakeOptions&) = default;
 };
 

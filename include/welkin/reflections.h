@@ -42,6 +42,16 @@ enum class LobeFamily {
 /// "ggx", "charlie", "lambert", "phong", "blinn", "spectra"
 [[nodiscard]] const char* name(LobeFamily lobe) noexcept;
 
+/// Presets of how exact reflections and irradiance are: see `PrefilterOptions::at` and `BakeOptions::at`.
+enum class Quality {
+  normal,     ///< `rms_error` 1e-3: the default
+  fast,       ///< `rms_error` 1e-2: for probes that are captured anew each frame
+  reference,  ///< the integrals themselves, in double: what the others are measured against. Takes minutes.
+};
+
+/// "normal", "fast", "reference"
+[[nodiscard]] const char* name(Quality quality) noexcept;
+
 /// Sizes, lobes and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
@@ -53,6 +63,10 @@ struct PrefilterOptions {
   /// `charlie_roughness_of_mips(mips, size)`. 0 of `ggx`: no blur.
   std::vector<double> roughness{};
 
+  /// Perceptual roughness of the lobe that each mip is blurred by, where that is not the roughness at which shaders
+  /// find the mip (`fitted_roughness_of_mips`); empty: `roughness`. `lambert` and `spectra` ignore it.
+  std::vector<double> lobe_roughness{};
+
   LobeFamily lobe = LobeFamily::ggx;  ///< of all mips
 
   /// Of each mip what degree 0, 1, ... of the environment is multiplied by, over the first; only of `spectra`.
@@ -62,11 +76,15 @@ struct PrefilterOptions {
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
-  /// Bound on |result - truth| / truth at any texel. A channel that is darker than 1e-6 / `maximum_error` of the root
-  /// mean square of its mip (without very bright lights) may exceed it: the pass "mip N: dark channels" reports it.
-  double maximum_error = 1e-2;
+  /// Bound on |result - truth| / truth at any texel; none: ten times `rms_error`, at most 1. A channel that is darker
+  /// than 1e-6 / `maximum_error` of the root mean square of its mip (without very bright lights) may exceed it: the
+  /// pass "mip N: dark channels" reports it.
+  std::optional<double> maximum_error = std::nullopt;
 
   PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
+
+  /// Returns the default options with the method and the bounds of a preset, which may be changed afterwards.
+  [[nodiscard]] static PrefilterOptions at(Quality quality);
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
@@ -86,12 +104,18 @@ enum class MipMethod {
 /// How one mip was made, and how good it is.
 struct MipRecord {
   int size = 0;                        ///< texels along an edge
-  double roughness = 0.0;              ///< perceptual
+  double roughness = 0.0;              ///< perceptual, at which a shader finds the mip
+  double lobe_roughness = 0.0;         ///< of the mip's lobe: `roughness`, unless it is fitted to lookups
   MipMethod method = MipMethod::copy;  ///< how it was made
   int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
   int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the rest
   /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of stored mips.
   std::optional<double> error_estimate = std::nullopt;
+  /// Predicted relative rms error of a shader that reads this mip and the next bilinearly and interpolates linearly
+  /// between them, over all roughnesses from this mip's to the next one's, by the formula of the chain's
+  /// `RoughnessSchedule` (of other tables linear in roughness). None of the last mip, of lobes other than GGX, and
+  /// where the picture's spectrum is not known: of stored mips, and of chains without a spectral mip.
+  std::optional<double> error_between = std::nullopt;
   /// Mean of the texels, by solid angle. The kernel keeps energy, so the blurred light has the same mean on every mip.
   /// A texel holds the value at its centre: where a lamp's blurred light is narrower than the texels, centres meet or
   /// miss it, and this mean differs (by up to 180 % on mip 1 of a chain of 32, cubemap of 64 with a lamp of one texel).
@@ -145,8 +169,15 @@ enum class RoughnessSchedule {
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// How many mips a chain of that schedule has unless somebody says otherwise. `linear` and `filament`: down to 16
-/// texels, because fewer show on rough surfaces, but five where `size` has five. `unity`: seven, or as many as there
+/// Returns the roughness of lobes for a chain that a shader reads by the schedule's formula, bilinearly in a mip and
+/// linearly between two. Read so, the chain is nearer to the blurred picture over all roughnesses than one whose mips
+/// have the lobes of `roughness_of_mips`, which is where the shader still looks them up. Mip 0 stays a mirror. The fit
+/// is to a picture of typical power per degree and depends on the arguments alone. Cost: 1 to 3 ms; fits that were used
+/// last are kept. Throws `Error` as `roughness_of_mips`.
+[[nodiscard]] std::vector<double> fitted_roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
+
+/// Returns the default number of mips for a schedule. `linear` and `filament`: down to 4 texels, because what lies
+/// between two mips errs more than few texels do, but five where `size` has five. `unity`: seven, or as many as there
 /// are. `babylon` and `unreal`: down to 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <= 8192.
 [[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
 

@@ -523,6 +523,11 @@ enum {
 WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                                   double* roughness);
 
+/* The roughness of lobes for a shader that reads mips by the schedule's formula, bilinearly in a mip and linearly
+ * between two: `roughness` has room for `mips` doubles. For `lobe_roughness` of welkin_prefilter_options. */
+WELKIN_API welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                                         double* roughness);
+
 /* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
@@ -537,6 +542,14 @@ enum {
   WELKIN_LOBE_FAMILY_SPECTRA = 5 /* `spectra` has the numbers */
 };
 
+/* Presets of how exact reflections and irradiance are. */
+typedef int32_t welkin_quality;
+enum {
+  WELKIN_QUALITY_NORMAL = 0,   /* rms_error 1e-3 */
+  WELKIN_QUALITY_FAST = 1,     /* rms_error 1e-2 */
+  WELKIN_QUALITY_REFERENCE = 2 /* the integrals themselves, in double; takes minutes */
+};
+
 /* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
@@ -547,25 +560,29 @@ typedef struct welkin_prefilter_options {
   int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
   int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
   welkin_prefilter_method method;    /* of all mips */
-  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
-  double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
+  double rms_error;                  /* bound on a mip's relative root mean square error; 0: by `quality` */
+  double maximum_error;              /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */
   const welkin_pixel_policy* pixels; /* null: the defaults. In a bake and of a sky it must be null */
   welkin_lobe_family lobe;           /* of all mips */
   int32_t spectrum_bands;            /* numbers of each mip's spectrum, 1 to 1536; only of SPECTRA, as `spectra` */
   const double* spectra;             /* mips times spectrum_bands: what degrees are multiplied by; copied */
+  welkin_quality quality;            /* method and bounds; where `rms_error` is not 0, WELKIN_QUALITY_NORMAL */
+  const double* lobe_roughness;      /* of each mip's lobe, `roughness_count` numbers; null: `roughness`; copied */
 } welkin_prefilter_options;
 
 /* How one mip was made, and how good it is. */
 typedef struct welkin_mip {
   uint32_t struct_size;
   int32_t size;                   /* texels along an edge */
-  double roughness;               /* perceptual */
+  double roughness;               /* perceptual, at which a shader finds the mip */
   welkin_prefilter_method method; /* never automatic */
   int32_t bands;                  /* spectral */
   int32_t bright_texels;          /* spectral: that were added one by one */
   double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (stored) */
   double mean[3];                 /* of the texels, by solid angle: lamps narrower than they are change it */
   double milliseconds;            /* wall time */
+  double lobe_roughness;          /* of the mip's lobe */
+  double error_between;           /* predicted rms error of lookups between this mip and the next; NaN: not known */
 } welkin_mip;
 
 /* Of a prefiltered chain. */
@@ -711,10 +728,11 @@ typedef struct welkin_bake_options {
   const welkin_brdf_options* brdf;            /* of the table; null: the defaults */
   const welkin_pixel_policy* pixels;          /* for all parts; null: the defaults */
   uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
-  double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: 1e-3 */
+  double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: by `quality` */
   int32_t octahedral_size;                    /* texels along an edge, borders included; 0: no map is made */
   int32_t octahedral_levels;                  /* 0: 1; octahedral.h says which go with a size and a border */
   int32_t octahedral_border;                  /* texels on each side of level 0; 0: 2^(octahedral_levels - 1) */
+  welkin_quality quality;                     /* of irradiance, and of reflections whose own quality is normal */
 } welkin_bake_options;
 
 /* Bakes reflections and harmonics of `probe_count` cubemaps of any sizes and formats, all of one `struct_size`, into

@@ -544,6 +544,14 @@ BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, c
 
 }  // namespace baking
 
+BakeOptions BakeOptions::at(Quality quality) {
+  BakeOptions options;
+  options.specular = PrefilterOptions::at(quality);
+  // Below what harmonics hold, irradiance is the integral.
+  options.irradiance->rms_error = quality == Quality::reference ? 1e-6 : options.specular->rms_error;
+  return options;
+}
+
 std::uint64_t bake_bytes(const LatLongView& source, const BakeOptions& options) {
   const platform::FloatingPointScope floating_point;
   return baking::bytes_of(source, options);

@@ -114,6 +114,9 @@ PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions&
   rest.size = std::max(1, options.size >> unused.sharp);
   rest.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
   rest.mips = static_cast<int>(rest.roughness.size());
+  const auto lobes = static_cast<int>(rest.lobe_roughness.size());
+  if (lobes > 0)
+    rest.lobe_roughness.erase(rest.lobe_roughness.begin(), rest.lobe_roughness.begin() + std::min(unused.sharp, lobes));
   const auto spectra = static_cast<int>(rest.spectra.size());
   if (spectra > 0) rest.spectra.erase(rest.spectra.begin(), rest.spectra.begin() + std::min(unused.sharp, spectra));
   return rest;

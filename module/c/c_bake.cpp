@@ -132,12 +132,18 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.error_estimate = record.error_estimate.value_or(std::numeric_limits<double>::quiet_NaN());
     write_triple(record.mean, values.mean);
     values.milliseconds = record.milliseconds;
+    values.lobe_roughness = record.lobe_roughness;
+    values.error_between = record.error_between.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(mip, values, "mip");
     return WELKIN_OK;
   });
 }
 
 // Reflections.
+
+static_assert(WELKIN_QUALITY_NORMAL == static_cast<int>(welkin::Quality::normal));
+static_assert(WELKIN_QUALITY_FAST == static_cast<int>(welkin::Quality::fast));
+static_assert(WELKIN_QUALITY_REFERENCE == static_cast<int>(welkin::Quality::reference));
 
 static_assert(WELKIN_ROUGHNESS_FILAMENT == static_cast<int>(welkin::RoughnessSchedule::filament));
 static_assert(WELKIN_ROUGHNESS_BABYLON == static_cast<int>(welkin::RoughnessSchedule::babylon));
@@ -150,6 +156,17 @@ welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32
     require(roughness, "roughness");
     const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
     const auto table = welkin::roughness_of_mips(wanted, mips, size);
+    std::copy(table.begin(), table.end(), roughness);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                              double* roughness) {
+  return guarded([&] {
+    require(roughness, "roughness");
+    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
+    const auto table = welkin::fitted_roughness_of_mips(wanted, mips, size);
     std::copy(table.begin(), table.end(), roughness);
     return WELKIN_OK;
   });
@@ -215,9 +232,11 @@ void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wante
 
 }  // namespace
 
-PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels) {
+PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels, Quality otherwise) {
   const auto given = read_options(options, "prefilter options");
-  PrefilterOptions wanted;
+  const Quality named = enumerator("quality", given.quality, Quality::reference);
+  const Quality quality = named != Quality::normal ? named : otherwise;
+  PrefilterOptions wanted = PrefilterOptions::at(given.rms_error == 0.0 ? quality : Quality::normal);
   wanted.size = given.size != 0 ? given.size : size;
   if (given.mips != 0) wanted.mips = given.mips;
   if (given.roughness_count < 0 || given.roughness_count > kMostRoughness) {
@@ -228,10 +247,14 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
+  if (given.lobe_roughness != nullptr) {
+    if (given.roughness_count == 0) refuse("lobe_roughness is given, and roughness_count is 0; pass roughness too");
+    wanted.lobe_roughness.assign(given.lobe_roughness, given.lobe_roughness + given.roughness_count);
+  }
   read_spectra(given, wanted);
-  wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
+  set_unless_zero(wanted.method, enumerator("method", given.method, PrefilterMethod::reference));
   set_unless_zero(wanted.rms_error, given.rms_error);
-  set_unless_zero(wanted.maximum_error, given.maximum_error);
+  if (given.maximum_error != 0.0) wanted.maximum_error = given.maximum_error;
   if (pixels) {
     wanted.pixels = pixel_policy(given.pixels);
   } else if (given.pixels != nullptr) {
@@ -380,7 +403,8 @@ BakeOptions bake_options(const welkin_bake_options* options) {
     refuse("leave_out is " + std::to_string(given.leave_out) + "; it must be a sum of WELKIN_PART_ flags");
   }
   const auto wants = [&](welkin_parts part) { return (given.leave_out & part) == 0; };
-  BakeOptions wanted;
+  const auto quality = enumerator("quality", given.quality, Quality::reference);
+  BakeOptions wanted = BakeOptions::at(given.irradiance_rms_error == 0.0 ? quality : Quality::normal);
   if (given.background_size != 0) wanted.background->size = given.background_size;
   wanted.background->mips = !flag("background_without_mips", given.background_without_mips);
   require_enumerator("mip_filter", given.mip_filter, WELKIN_MIP_FILTER_BOX);
@@ -392,7 +416,7 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance.reset();
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
-  wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);
+  wanted.specular = prefilter_options(given.specular, kDefaultReflections, false, quality);
   if (given.octahedral_size != 0) {
     wanted.octahedral = OctahedralOptions{.size = given.octahedral_size, .border = given.octahedral_border};
     set_unless_zero(wanted.octahedral->levels, given.octahedral_levels);

@@ -177,7 +177,8 @@ void destroy(Handle* handle) noexcept {
 // What is asked of a prefilter, a bake and a sky. These throw `Error` (invalid_argument), for null handles too.
 
 /// `size` is what 0 stands for; `pixels` whether the options' policy counts, else it must be null.
-[[nodiscard]] PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels);
+[[nodiscard]] PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels,
+                                                 Quality otherwise = Quality::normal);
 [[nodiscard]] BakeOptions bake_options(const welkin_bake_options* options);
 [[nodiscard]] SkyTableOptions table_options(const welkin_sky_table_options* options);
 [[nodiscard]] SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options);

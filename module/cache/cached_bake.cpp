@@ -23,6 +23,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   ByteWriter writer;
   writer.put(mip.size);
   writer.put(mip.roughness);
+  writer.put(mip.lobe_roughness);
   writer.put(name(mip.method));
   if (plan.family != LobeFamily::ggx) {
     // All lobes of a chain decide together which texels are taken out and how many bands there are.
@@ -62,12 +63,14 @@ StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const Pi
       plan_(plan),
       chain_(plan.mips.front().size, static_cast<int>(plan.mips.size()), memory),
       mips_(plan.mips.size()) {
+  plan_.energies = std::make_shared<std::vector<float>>();  // those of other mips' entries may be of another chain
   for (std::size_t mip = 0; mip < mips_.size(); ++mip) {
     const auto level = static_cast<int>(mip);
     const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
     names_.push_back({EntryKind::specular_mip, key});
     auto found = store.find(names_[mip], mip_bytes(chain_.level_size(level)), [&](ByteSpan bytes) {
-      return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0));
+      return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0),
+                        spectral(mip) ? plan_.energies.get() : nullptr);
     });
     if (!found) {
       if (end_missing_ == 0) first_missing_ = mip;
@@ -88,8 +91,10 @@ std::optional<reflections::PrefilterPlan> StoredChain::missing() const {
 void StoredChain::add(PrefilteredSpecular made) {
   for (std::size_t mip = first_missing_; mip < end_missing_; ++mip) {
     const std::size_t level = mip - first_missing_;
-    store_.store(names_[mip],
-                 [&] { return encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0)); });
+    store_.store(names_[mip], [&] {
+      return encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0),
+                        spectral(mip) ? *plan_.energies : std::vector<float>());
+    });
   }
   const float* const first = made.cubemap.face(0, 0);
   std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
@@ -108,7 +113,13 @@ std::string StoredChain::found_text() const {
 PrefilteredSpecular StoredChain::take() {
   PrefilteredSpecular whole;
   whole.cubemap = std::move(chain_);
-  for (const std::optional<MipRecord>& mip : mips_) whole.mips.push_back(*mip);
+  for (std::size_t k = 0; k < mips_.size(); ++k) {
+    MipRecord& mip = whole.mips.emplace_back(*mips_[k]);
+    const std::optional<reflections::MipPair>& pair = plan_.mips[k].to_next;
+    mip.error_between.reset();  // the next mip may be another than that of the chain that this one was made in
+    if (pair && !plan_.energies->empty())
+      mip.error_between = reflections::error_between(*pair, plan_.lookups, *plan_.energies);
+  }
   whole.pixels.passes = std::move(made_.pixels.passes);
   if (const std::string found = found_text(); !found.empty()) {
     whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", PassAction::reuse, found, milliseconds_});

@@ -38,6 +38,8 @@ class StoredChain {
   [[nodiscard]] std::string found_text() const;  ///< "found on disk", "3 of 5 mips found on disk"; empty: none
 
  private:
+  [[nodiscard]] bool spectral(std::size_t mip) const { return plan_.mips[mip].method == MipMethod::spectral; }
+
   ResultStore& store_;
   reflections::PrefilterPlan plan_;
   std::vector<EntryName> names_;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
 #include "welkin/result_cache.h"
 
@@ -30,7 +31,8 @@ void one(Archive& archive, Pass& pass) requires std::is_same_v<std::remove_const
 
 template <class Archive, class Mip>
 void one(Archive& archive, Mip& mip) requires std::is_same_v<std::remove_const_t<Mip>, MipRecord> {
-  archive(mip.size, mip.roughness, mip.method, mip.bands, mip.bright_texels, mip.error_estimate, mip.milliseconds);
+  archive(mip.size, mip.roughness, mip.lobe_roughness, mip.method, mip.bands, mip.bright_texels, mip.error_estimate,
+          mip.milliseconds);
   vector_3(archive, mip.mean);
 }
 
@@ -189,22 +191,26 @@ std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralO
   return if_complete(loader, std::move(map));
 }
 
-Bytes encode_mip(const MipRecord& mip, const float* texels) {
+Bytes encode_mip(const MipRecord& mip, const float* texels, const std::vector<float>& energies) {
   const std::size_t values = mip_values(mip.size);
   Saver saver(values * sizeof(float));
   one(saver, mip);
+  saver.floats(energies);
   saver.writer.floats({texels, values});
   return saver.writer.take();
 }
 
-std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels) {
+std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels, std::vector<float>* energies) {
   Loader loader(bytes);
   MipRecord mip;
   one(loader, mip);
+  std::vector<float> stored;
+  loader.floats(stored);
   mip.milliseconds = 0.0;
   const std::size_t values = mip_values(size);
   if (mip.size != size || loader.reader.remaining() != values * sizeof(float)) return std::nullopt;
   loader.reader.floats({texels, values});
+  if (energies != nullptr && !stored.empty()) *energies = std::move(stored);
   return if_complete(loader, mip);
 }
 
@@ -338,13 +344,18 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
 }
 
 ContentHash hash_options(const PrefilterOptions& options) {
-  const auto& [size, mips, roughness, lobe, spectra, method, rms_error, maximum_error, pixels] = options;
+  const auto& [size, mips, roughness, lobe_roughness, lobe, spectra, method, rms_error, maximum_error, pixels] =
+      options;
+  const reflections::ErrorBounds bounds = reflections::bounds_of(options);
+  static_cast<void>(rms_error);
+  static_cast<void>(maximum_error);
   // Stand where options stood once, so that recorded hashes stay the same.
   constexpr int removed = 0;
   constexpr int removed_samples = 1024;
   OptionWriter writer("prefilter");
-  writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, removed_samples,
+  writer.all(size, mips.value_or(0), roughness, removed, removed, method, bounds.rms, bounds.maximum, removed_samples,
              cache::pixel_key(pixels));
+  if (!lobe_roughness.empty()) writer.all(lobe_roughness);
   if (lobe != LobeFamily::ggx) writer.all(lobe);
   for (const std::vector<double>& spectrum : spectra) writer.all(spectrum);
   return writer.hash();

@@ -170,8 +170,8 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 
 [[nodiscard]] Bytes encode(const Projection& projection);
 [[nodiscard]] Bytes encode(const CubemapChain& chain);
-/// `texels`: the six faces, 18 times the square of `mip.size`.
-[[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels);
+/// `texels`: the six faces, 18 times the square of `mip.size`. `energies`: see `PrefilterPlan::energies`.
+[[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels, const std::vector<float>& energies = {});
 [[nodiscard]] Bytes encode(const projection::FaceSums& sums);
 [[nodiscard]] Bytes encode(const OctahedralMap& map);
 /// Without atmosphere and options, which whoever asks has.
@@ -183,7 +183,9 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 /// As large as the options say.
 [[nodiscard]] std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
-[[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels);
+/// `energies` takes those of the picture, if they were stored.
+[[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels,
+                                                  std::vector<float>* energies = nullptr);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
                                                                                           std::size_t tiles);
 /// With their atmosphere and options.

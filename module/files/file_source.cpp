@@ -64,6 +64,7 @@ PrefilteredSpecular FileSource::take_specular(const Control& control) {
     MipRecord record;
     record.size = part.cubemap.level_size(level);
     record.roughness = file_.roughness[static_cast<std::size_t>(mip)];
+    record.lobe_roughness = record.roughness;
     record.method = MipMethod::stored;
     record.mean = mean_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
     part.mips.push_back(record);

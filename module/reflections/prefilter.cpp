@@ -182,6 +182,11 @@ class LobeChain {
                   [this, level](const Control& part) { integrate_mip(target(level), plan_.mips[level], part); });
     }
     graph.run(control);
+    for (std::size_t level = 0; level < plan_.mips.size() && !picture_energies_.empty(); ++level) {
+      const std::optional<MipPair>& mips = plan_.mips[level].to_next;
+      if (mips) record(level).error_between = error_between(*mips, plan_.lookups, picture_energies_);
+    }
+    if (plan_.energies && !picture_energies_.empty()) *plan_.energies = picture_energies_;
     result_.pixels.passes = std::move(passes_);
     result_.peak_bytes = memory_.peak();
     if (plan_.irradiance) *irradiance = irradiance_times(kPi / static_cast<double>(scale));
@@ -246,6 +251,7 @@ class LobeChain {
   BrightLights bright_;
   std::size_t extracted_ = 0;
   std::vector<double> energies_;          ///< of the harmonics, degree by degree
+  std::vector<float> picture_energies_;   ///< with the bright texels; empty: unknown
   std::atomic<bool> near_fails_ = false;  ///< whether a mip's near sums do not keep the bounds
   PackedFaces faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
@@ -266,6 +272,7 @@ void LobeChain::note_darkness(const Target& target, double field, const Control&
 void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control) {
   target.record.size = mip.size;
   target.record.roughness = mip.roughness;
+  target.record.lobe_roughness = mip.lobe_roughness;
   target.record.method = mip.method;
   const CubemapView whole = target.chain.view(target.level);
   target.record.mean = mean_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
@@ -352,6 +359,9 @@ bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
     memory_.give_back(spectrum.bytes());
     note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
   }
+
+  if (plan_.lights == LightsOf::ggx && !plan_.mips.empty())
+    picture_energies_ = whole_energies(energies_, texels, PictureShape::of(source_), {control.stop, {}});
 
   jobs::TaskGraph graph;
   const auto add = [&](const Target& target, const MipPlan& mip) {

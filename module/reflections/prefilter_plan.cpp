@@ -55,21 +55,20 @@ double least_roughness(LobeFamily lobe) noexcept {
   return lobe == LobeFamily::phong || lobe == LobeFamily::blinn ? kLeastPhongRoughness : 0.0;
 }
 
-void check_roughness(const PrefilterOptions& options, int mips) {
-  if (options.roughness.size() < static_cast<std::size_t>(mips)) {
-    refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but roughness names " +
-                                            std::to_string(options.roughness.size()) + "; it needs one for each mip");
+void check_roughness(const char* what, const std::vector<double>& table, int mips) {
+  if (table.size() < static_cast<std::size_t>(mips)) {
+    refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but " + what + " names " +
+                                            std::to_string(table.size()) + "; it needs one for each mip");
   }
   for (std::size_t mip = 0; mip < static_cast<std::size_t>(mips); ++mip) {
-    const double roughness = options.roughness[mip];
-    if (roughness >= 0.0 && roughness <= 1.0) continue;
-    refuse(ErrorCode::invalid_argument, "roughness of mip " + std::to_string(mip) + " is " +
-                                            platform::number_text(roughness) + "; it must be from 0 to 1");
+    if (table[mip] >= 0.0 && table[mip] <= 1.0) continue;
+    refuse(ErrorCode::invalid_argument, std::string(what) + " of mip " + std::to_string(mip) + " is " +
+                                            platform::number_text(table[mip]) + "; it must be from 0 to 1");
   }
 }
 
 std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
-  if (!options.roughness.empty()) check_roughness(options, mips);
+  if (!options.roughness.empty()) check_roughness("roughness", options.roughness, mips);
   std::vector<double> roughness = options.roughness;
   if (roughness.empty()) {
     roughness = options.lobe == LobeFamily::charlie
@@ -79,6 +78,15 @@ std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
   roughness.resize(static_cast<std::size_t>(mips));
   for (double& value : roughness) value = std::max(value, least_roughness(options.lobe));
   return roughness;
+}
+
+/// Returns the roughness of each mip's lobe. `roughness`: where shaders find them.
+std::vector<double> lobes_of(const PrefilterOptions& options, const std::vector<double>& roughness) {
+  if (options.lobe_roughness.empty()) return roughness;
+  check_roughness("lobe_roughness", options.lobe_roughness, static_cast<int>(roughness.size()));
+  std::vector<double> lobes(options.lobe_roughness.begin(), options.lobe_roughness.begin() + std::ssize(roughness));
+  for (double& value : lobes) value = std::max(value, least_roughness(options.lobe));
+  return lobes;
 }
 
 int default_mips(const PrefilterOptions& options) {
@@ -238,8 +246,14 @@ PrefilterPlan PrefilterPlan::largest() const {
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
-  const PrefilterOptions usual;
-  return std::max(plan.reach, reach_for(usual.rms_error, usual.maximum_error));
+  const ErrorBounds usual;
+  return std::max(plan.reach, reach_for(usual.rms, usual.maximum));
+}
+
+ErrorBounds bounds_of(const PrefilterOptions& options) noexcept {
+  const ErrorBounds usual;
+  const double in_proportion = std::min(1.0, options.rms_error / usual.rms * usual.maximum);
+  return {options.rms_error, options.maximum_error.value_or(in_proportion)};
 }
 
 std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
@@ -265,12 +279,21 @@ void take_in(const MipPlan& mip, int bands, PrefilterPlan& plan) {
 }
 
 /// Adds the mips of GGX lobes.
-void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughness, PrefilterPlan& plan) {
+void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughness, const std::vector<double>& lobes,
+              PrefilterPlan& plan) {
+  plan.lookups = formula_of(roughness, options.size);
   for (std::size_t level = 0; level < roughness.size(); ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);
     mip.roughness = roughness[level];
-    mip.alpha = mip.roughness * mip.roughness;
+    mip.lobe_roughness = lobes[level];
+    mip.alpha = mip.lobe_roughness * mip.lobe_roughness;
+    if (level + 1 < roughness.size()) {
+      mip.to_next = MipPair{static_cast<int>(level),
+                            {roughness[level], roughness[level + 1]},
+                            {lobes[level], lobes[level + 1]},
+                            {mip.size, std::max(1, mip.size / 2)}};
+    }
     mip.method = method_for(options, plan.reach, mip);
     if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
     if (mip.method == MipMethod::spectral) {
@@ -308,13 +331,14 @@ int first_bands(const Lobe& lobe, double rms_error) {
 
 /// Adds the mips of other lobes, whose bands the picture decides.
 void plan_kernels(const std::vector<ZonalKernel>& kernels, bool reference, PrefilterPlan& plan) {
-  const PrefilterOptions usual;
-  plan.reach = reach_for(std::min(usual.rms_error, plan.bounds.rms), usual.maximum_error);
+  const ErrorBounds usual;
+  plan.reach = reach_for(std::min(usual.rms, plan.bounds.rms), usual.maximum);
   plan.lights = LightsOf::any;
   for (std::size_t level = 0; level < kernels.size(); ++level) {
     MipPlan mip;
     mip.size = std::max(1, plan.size >> level);
     mip.roughness = kernels[level].roughness();
+    mip.lobe_roughness = mip.roughness;
     mip.lobe = kernels[level].lobe();
     mip.method = reference ? MipMethod::reference : MipMethod::spectral;
     if (!reference) take_in(mip, first_bands(*mip.lobe, plan.bounds.rms), plan);
@@ -334,7 +358,8 @@ ZonalKernel kernel_of(LobeFamily lobe, double roughness) {
 }
 
 /// Adds the mips of a family other than GGX.
-void plan_family(const PrefilterOptions& options, const std::vector<double>& roughness, PrefilterPlan& plan) {
+void plan_family(const PrefilterOptions& options, const std::vector<double>& roughness,
+                 const std::vector<double>& lobes, PrefilterPlan& plan) {
   if (options.lobe == LobeFamily::spectra && options.spectra.size() < roughness.size()) {
     refuse(ErrorCode::invalid_argument, std::to_string(roughness.size()) + " mips, but there are " +
                                             std::to_string(options.spectra.size()) + " spectra; each mip needs one");
@@ -346,12 +371,15 @@ void plan_family(const PrefilterOptions& options, const std::vector<double>& rou
       kernels.push_back(ZonalKernel::from_spectrum(options.spectra[level]));
       plan.family_numbers.push_back(options.spectra[level]);
     } else {
-      kernels.push_back(kernel_of(options.lobe, roughness[level]));
-      plan.family_numbers.push_back({roughness[level]});
+      kernels.push_back(kernel_of(options.lobe, lobes[level]));
+      plan.family_numbers.push_back({lobes[level]});
     }
   }
   plan_kernels(kernels, options.method == PrefilterMethod::reference, plan);
-  for (std::size_t level = 0; level < roughness.size(); ++level) plan.mips[level].roughness = roughness[level];
+  for (std::size_t level = 0; level < roughness.size(); ++level) {
+    plan.mips[level].roughness = roughness[level];
+    plan.mips[level].lobe_roughness = lobes[level];
+  }
 }
 
 }  // namespace
@@ -363,20 +391,22 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
            "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
   }
   check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
-  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
+  if (options.maximum_error)
+    check_error_bound("maximum_error", *options.maximum_error, kLeastMaximumError, options.method);
   projection::check_policy(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
+  const std::vector<double> lobes = lobes_of(options, roughness);
   PrefilterPlan plan;
   plan.size = options.size;
   plan.chain_mips = mips;
-  plan.reach = reach_for(options.rms_error, options.maximum_error);
-  plan.bounds = {options.rms_error, options.maximum_error};
+  plan.bounds = bounds_of(options);
+  plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   if (options.lobe == LobeFamily::ggx) {
-    plan_ggx(options, roughness, plan);
+    plan_ggx(options, roughness, lobes, plan);
   } else {
-    plan_family(options, roughness, plan);
+    plan_family(options, roughness, lobes, plan);
   }
   return plan;
 }
@@ -399,8 +429,7 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   PrefilterPlan plan;
   plan.size = options.size;
   plan.chain_mips = static_cast<int>(options.kernels.size());
-  const PrefilterOptions usual;
-  plan.bounds = {options.rms_error, std::min(1.0, options.rms_error / usual.rms_error * usual.maximum_error)};
+  plan.bounds = bounds_of({.rms_error = options.rms_error});
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);
   return plan;
@@ -409,6 +438,26 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
 }  // namespace welkin::reflections
 
 namespace welkin {
+
+const char* name(Quality quality) noexcept {
+  switch (quality) {
+    case Quality::normal: break;
+    case Quality::fast: return "fast";
+    case Quality::reference: return "reference";
+  }
+  return "normal";
+}
+
+PrefilterOptions PrefilterOptions::at(Quality quality) {
+  if (static_cast<int>(quality) < 0 || quality > Quality::reference) {
+    reflections::refuse(ErrorCode::invalid_argument,
+                        "the quality " + std::to_string(static_cast<int>(quality)) + " is not one that Welkin knows");
+  }
+  PrefilterOptions options;
+  if (quality == Quality::fast) options.rms_error = 1e-2;
+  if (quality == Quality::reference) options.method = PrefilterMethod::reference;
+  return options;
+}
 
 const char* name(LobeFamily lobe) noexcept {
   switch (lobe) {

@@ -11,6 +11,7 @@
 #include "reflections/bright_lights.h"
 #include "reflections/lobe.h"
 #include "reflections/near_sums.h"
+#include "reflections/lookups.h"
 #include "transform/spectrum.h"
 #include "welkin/reflections.h"
 #include "welkin/zonal_kernel.h"
@@ -23,11 +24,13 @@ inline constexpr double kMostNearAlpha = 0.25;
 struct MipPlan {
   int size = 0;
   double roughness = 0.0;
+  double lobe_roughness = 0.0;
   double alpha = 0.0;                  ///< of GGX; 0: a copy, or another lobe
   std::shared_ptr<const Lobe> lobe;    ///< null: a copy
   MipMethod method = MipMethod::copy;  ///< never `stored`
   BandChoice bands;                    ///< spectral
   NearSplit near;                      ///< spectral: with a face, harmonics make the far part of the lobe only
+  std::optional<MipPair> to_next;      ///< this mip and the next of the whole chain of GGX lobes, if there is one
 
   /// alpha of a GGX lobe as narrow as what harmonics make of this one: a far part's spectrum falls faster than that.
   [[nodiscard]] double ring_alpha() const noexcept { return near.face > 0 ? std::max(alpha, 0.3 * near.reach) : alpha; }
@@ -42,6 +45,7 @@ struct PrefilterPlan {
   int first_mip = 0;           ///< the first of them, counted in the whole chain
   double reach = 0.0;          ///< of lights, see `reach_for`
   ErrorBounds bounds;          ///< asked for
+  LookupFormula lookups;       ///< of the whole chain
   bool may_integrate = false;  ///< whether mips that harmonics do not bring within the bounds may be integrated
   int tightenings = 0;         ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
@@ -74,6 +78,9 @@ struct PrefilterPlan {
   std::optional<MipPlan> irradiance;
   ErrorBounds irradiance_bounds;
 
+  /// Takes the picture's energies (`whole_energies`), for those who keep mips; null: nobody wants them.
+  std::shared_ptr<std::vector<float>> energies;
+
   /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
   int narrow_size = 0;
 
@@ -104,6 +111,9 @@ struct PrefilterPlan {
 
 /// The reach of narrow mips, which look at bounds that are tighter than the default's only.
 [[nodiscard]] double narrow_reach(const PrefilterPlan& plan) noexcept;
+
+/// Returns the bounds of a chain.
+[[nodiscard]] ErrorBounds bounds_of(const PrefilterOptions& options) noexcept;
 
 /// Roughness of each mip of the whole chain. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<double> roughness_of_chain(const PrefilterOptions& options);

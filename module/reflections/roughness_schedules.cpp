@@ -76,7 +76,7 @@ std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int 
 
 int mips_of_chain(RoughnessSchedule schedule, int size) {
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
-  constexpr int kLeastTexels = 16;
+  constexpr int kLeastTexels = 4;
   constexpr int kLeastMips = 5;
   constexpr int kUnityMips = 7;  // 0 to UNITY_SPECCUBE_LOD_STEPS
   const int whole = full_chain_levels(size);

@@ -28,6 +28,7 @@ namespace welkin::test {
 namespace {
 
 const std::vector<double> kRoughness{0.0, 0.3, 1.0};
+const std::vector<double> kLobes{0.0, 0.31, 0.9};
 const std::vector<double> kWide{0.5, 0.8};
 const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
@@ -38,7 +39,7 @@ struct WantedReflections {
 };
 
 std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
-  std::vector<WantedReflections> all(5, {{.size = 16}, c_struct<welkin_prefilter_options>()});
+  std::vector<WantedReflections> all(8, {{.size = 16}, c_struct<welkin_prefilter_options>()});
   for (auto& wanted : all) wanted.c_options.size = 16;
   all[1].options = {.size = 32,
                     .roughness = kRoughness,
@@ -57,6 +58,18 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[2].c_options.leave_out_rough = 1;
   all[2].c_options.rms_error = 1e-2;
   all[2].c_options.maximum_error = 5e-2;
+  all[5].options = PrefilterOptions::at(Quality::fast);
+  all[5].options.size = 16;
+  all[5].c_options.quality = WELKIN_QUALITY_FAST;
+  all[6].options = {.size = 16, .mips = 3, .rms_error = 2e-3};  // which wins over the quality
+  all[6].c_options.mips = 3;
+  all[6].c_options.rms_error = 2e-3;
+  all[6].c_options.quality = WELKIN_QUALITY_REFERENCE;
+  all[7].options = {.size = 32, .roughness = kRoughness, .lobe_roughness = kLobes};
+  all[7].c_options.size = 32;
+  all[7].c_options.roughness = kRoughness.data();
+  all[7].c_options.lobe_roughness = kLobes.data();
+  all[7].c_options.roughness_count = 3;
   all[3].options = {.size = 16, .roughness = {0.5, 0.8}, .lobe = LobeFamily::charlie};
   all[3].c_options.roughness = kWide.data();
   all[3].c_options.roughness_count = 2;
@@ -99,6 +112,9 @@ void require_same(const welkin_cubemap_chain* chain, const PrefilteredSpecular& 
     REQUIRE(mip.bright_texels == record.bright_texels);
     REQUIRE(std::isnan(mip.error_estimate) == !record.error_estimate);
     if (record.error_estimate) REQUIRE(same_bits(mip.error_estimate, *record.error_estimate));
+    REQUIRE(same_bits(mip.lobe_roughness, record.lobe_roughness));
+    REQUIRE(std::isnan(mip.error_between) == !record.error_between);
+    if (record.error_between) REQUIRE(same_bits(mip.error_between, *record.error_between));
     REQUIRE(same_triple(mip.mean, record.mean));
   }
 }
@@ -150,6 +166,8 @@ TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refuse
     CHECK(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_INVALID_ARGUMENT);
   };
   refused([](welkin_prefilter_options& options) { options.lobe = 6; });
+  refused([](welkin_prefilter_options& options) { options.quality = 3; });
+  refused([](welkin_prefilter_options& options) { options.lobe_roughness = kLobes.data(); });
   refused([](welkin_prefilter_options& options) { options.spectrum_bands = 3; });
   refused([](welkin_prefilter_options& options) { options.lobe = WELKIN_LOBE_FAMILY_SPECTRA; });
   refused([](welkin_prefilter_options& options) {
@@ -241,6 +259,9 @@ TEST_CASE("C: schedules of roughness are the C++ call's", "[c_interface]") {
     REQUIRE(welkin_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256, roughness.data()) ==
             WELKIN_OK);
     REQUIRE(roughness == roughness_of_mips(schedule, 9, 256));
+    REQUIRE(welkin_fitted_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256,
+                                            roughness.data()) == WELKIN_OK);
+    REQUIRE(roughness == fitted_roughness_of_mips(schedule, 9, 256));
     int32_t mips = 0;
     REQUIRE(welkin_mips_of_chain(static_cast<welkin_roughness_schedule>(schedule), 256, &mips) == WELKIN_OK);
     REQUIRE(mips == mips_of_chain(schedule, 256));
@@ -291,12 +312,16 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(6, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  std::vector<WantedBake> all(7, {{.specular = specular}, c_struct<welkin_bake_options>()});
   for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
   all[4].options.irradiance->rms_error = 1e-6;
   all[4].options.irradiance->size = 4;
   all[4].c_options.irradiance_rms_error = 1e-6;
   all[4].c_options.irradiance_size = 4;
+  all[6].options.specular = PrefilterOptions::at(Quality::fast);
+  all[6].options.specular->size = 16;
+  all[6].options.irradiance->rms_error = 1e-2;
+  all[6].c_options.quality = WELKIN_QUALITY_FAST;
   all[5].options.octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4};
   all[5].c_options.octahedral_size = 24;
   all[5].c_options.octahedral_levels = 2;

@@ -355,7 +355,8 @@ PrefilterOptions chain(std::vector<double> roughness, int size = 32) {
 
 bool same_mip(const MipRecord& a, const MipRecord& b) {
   return a.size == b.size && a.roughness == b.roughness && a.method == b.method && a.bands == b.bands &&
-         a.bright_texels == b.bright_texels && a.error_estimate == b.error_estimate && same_bits(a.mean, b.mean);
+         a.bright_texels == b.bright_texels && a.error_estimate == b.error_estimate &&
+         a.lobe_roughness == b.lobe_roughness && a.error_between == b.error_between && same_bits(a.mean, b.mean);
 }
 
 bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {

@@ -36,7 +36,7 @@ export const ENGINES = {
             { name: "ktx2", kind: "ktx2", of: "specular.ktx2", options: ["--for", "three"],
               wrong: [MIRRORED, ["without its last mip", "--roughness", WITHOUT_LAST]] },
             { name: "ktx2 of 5 mips", kind: "ktx2", of: "specular.ktx2",
-              options: ["--for", "three", "--formats", "ktx2"], wrong: [] }],
+              options: ["--for", "three", "--formats", "ktx2", "--mips", "5"], wrong: [] }],
     truth: { of: "specular.ktx2", options: ["--for", "three", "--formats", "ktx2"] },
     /** The least roughness that the shader knows. */
     roughness: (given) => Math.max(given, 0.045),

@@ -135,6 +135,11 @@ void call_c(Calls& calls) {
     return blurred(
         [&](auto** chain) { return welkin_prefilter_lat_long_by_kernels(&lat_long, &kernels, nullptr, chain); });
   });
+  calls.call("welkin_fitted_roughness_of_mips", [&] {
+    Given result{WELKIN_INTERNAL, std::vector<double>(5)};
+    result.status = welkin_fitted_roughness_of_mips(WELKIN_ROUGHNESS_FILAMENT, 5, 32, result.numbers.data());
+    return result;
+  });
   calls.call("welkin_charlie_roughness_of_mips", [&] {
     Given result{WELKIN_INTERNAL, std::vector<double>(5)};
     result.status = welkin_charlie_roughness_of_mips(5, 200, result.numbers.data());

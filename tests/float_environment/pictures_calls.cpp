@@ -201,6 +201,7 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage
        {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
         RoughnessSchedule::unreal}) {
     calls.call("roughness_of_mips(", [&] { return roughness_of_mips(schedule, 6, 32); });
+    calls.call("fitted_roughness_of_mips(", [&] { return fitted_roughness_of_mips(schedule, 6, 32); });
   }
   const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 32);
   calls.call("mip_of_roughness(", [&] { return mip_of_roughness(table, 0.37); });

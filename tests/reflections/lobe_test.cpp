@@ -176,8 +176,8 @@ TEST_CASE("Unreal's shader finds each mip's roughness at that mip", "[specular][
 
 TEST_CASE("A chain has as many mips as its schedule wants", "[specular][roughness]") {
   const auto mips = [](RoughnessSchedule schedule, int size) { return mips_of_chain(schedule, size); };
-  CHECK(mips(RoughnessSchedule::filament, 256) == 5);   // to 16 texels
-  CHECK(mips(RoughnessSchedule::filament, 1024) == 7);  // to 16 texels
+  CHECK(mips(RoughnessSchedule::filament, 256) == 7);   // to 4 texels
+  CHECK(mips(RoughnessSchedule::filament, 1024) == 9);  // to 4 texels
   CHECK(mips(RoughnessSchedule::linear, 32) == 5);      // to 2: five at least,
   CHECK(mips(RoughnessSchedule::linear, 4) == 3);       // where there are five
   CHECK(mips(RoughnessSchedule::filament, 1) == 1);

@@ -10,6 +10,7 @@
 #include <stop_token>
 
 #include "reflections/lobe.h"
+#include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/chains.h"
@@ -132,6 +133,22 @@ TEST_CASE("Records say how each mip was made", "[specular][prefilter]") {
   CHECK(result.peak_bytes > 0);
   CHECK_FALSE(result.pixels.passes.empty());
   CHECK(result.pixels.texels == 256 * 128);
+}
+
+TEST_CASE("A quality sets the method and the bounds", "[specular][prefilter]") {
+  CHECK(PrefilterOptions::at(Quality::normal) == PrefilterOptions());
+  CHECK(PrefilterOptions::at(Quality::fast) == PrefilterOptions{.rms_error = 1e-2});
+  const PrefilterOptions reference = PrefilterOptions::at(Quality::reference);
+  CHECK(reference == PrefilterOptions{.method = PrefilterMethod::reference});
+  CHECK(std::string(name(Quality::fast)) == "fast");
+  CHECK(thrown_by([] { (void)PrefilterOptions::at(static_cast<Quality>(3)); }).says("quality 3"));
+  // The bound on single texels follows, or a looser rms_error would change nothing.
+  const auto bands = [](const PrefilterOptions& options) { return reflections::plan_prefilter(options).bands; };
+  CHECK(bands({.rms_error = 1e-2}) < bands({}));
+  CHECK(bands({.rms_error = 1e-2}) == bands({.rms_error = 1e-2, .maximum_error = 0.1}));
+  CHECK(bands({.rms_error = 1e-2, .maximum_error = 1e-2}) == bands({}));
+  CHECK(reflections::bounds_of({}).maximum == 1e-2);
+  CHECK(reflections::bounds_of({.rms_error = 0.5}).maximum == 1.0);
 }
 
 TEST_CASE("What the prefilter cannot do is refused with a word", "[specular][prefilter]") {

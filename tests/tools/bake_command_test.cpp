@@ -59,9 +59,9 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
 
 TEST_CASE("bake: sizes of files have no exponents", "[tools][bake]") {
   const TemporaryFolder scratch;
-  // 128 texels and four mips as halves: 1023.5 KiB.
+  // 128 texels and five mips as halves: 1023.5 KiB.
   const CommandResult result =
-      run_welkin("bake --sky --size 128 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
+      run_welkin("bake --sky --size 128 --mips 5 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
                  quoted(scratch.path() / "out"));
   INFO(result.output);
   REQUIRE(result.exit_code == 0);
@@ -154,12 +154,42 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
   const nlohmann::json loose = said("--rms-error 1e-2");
   CHECK(loose.at("rms_error") == 1e-2);
   CHECK(loose.at("maximum_error") == 0.1);
+  const nlohmann::json fast = said("--quality fast");
+  CHECK(fast.at("rms_error") == 1e-2);
+  CHECK(fast.at("maximum_error") == 0.1);
+  CHECK(said("--quality reference --rms-error 2e-3").at("method") == "automatic");  // the bound wins
   static_cast<void>(said("--irradiance-method direct"));
   const std::vector<float> truth = irradiance();
   CHECK(said("--irradiance-method harmonics").at("irradiance_method") == "harmonics");
   CHECK(irradiance() != truth);
   static_cast<void>(said("--rms-error 1e-6 --method reference --roughness 0,1"));
   CHECK(irradiance() == truth);  // no harmonics are that exact
+  CHECK(said("--quality reference --roughness 0,1").at("method") == "reference");
+  CHECK(irradiance() == truth);
+}
+
+TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a formula", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto manifest = [&](const std::string& more) {
+    return bake_into(scratch.path() / "out", "--sky --size 32 --mips 4 --irradiance 4 --no-brdf --no-previews " + more);
+  };
+  const auto of_mips = [](const nlohmann::json& said, const char* what) {
+    std::vector<double> numbers;
+    for (const nlohmann::json& mip : said.at("specular")) numbers.push_back(mip.at(what));
+    return numbers;
+  };
+  const std::vector<double> filament = roughness_of_mips(RoughnessSchedule::filament, 4, 32);
+  const std::vector<double> fitted = fitted_roughness_of_mips(RoughnessSchedule::filament, 4, 32);
+  const nlohmann::json on = manifest("--for filament");
+  CHECK(on.at("options").at("fit_lookups") == true);
+  CHECK(of_mips(on, "roughness") == filament);  // where the shader looks
+  CHECK(of_mips(on, "lobe_roughness") == fitted);
+  CHECK(on.at("specular").at(1).at("error_between").get<double>() > 0.0);
+  CHECK(on.at("specular").at(3).at("error_between").is_null());
+  for (const char* off : {"--for filament --fit-lookups off", "--formats ktx2", "--for three"})
+    CHECK(of_mips(manifest(off), "lobe_roughness") == filament);
+  CHECK(of_mips(manifest("--formats ktx2 --fit-lookups on"), "lobe_roughness") == fitted);
+  CHECK(run_welkin("bake --sky --fit-lookups on --roughness 0,1 -o " + quoted(scratch.path() / "no")).exit_code != 0);
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {

@@ -103,6 +103,8 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
                              "--rms-error 1e-2 --error-budget 1e-2",
                              "--bands 5 --error-budget 1e-2",
                              "--error-budget 2",
+                             "--quality fast --error-budget 1e-2",
+                             "--quality best",
                              "--irradiance-method bands",
                              "--formats ktx3",
                              "--formats ''",

@@ -86,6 +86,8 @@ TEST_CASE("command: bake --help names every option", "[tools]") {
                              "--mips",
                              "--roughness filament|three|linear|gltf|bevy|babylon|unity|unreal|LIST",
                              "--method automatic|spectral|reference",
+                             "--fit-lookups on|off",
+                             "--quality fast|normal|reference",
                              "--rms-error",
                              "--irradiance",
                              "--irradiance-method automatic|direct|harmonics",

@@ -32,9 +32,9 @@ BackgroundOptions background_options(const py::dict& given) {
   return how;
 }
 
-IrradianceOptions irradiance_options(const py::dict& given) {
+IrradianceOptions irradiance_options(const py::dict& given, Quality quality) {
   Options options("bake", given, "irradiance");
-  IrradianceOptions how;
+  IrradianceOptions how = *BakeOptions::at(options.has("rms_error") ? Quality::normal : quality).irradiance;
   options.read("size", how.size);
   options.read("method", how.method, kIrradiance);
   options.read("rms_error", how.rms_error);
@@ -42,9 +42,9 @@ IrradianceOptions irradiance_options(const py::dict& given) {
   return how;
 }
 
-PrefilterOptions specular_options(const py::dict& given) {
+PrefilterOptions specular_options(const py::dict& given, Quality quality) {
   Options options("bake", given, "specular");
-  const PrefilterOptions how = prefilter_options(options, false);
+  const PrefilterOptions how = prefilter_options(options, false, quality);
   options.finish();
   return how;
 }
@@ -144,7 +144,8 @@ Baked bake_source(const py::object& pixels, const py::kwargs& given) {
 }  // namespace
 
 BakeOptions bake_options(Options& options) {
-  BakeOptions how;
+  const Quality quality = read_quality(options, Quality::normal);
+  BakeOptions how = BakeOptions::at(quality);
   const auto read = [&](const char* name, auto& member, auto parse) {
     const std::optional<py::dict> given = options.group(name, member.has_value());
     if (given) {
@@ -154,9 +155,9 @@ BakeOptions bake_options(Options& options) {
     }
   };
   read("background", how.background, background_options);
-  read("specular", how.specular, specular_options);
+  read("specular", how.specular, [&](const py::dict& given) { return specular_options(given, quality); });
   read("octahedral", how.octahedral, map_options);
-  read("irradiance", how.irradiance, irradiance_options);
+  read("irradiance", how.irradiance, [&](const py::dict& given) { return irradiance_options(given, quality); });
   read("brdf", how.brdf, table_options);
   options.read("bands", how.bands);
   options.read("policy", how.pixels);
@@ -191,18 +192,20 @@ void bind_bake(py::module_& module) {
   module.def(
       "bake", &bake_source, py::arg("pixels"),
       "bake(pixels, *, background=True, specular=True, octahedral=False, irradiance=True, brdf=True, bands=3,\n"
-      "     policy=None, memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None,\n"
-      "     threads=None)\n"
+      "     quality='normal', policy=None, memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None,\n"
+      "     progress=None, threads=None)\n"
       "--\n\n"
       "All that a renderer loads, as a `Bake`. Pixels, (height, width, channels) or (6, n, n, channels), or a file (a\n"
       "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
       "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
-      "specular    as `prefilter`: size=256, mips, roughness, lobe, spectra, method, rms_error, maximum_error\n"
+      "specular    as `prefilter`: size=256, mips, roughness, lobe_roughness, lobe, spectra, method, quality,\n"
+      "            rms_error, maximum_error\n"
       "octahedral  of the reflections, as `to_octahedral`: size=256, levels, border\n"
       "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
       "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
-      "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `memory_limit`: bytes. `plan`: what\n"
-      "`plan` made of the same pixels, in place of these.");
+      "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `quality` is of\n"
+      "reflections and irradiance, as in `prefilter`. `memory_limit`: bytes. `plan`: what `plan` made of the same\n"
+      "pixels, in place of these.");
 }
 
 }  // namespace welkin::python

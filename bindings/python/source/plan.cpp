@@ -110,8 +110,8 @@ void bind_plan(py::module_& module) {
   module.def(
       "plan", &plan_of, py::arg("pixels"),
       "plan(pixels, *, needs=None, background=True, specular=True, octahedral=False, irradiance=True, brdf=True,\n"
-      "     bands=3, policy=None, memory_limit=8589934592, layout=None, encoding=None, read=None, progress=None,\n"
-      "     threads=None)\n--\n\n"
+      "     bands=3, quality='normal', policy=None, memory_limit=8589934592, layout=None, encoding=None, read=None,\n"
+      "     progress=None, threads=None)\n--\n\n"
       "Which passes a scene needs, why, and what each will cost, as a `Plan`. Pixels, a file, or a shape alone,\n"
       "(height, width, channels). `needs`: a dictionary of diffuse_bands, irradiance_cubemap, glossy (a range of\n"
       "roughness, or False), background, background_mips, brdf_table, stored_results, same_bits\n"

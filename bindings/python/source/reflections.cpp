@@ -23,11 +23,14 @@ namespace {
 constexpr Named<PrefilterMethod> kMethods[] = {{"automatic", PrefilterMethod::automatic},
                                                {"spectral", PrefilterMethod::spectral},
                                                {"reference", PrefilterMethod::reference}};
+constexpr Named<Quality> kQualities[] = {
+    {"normal", Quality::normal}, {"fast", Quality::fast}, {"reference", Quality::reference}};
 constexpr Named<RoughnessSchedule> kSchedules[] = {{"linear", RoughnessSchedule::linear},
                                                    {"filament", RoughnessSchedule::filament},
                                                    {"babylon", RoughnessSchedule::babylon},
                                                    {"unity", RoughnessSchedule::unity},
                                                    {"unreal", RoughnessSchedule::unreal}};
+constexpr Named<bool> kFitted[] = {{"fitted", true}};
 constexpr Named<LobeFamily> kLobes[] = {{"ggx", LobeFamily::ggx},         {"charlie", LobeFamily::charlie},
                                         {"lambert", LobeFamily::lambert}, {"phong", LobeFamily::phong},
                                         {"blinn", LobeFamily::blinn},     {"spectra", LobeFamily::spectra}};
@@ -35,17 +38,34 @@ constexpr Named<BrdfModel> kModels[] = {{"split-sum", BrdfModel::split_sum},
                                         {"multiple-scattering", BrdfModel::multiple_scattering}};
 constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
 
-/// `roughness`: a list, or the name of a schedule.
-void read_roughness(Options& options, PrefilterOptions& how) {
-  const py::handle given = options.take("roughness");
+/// `lobe_roughness`: a list, or "fitted" to lookups by the schedule that `roughness` names.
+void read_lobe_roughness(Options& options, std::optional<RoughnessSchedule> schedule, PrefilterOptions& how) {
+  const py::handle given = options.take("lobe_roughness");
   if (!given) return;
   if (!py::isinstance<py::str>(given)) {
-    options.read("roughness", how.roughness);
+    options.read("lobe_roughness", how.lobe_roughness);
     return;
+  }
+  static_cast<void>(value_of<bool>(options.called("lobe_roughness"), given.cast<std::string>(), kFitted));
+  if (!schedule)
+    throw Error(ErrorCode::invalid_argument,
+                options.called("lobe_roughness") + " is \"fitted\", and roughness is a list; name a schedule");
+  if (!how.mips) how.mips = mips_of_chain(*schedule, how.size);
+  how.lobe_roughness = fitted_roughness_of_mips(*schedule, *how.mips, how.size);
+}
+
+/// `roughness`: a list, or the name of a schedule.
+std::optional<RoughnessSchedule> read_roughness(Options& options, PrefilterOptions& how) {
+  const py::handle given = options.take("roughness");
+  if (!given) return RoughnessSchedule::filament;
+  if (!py::isinstance<py::str>(given)) {
+    options.read("roughness", how.roughness);
+    return std::nullopt;
   }
   const auto schedule = value_of<RoughnessSchedule>(options.called("roughness"), given.cast<std::string>(), kSchedules);
   if (!how.mips) how.mips = mips_of_chain(schedule, how.size);
   how.roughness = roughness_of_mips(schedule, *how.mips, how.size);
+  return schedule;
 }
 
 py::list levels_of(const Chain& chain) {
@@ -94,7 +114,7 @@ std::optional<KernelChainOptions> kernel_options(Options& options, const Prefilt
   if (!given) return std::nullopt;
   std::vector<NamedKernel> kernels;
   options.read("kernels", kernels);
-  for (const char* const name : {"mips", "roughness", "lobe", "spectra", "maximum_error"}) {
+  for (const char* const name : {"mips", "roughness", "lobe_roughness", "lobe", "spectra", "maximum_error"}) {
     if (!options.has(name)) continue;
     throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for kernels");
   }
@@ -179,6 +199,10 @@ void bind_chains(py::module_& module) {
           "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\"")
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
       .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added beside the rest.")
+      .def_readonly("lobe_roughness", &MipRecord::lobe_roughness,
+                    "Of the mip's lobe: `roughness`, unless it is fitted to lookups.")
+      .def_readonly("error_between", &MipRecord::error_between,
+                    "Predicted relative rms error of lookups between this mip and the next, or None.")
       .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")
       .def_property_readonly(
           "mean", [](const MipRecord& self) { return array_of(self.mean); },
@@ -216,11 +240,17 @@ std::string counted(std::size_t count, const char* one) {
   return std::to_string(count) + ' ' + one + (count == 1 ? "" : "s");
 }
 
-PrefilterOptions prefilter_options(Options& options, bool policy) {
-  PrefilterOptions how;
+Quality read_quality(Options& options, Quality otherwise) {
+  options.read("quality", otherwise, kQualities);
+  return otherwise;
+}
+
+PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise) {
+  const Quality quality = read_quality(options, otherwise);
+  PrefilterOptions how = PrefilterOptions::at(options.has("rms_error") ? Quality::normal : quality);
   options.read("size", how.size);
   options.read("mips", how.mips);
-  read_roughness(options, how);
+  read_lobe_roughness(options, read_roughness(options, how), how);
   options.read("lobe", how.lobe, kLobes);
   options.read("spectra", how.spectra);
   options.read("method", how.method, kMethods);
@@ -264,18 +294,22 @@ void bind_reflections(py::module_& module) {
       });
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
-      "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
-      "          rms_error=1e-3, maximum_error=1e-2, kernels=None, policy=None, layout=None, encoding=None, "
-      "read=None,\n"
-      "          progress=None, threads=None)\n--\n\n"
+      "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
+      "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, kernels=None, policy=None,\n"
+      "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
       "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
-      "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe`: \"ggx\", \"charlie\" (sheen), "
+      "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: of the mips' lobes, a list, "
+      "or\n"
+      "\"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`: \"ggx\", \"charlie\" "
+      "(sheen), "
       "\"lambert\",\n"
       "\"phong\", \"blinn\", or \"spectra\": then `spectra` has for each mip a list of what harmonic degrees 0, 1, ... "
       "are\n"
       "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over a "
       "mip,\n"
-      "and at any texel. `kernels`: a list of `ZonalKernel`, one for each mip, in place of `lobe`.");
+      "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
+      "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
+      "mip, in place of `lobe`.");
   module.def(
       "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
       "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
@@ -299,6 +333,14 @@ void bind_reflections(py::module_& module) {
       },
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
       "roughness_of_mips(schedule, mips, size)\n--\n\nPerceptual roughness of each mip, by the name of a schedule.");
+  module.def(
+      "fitted_roughness_of_mips",
+      [](const std::string& schedule, int mips, int size) {
+        return fitted_roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
+      },
+      py::arg("schedule"), py::arg("mips"), py::arg("size"),
+      "fitted_roughness_of_mips(schedule, mips, size)\n--\n\nRoughness of the mips' lobes that linear lookups between "
+      "mips show best.");
   module.def("mip_of_roughness", &mip_of_roughness, py::arg("table"), py::arg("roughness"),
              "mip_of_roughness(table, roughness)\n--\n\nThe mip, fractions too, at which a shader finds a roughness.");
 }

@@ -51,7 +51,10 @@ struct SharedBrdf {
 /// Takes the options of a projection.
 [[nodiscard]] ProjectionOptions projection_options(Options& options);
 /// Takes those of a chain of reflections; `policy` too, if it is not the bake's.
-[[nodiscard]] PrefilterOptions prefilter_options(Options& options, bool policy);
+[[nodiscard]] PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise = Quality::normal);
+
+/// The preset that `quality` names.
+[[nodiscard]] Quality read_quality(Options& options, Quality otherwise);
 [[nodiscard]] BrdfTableOptions brdf_options(Options& options);
 
 /// "512 x 256", "5 levels", ...

@@ -41,6 +41,19 @@ def test_schedules_are_named():
         welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="steep")
 
 
+def test_lobes_are_fitted_to_lookups():
+    pixels = np.random.default_rng(1).random((16, 32, 3), np.float32)
+    lobes = welkin.fitted_roughness_of_mips("filament", 4, 16)
+    chain = welkin.prefilter(pixels, size=16, mips=4, lobe_roughness="fitted")
+    assert [mip.lobe_roughness for mip in chain.mips] == lobes
+    assert [mip.roughness for mip in chain.mips] == welkin.roughness_of_mips("filament", 4, 16)
+    assert chain.mips[0].error_between > 0 and chain.mips[-1].error_between is None
+    same = welkin.prefilter(pixels, size=16, roughness=lobes)
+    assert all((a == b).all() for a, b in zip(chain.levels, same.levels))
+    with pytest.raises(welkin.InvalidArgument, match="name a schedule"):
+        welkin.prefilter(pixels, size=16, roughness=[0.0, 1.0], lobe_roughness="fitted")
+
+
 def test_a_bake_is_its_parts(picture):
     light = welkin.bake(picture, specular={"size": 32, "mips": 3}, background={"size": 16}, irradiance={"size": 8})
     assert (light.radiance.coefficients == welkin.project(picture).radiance.coefficients).all()
@@ -52,6 +65,10 @@ def test_a_bake_is_its_parts(picture):
     assert (bands == welkin.irradiance(picture, size=8).cubemap).all() and not np.allclose(bands, direct, rtol=2e-3)
     exact = welkin.bake(picture, specular=False, brdf=False, irradiance={"size": 8, "rms_error": 1e-6}).irradiance
     assert (exact == direct).all()
+    truth = welkin.bake(picture, specular={"size": 4}, brdf=False, irradiance={"size": 8}, quality="reference")
+    assert (truth.irradiance == direct).all() and truth.specular.mips[-1].method == "reference"
+    loose = welkin.bake(picture, specular={"size": 32, "mips": 3, "rms_error": 1e-3}, quality="fast").specular
+    assert all((a == b).all() for a, b in zip(loose.levels, chain.levels))  # a bound that is given wins
     with pytest.raises(welkin.InvalidArgument, match="irradiance.rms_error"):
         welkin.bake(picture, irradiance={"rms_error": 0.0})
     assert len(light.background) == 5 and light.brdf.values.shape == (64, 64, 3)

@@ -32,6 +32,7 @@ _TexelFormat: TypeAlias = Literal[
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
 _Method: TypeAlias = Literal["automatic", "spectral", "reference"]
+_Quality: TypeAlias = Literal["normal", "fast", "reference"]
 _Lobe: TypeAlias = Literal["ggx", "charlie", "lambert", "phong", "blinn", "spectra"]
 _Schedule: TypeAlias = Literal["linear", "filament", "babylon", "unity", "unreal"]
 _Window: TypeAlias = Literal["none", "hanning", "lanczos", "min-laplacian"]
@@ -63,9 +64,11 @@ class _Specular(TypedDict, total=False):
     size: int
     mips: int
     roughness: Sequence[float] | _Schedule
+    lobe_roughness: Sequence[float] | Literal["fitted"]
     lobe: _Lobe
     spectra: Sequence[Sequence[float]]
     method: _Method
+    quality: _Quality
     rms_error: float
     maximum_error: float
 
@@ -381,6 +384,8 @@ class MipRecord:
     @property
     def roughness(self) -> float: ...
     @property
+    def lobe_roughness(self) -> float: ...
+    @property
     def method(self) -> Literal["copy", "spectral", "reference", "stored", "narrow"]: ...
     @property
     def bands(self) -> int: ...
@@ -388,6 +393,8 @@ class MipRecord:
     def bright_texels(self) -> int: ...
     @property
     def error_estimate(self) -> float | None: ...
+    @property
+    def error_between(self) -> float | None: ...
     @property
     def mean(self) -> NDArray[np.float64]: ...
     @property
@@ -439,11 +446,13 @@ def prefilter(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe_roughness: Sequence[float] | Literal["fitted"] | None = None,
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
+    quality: _Quality = "normal",
     rms_error: float = 1e-3,
-    maximum_error: float = 1e-2,
+    maximum_error: float | None = None,
     kernels: Sequence[ZonalKernel] | None = None,
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
@@ -484,6 +493,7 @@ def build_mips(
     threads: int | None = None,
 ) -> Chain: ...
 def roughness_of_mips(schedule: _Schedule, mips: int, size: int) -> list[float]: ...
+def fitted_roughness_of_mips(schedule: _Schedule, mips: int, size: int) -> list[float]: ...
 def charlie_roughness_of_mips(mips: int, size: int) -> list[float]: ...
 def mip_of_roughness(table: Sequence[float], roughness: float) -> float: ...
 def to_octahedral(
@@ -565,6 +575,7 @@ def bake(
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
+    quality: _Quality = "normal",
     policy: PixelPolicy | None = None,
     memory_limit: int = 8589934592,
     plan: Plan | None = None,
@@ -593,11 +604,13 @@ def bake_many(
     size: int = 256,
     mips: int | None = None,
     roughness: Sequence[float] | _Schedule | None = None,
+    lobe_roughness: Sequence[float] | Literal["fitted"] | None = None,
     lobe: _Lobe = "ggx",
     spectra: Sequence[Sequence[float]] | None = None,
     method: _Method = "automatic",
+    quality: _Quality = "normal",
     rms_error: float = 1e-3,
-    maximum_error: float = 1e-2,
+    maximum_error: float | None = None,
     policy: PixelPolicy | None = None,
     bands: int = 3,
     type: Literal["float16", "float32"] = "float16",
@@ -617,6 +630,7 @@ def plan(
     irradiance: bool | _IrradianceCubemap = True,
     brdf: bool | _Brdf = True,
     bands: int = 3,
+    quality: _Quality = "normal",
     policy: PixelPolicy | None = None,
     memory_limit: int = 8589934592,
     layout: _Layout = None,

@@ -15,6 +15,7 @@ export const FORMATS = {
   srgba8: [7, 4],
 };
 const LOBES = ['ggx', 'charlie', 'lambert', 'phong', 'blinn'];
+const QUALITIES = ['normal', 'fast', 'reference'];
 const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
@@ -155,9 +156,10 @@ function policy({ clamp, preserveColour, gamma, replaceNegatives, rejectNonFinit
   return [clamp ?? 0, preserveColour ? 1 : 0, gamma ? 1 : 0, replaceNegatives ? 1 : 0, rejectNonFinite ? 1 : 0];
 }
 
-function chain({ size, mips, schedule, lobe, rmsError, maximumError, floats }) {
+function chain({ size, mips, schedule, lobe, quality, fitLookups, rmsError, maximumError, floats }) {
   return [size ?? 0, mips ?? 0, numberOf(SCHEDULES, schedule ?? 'filament', 'schedule'), rmsError ?? 0,
-    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe')];
+    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe'),
+    numberOf(QUALITIES, quality ?? 'normal', 'quality'), fitLookups ? 1 : 0];
 }
 
 function light(request) {
@@ -200,14 +202,15 @@ function chainOf(instance, first, { floats, mirrorX }) {
   const mips = [];
   let at = 0;
   for (let mip = 0; mip < numbers[1]; ++mip) {
-    const [edge, roughness, error] = numbers.subarray(2 + 3 * mip, 5 + 3 * mip);
+    const [edge, roughness, error, between] = numbers.subarray(2 + 4 * mip, 6 + 4 * mip);
     const faces = [];
     for (let face = 0; face < 6; ++face) {
       faces.push(new Type(texels, at, 4 * edge * edge));
       at += 4 * edge * edge * Type.BYTES_PER_ELEMENT;
     }
     if (mirrorX) mirror(faces, edge);
-    mips.push({ size: edge, roughness, errorEstimate: error < 0 ? null : error, faces });
+    mips.push({ size: edge, roughness, errorEstimate: error < 0 ? null : error,
+      errorBetween: between < 0 ? null : between, faces });
   }
   return { size: numbers[0], format: floats ? 'rgba32f' : 'rgba16f', mirrored: Boolean(mirrorX), mips };
 }

@@ -108,9 +108,13 @@ export interface ChainOptions {
   schedule?: RoughnessSchedule;
   /** What the mips are blurred by. 'charlie' (sheen) and 'lambert' have roughness of their own. Default: 'ggx'. */
   lobe?: LobeFamily;
-  /** Bound on a mip's relative rms error. Default: 1e-3. */
+  /** Preset of `rmsError`: 'fast' 1e-2, 'normal' 1e-3; 'reference': the integral itself, slow. Default: 'normal'. */
+  quality?: 'normal' | 'fast' | 'reference';
+  /** Lobes fitted to shaders that interpolate linearly between mips by the schedule's formula. Default: false. */
+  fitLookups?: boolean;
+  /** Bound on a mip's relative rms error. Default: by `quality`. */
   rmsError?: number;
-  /** Bound on the relative error at any texel. Default: 1e-2. */
+  /** Bound on the relative error at any texel. Default: ten times `rmsError`, at most 1. */
   maximumError?: number;
   /** Texels are floats instead of halves. */
   floats?: boolean;
@@ -133,6 +137,8 @@ export interface Mip {
   roughness: number;
   /** Predicted relative rms error; null where nothing is known. */
   errorEstimate: number | null;
+  /** The same of lookups between this mip and the next. */
+  errorBetween: number | null;
   faces: (Uint16Array | Float32Array)[];
 }
 

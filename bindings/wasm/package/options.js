@@ -5,7 +5,7 @@ const PIXELS = ['clamp', 'preserveColour', 'gamma', 'replaceNegatives', 'rejectN
 const SOURCE = [...PIXELS, 'format', 'linear'];
 const EQUIRECT = ['width', 'height'];
 const PROJECTION = ['bands', 'quadrature', 'targetSize'];
-const CHAIN = ['for', 'size', 'mips', 'schedule', 'lobe', 'rmsError', 'maximumError', 'floats', 'mirrorX'];
+const CHAIN = ['for', 'size', 'mips', 'schedule', 'lobe', 'quality', 'fitLookups', 'rmsError', 'maximumError', 'floats', 'mirrorX'];
 const LIGHT = [...CHAIN, 'bands', 'specular', 'env', 'ktx2', 'background'];
 
 const OPTIONS = {

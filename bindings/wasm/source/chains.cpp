@@ -18,7 +18,9 @@ void require_edge(const char* name, int size) {
 }
 
 PrefilterOptions prefilter_options(const Options& options, int first) {
-  PrefilterOptions wanted;
+  const bool bounded = options.number(first + kChainError) > 0.0;
+  PrefilterOptions wanted =
+      PrefilterOptions::at(bounded ? Quality::normal : static_cast<Quality>(options.whole(first + kChainQuality)));
   const auto schedule = static_cast<RoughnessSchedule>(options.whole(first + kChainSchedule));
   if (options.whole(first + kChainSize) != 0) wanted.size = options.whole(first + kChainSize);
   require_edge("size", wanted.size);
@@ -29,8 +31,10 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   } else {
     wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
     wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+    if (options.flag(first + kChainFitted))
+      wanted.lobe_roughness = fitted_roughness_of_mips(schedule, *wanted.mips, wanted.size);
   }
-  if (options.number(first + kChainError) > 0.0) wanted.rms_error = options.number(first + kChainError);
+  if (bounded) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)
     wanted.maximum_error = options.number(first + kChainLargestError);
   return wanted;
@@ -48,7 +52,8 @@ void give_texels(const CubemapChain& chain, bool floats) {
 void give_chain(const PrefilteredSpecular& chain, bool floats) {
   std::vector<double> numbers{static_cast<double>(chain.cubemap.size()), static_cast<double>(chain.mips.size())};
   for (const MipRecord& mip : chain.mips) {
-    numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0)});
+    numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0),
+                                   mip.error_between.value_or(-1.0)});
   }
   give(std::move(numbers));
   give_texels(chain.cubemap, floats);

@@ -9,8 +9,9 @@ namespace welkin::wasm {
 /// Throws `Error` (invalid_argument) for faces whose bytes 32 bits could not count.
 void require_edge(const char* name, int size);
 
-/// From `first` on. A number of mips or a size of 0 asks for the default; the schedule and the lobe
-/// are numbers of `RoughnessSchedule` and `LobeFamily`; of Charlie sheen and Lambert the schedule is not looked at.
+/// From `first` on. A number of mips or a size of 0 asks for the default; the schedule, the
+/// lobe and the quality are numbers of `RoughnessSchedule`, `LobeFamily` and `Quality`; of Charlie sheen and Lambert
+/// the schedule is not looked at.
 enum ChainOption {
   kChainSize,
   kChainMips,
@@ -19,12 +20,14 @@ enum ChainOption {
   kChainLargestError,
   kChainFloats,
   kChainLobe,
+  kChainQuality,
+  kChainFitted,
   kChainOptions
 };
 [[nodiscard]] PrefilterOptions prefilter_options(const Options& options, int first);
 
-/// Results: numbers (size, mips, then for each mip its size, roughness and estimated error, negative where there is
-/// none), then the texels level by level, face by face, RGBA.
+/// Results: numbers (size, mips, then for each mip its size, roughness and estimated errors at it and between it and
+/// the next, negative where there is none), then the texels level by level, face by face, RGBA.
 void give_chain(const PrefilteredSpecular& chain, bool floats);
 /// Only the texels.
 void give_texels(const CubemapChain& chain, bool floats);

@@ -14,6 +14,7 @@ std::vector<std::byte> env_file(const Pixels& picture, const Options& options, i
   require_edge("size", chain.size);
   chain.mips = full_chain_levels(chain.size);
   chain.roughness = roughness_of_mips(RoughnessSchedule::babylon, *chain.mips, chain.size);
+  chain.lobe_roughness = fitted_roughness_of_mips(RoughnessSchedule::babylon, *chain.mips, chain.size);
   chain.pixels = policy;
   const PrefilteredSpecular made = picture.wide != nullptr ? prefilter_specular(*picture.wide, chain, control)
                                                            : prefilter_specular(*picture.cube, chain, control);

@@ -136,6 +136,7 @@ void print_light(const std::string& name, const std::vector<std::byte>& file, bo
     print_hash("ktx2", texture);
     chain.mips = welkin::full_chain_levels(16);
     chain.roughness = welkin::roughness_of_mips(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
+    chain.lobe_roughness = welkin::fitted_roughness_of_mips(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
     std::vector<std::byte> env;
     welkin::write_babylon_environment({env, "a.env"},
                                       welkin::to_babylon(welkin::prefilter_specular(view, chain).cubemap, radiance));

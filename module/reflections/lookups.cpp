@@ -1,0 +1,181 @@
+#include "reflections/lookups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "math/elementary.h"
+#include "reflections/lobe.h"
+#include "reflections/prefilter_estimate.h"
+#include "transform/spectrum.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kMirror = 1e-3;  ///< roughness below which a lobe leaves every degree as it is
+constexpr int kDegrees = 512;     ///< that a picture's energies have
+constexpr int kSamples = 3;       ///< roughnesses that are looked at between two mips
+
+double log2(double x) noexcept { return math::logarithm(x) / std::numbers::ln2; }
+
+/// Returns the mip, fractions too, at which the schedule's shader looks `roughness` up.
+double mip_by_formula(RoughnessSchedule schedule, double roughness, int mips, int size) {
+  const int last = mips - 1;
+  double mip = last * roughness;
+  switch (schedule) {
+    case RoughnessSchedule::linear: break;
+    case RoughnessSchedule::filament: mip = last * roughness * (2.0 - roughness); break;
+    case RoughnessSchedule::babylon: mip = 0.8 * log2(std::max(1e-9, size * roughness * roughness)); break;
+    case RoughnessSchedule::unity: mip = 6.0 * roughness * (1.7 - 0.7 * roughness); break;
+    case RoughnessSchedule::unreal: mip = last - 2 + 1.2 * log2(std::max(1e-9, roughness)); break;
+  }
+  return std::clamp(mip, 0.0, static_cast<double>(last));
+}
+
+}  // namespace
+
+LookupFormula formula_of(const std::vector<double>& roughness, int size) {
+  LookupFormula formula{std::nullopt, static_cast<int>(roughness.size()), size};
+  if (formula.mips < 2 || formula.mips > full_chain_levels(size)) return formula;
+  for (const auto schedule : {RoughnessSchedule::filament, RoughnessSchedule::linear, RoughnessSchedule::babylon,
+                              RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
+    if (roughness == roughness_of_mips(schedule, formula.mips, size)) formula.schedule = schedule;
+  }
+  return formula;
+}
+
+std::vector<Lookup> lookups_between(const MipPair& mips, const LookupFormula& formula, int count) {
+  const auto [from, to] = mips.roughness;
+  std::vector<Lookup> lookups;
+  for (int k = 0; k < count && to > from; ++k) {
+    const double along = (k + 0.5) / count;
+    const double roughness = from + (to - from) * along;
+    const double share = formula.schedule
+                             ? mip_by_formula(*formula.schedule, roughness, formula.mips, formula.size) - mips.first
+                             : along;
+    lookups.push_back({roughness, std::clamp(share, 0.0, 1.0)});
+  }
+  return lookups;
+}
+
+std::vector<double> spectrum_of(double roughness, int degrees) {
+  if (roughness < kMirror) return std::vector<double>(static_cast<std::size_t>(degrees), 1.0);
+  const double alpha = roughness * roughness;
+  // Beyond 2 alpha l = 12 there is nothing but the horizon's kink.
+  std::vector<double> spectrum = lobe_spectrum(alpha, std::min(degrees, 16 + static_cast<int>(6.0 / alpha)));
+  spectrum.resize(static_cast<std::size_t>(degrees), 0.0);
+  return spectrum;
+}
+
+// Samples of a wave, h apart, that are interpolated linearly: the wave times (sin x / x)^2, x half its phase from one
+// sample to the next, and others; the mean square of all is (2 + cos 2 x) / 3. Waves run diagonally to the texels here.
+TexelFilter::TexelFilter(int size, double roughness, int degrees) {
+  const double texel = std::sqrt(2.0 * std::numbers::pi / 3.0) / size;  // root of its mean solid angle
+  for (int l = 0; l < degrees; ++l) {
+    const double x = 0.5 * texel * std::sqrt(0.5 * l * (l + 1.0));
+    const math::SineCosine at = math::sine_cosine_of_turns(x / (2.0 * std::numbers::pi));
+    const double sinc = x > 1e-4 ? at.sine / x : 1.0;
+    const double square = (1.0 + 2.0 * at.cosine * at.cosine) / 3.0;
+    const double wave = sinc * sinc * sinc * sinc;
+    const double mean = roughness < kMirror ? sinc * sinc : 1.0;
+    gain.push_back(wave * mean);
+    noise.push_back(std::max(0.0, square * square - wave * wave) * mean * mean);
+  }
+}
+
+double error_between(const MipPair& mips, const LookupFormula& formula, std::span<const float> energies) {
+  const std::vector<Lookup> lookups = lookups_between(mips, formula, kSamples);
+  if (lookups.empty()) return 0.0;
+  const auto degrees = static_cast<int>(energies.size());
+  const std::vector<double> first = spectrum_of(mips.lobes[0], degrees);
+  const std::vector<double> second = spectrum_of(mips.lobes[1], degrees);
+  const TexelFilter of_first(mips.sizes[0], mips.lobes[0], degrees);
+  const TexelFilter of_second(mips.sizes[1], mips.lobes[1], degrees);
+  double squares = 0.0;
+  for (const Lookup& lookup : lookups) {
+    const std::vector<double> truth = spectrum_of(lookup.roughness, degrees);
+    double error = 0.0;
+    double whole = 0.0;
+    for (std::size_t l = energies.size(); l-- > 0;) {
+      const double a = (1.0 - lookup.share) * first[l];
+      const double b = lookup.share * second[l];
+      const double off = a * of_first.gain[l] + b * of_second.gain[l] - truth[l];
+      error += static_cast<double>(energies[l]) * (off * off + a * a * of_first.noise[l] + b * b * of_second.noise[l]);
+      whole += static_cast<double>(energies[l]) * truth[l] * truth[l];
+    }
+    if (whole > 0.0) squares += error / whole;
+  }
+  return std::sqrt(squares / kSamples);
+}
+
+namespace {
+
+/// Returns energies of the lights alone for l < kBands: each light spread over the cell of a lat-long that it lies in.
+std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, const PictureShape& shape, int bands,
+                                       const Control& control) {
+  const int rows = 2 * bands;
+  const int columns = 2 * rows;
+  std::vector<float> cells(static_cast<std::size_t>(3 * rows * columns), 0.0F);
+  for (const BrightTexel& light : lights) {
+    const double column = light.column + 0.5;
+    const glm::dvec3 direction =
+        shape.cubemap
+            ? image::face_direction(shape.columns, light.row / shape.columns, column, light.row % shape.columns + 0.5)
+            : image::lat_long_direction(shape.columns, shape.rows, column, light.row + 0.5);
+    const double turns = math::turns_of(direction.x, direction.z) + 0.5;
+    const double height = 0.5 - math::arc_sine(std::clamp(direction.y, -1.0, 1.0)) / std::numbers::pi;
+    const int row = std::clamp(static_cast<int>(height * rows), 0, rows - 1);
+    const int at = row * columns + std::clamp(static_cast<int>(turns * columns), 0, columns - 1);
+    const double share = light.steradians / image::lat_long_texel_solid_angle(columns, rows, row);
+    for (std::size_t c = 0; c < 3; ++c)
+      cells[3 * static_cast<std::size_t>(at) + c] += static_cast<float>(light.excess[c] * share);
+  }
+  const LatLongView view{cells.data(), columns, rows, 0, PixelFormat::rgb32f};
+  return energies_of(transforms::analyse(view, bands, control));
+}
+
+/// Continues energies that are per degree and order by a power law through their last two quarters.
+void continue_energies(std::vector<double>& energies, int degrees, double least_slope, double most_slope) {
+  const auto known = static_cast<int>(energies.size());
+  const int quarter = known / 4;
+  const auto mean = [&](int from) {
+    double sum = 0.0;
+    for (int l = from; l < from + quarter; ++l) sum += energies[static_cast<std::size_t>(l)] / quarter;
+    return sum;
+  };
+  if (quarter == 0) return energies.resize(static_cast<std::size_t>(degrees), 0.0);
+  const double last = mean(known - quarter);
+  const double before = mean(known - 2 * quarter);
+  // Centres of the two quarters are 7/8 and 5/8 of what is known.
+  const double slope = last > 0.0 && before > 0.0 ? math::logarithm(before / last) / math::logarithm(1.4) : most_slope;
+  const double power = std::clamp(slope, least_slope, most_slope);
+  const double centre = known - 0.5 * quarter;
+  for (int l = known; l < degrees; ++l)
+    energies.push_back(last * math::exponential(-power * math::logarithm(l / centre)));
+}
+
+}  // namespace
+
+std::vector<float> whole_energies(std::span<const double> rest, const std::vector<BrightTexel>& lights,
+                                  const PictureShape& shape, const Control& control) {
+  std::vector<double> energies(rest.begin(), rest.begin() + std::min<std::ptrdiff_t>(std::ssize(rest), kDegrees));
+  continue_energies(energies, kDegrees, -1.0, 3.0);
+  if (!lights.empty()) {
+    constexpr int kBands = 48;
+    std::vector<double> of_lights = energies_of_lights(lights, shape, kBands, control);
+    continue_energies(of_lights, kDegrees, -1.0, 3.0);  // a light by itself has as much in each order: slope -1
+    const double mean = std::sqrt(energies.front()) + std::sqrt(of_lights.front());
+    for (std::size_t l = 0; l < energies.size(); ++l) energies[l] += of_lights[l];
+    energies.front() = mean * mean;  // both add up
+  }
+  double sum = 0.0;
+  for (const double energy : energies) sum += energy;
+  std::vector<float> shares;
+  for (const double energy : energies) shares.push_back(sum > 0.0 ? static_cast<float>(energy / sum) : 0.0F);
+  return shares;
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,242 @@
+// Promise: what the library says of shaders that interpolate between mips is what such a shader shows, and fitted lobes
+// bring it nearer to the truth.
+#include "reflections/lookups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "image/geometry.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/shared_pictures.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/environment_file.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+namespace {
+
+constexpr RoughnessSchedule kSchedules[] = {RoughnessSchedule::linear, RoughnessSchedule::filament,
+                                            RoughnessSchedule::babylon, RoughnessSchedule::unity,
+                                            RoughnessSchedule::unreal};
+
+/// A cubemap's level as graphics APIs read it: bilinear, across the edges of faces too.
+class Level {
+ public:
+  Level(const CubemapChain& chain, int level) : chain_(chain), level_(level), size_(chain.level_size(level)) {}
+
+  [[nodiscard]] dvec3 at(const dvec3& direction) const {
+    const int face = image::face_of(direction);
+    const dvec3 centre = image::face_direction(2, face, 1.0, 1.0);
+    const auto coordinate = [&](const dvec3& edge) {
+      const dvec3 axis = edge / glm::dot(edge, centre) - centre;
+      return 0.5 * size_ * (1.0 + glm::dot(direction, axis) / glm::dot(direction, centre)) - 0.5;
+    };
+    const double x = coordinate(image::face_direction(2, face, 2.0, 1.0));
+    const double y = coordinate(image::face_direction(2, face, 1.0, 2.0));
+    const int column = static_cast<int>(std::floor(x));
+    const int row = static_cast<int>(std::floor(y));
+    const double u = x - column;
+    const double v = y - row;
+    return (1.0 - v) * ((1.0 - u) * texel(face, column, row) + u * texel(face, column + 1, row)) +
+           v * ((1.0 - u) * texel(face, column, row + 1) + u * texel(face, column + 1, row + 1));
+  }
+
+ private:
+  [[nodiscard]] dvec3 value(const image::CubeTexel& texel) const {
+    const float* rgb = chain_.face(level_, texel.face) + 3 * (texel.row * size_ + texel.column);
+    return {rgb[0], rgb[1], rgb[2]};
+  }
+  [[nodiscard]] dvec3 texel(int face, int column, int row) const {
+    const int inner_column = std::clamp(column, 0, size_ - 1);
+    const int inner_row = std::clamp(row, 0, size_ - 1);
+    if (column == inner_column && row == inner_row) return value({face, column, row});
+    if (row == inner_row) return value(image::across_edge(size_, {face, column, row}));
+    if (column == inner_column) return value(image::across_edge(size_, {face, column, row}));
+    return (value({face, inner_column, inner_row}) + value(image::across_edge(size_, {face, column, inner_row})) +
+            value(image::across_edge(size_, {face, inner_column, row}))) /
+           3.0;
+  }
+
+  const CubemapChain& chain_;
+  int level_;
+  int size_;
+};
+
+/// Centres of texels of a cubemap that share no lines with a chain's.
+constexpr int kPlaces = 13;
+
+/// Squared error of lookups between two mips, over that of the truth, which is the integral at kPlaces.
+double square_between(const LatLongView& source, const PrefilteredSpecular& chain, const reflections::LookupFormula& by,
+                      int mip) {
+  const auto k = static_cast<std::size_t>(mip);
+  const reflections::MipPair pair{mip, {chain.mips[k].roughness, chain.mips[k + 1].roughness}, {}, {}};
+  const Level first(chain.cubemap, mip);
+  const Level second(chain.cubemap, mip + 1);
+  double sum = 0.0;
+  constexpr int kLookups = 4;
+  for (const reflections::Lookup& lookup : reflections::lookups_between(pair, by, kLookups)) {
+    const PrefilterOptions exact{.size = kPlaces, .mips = 1, .roughness = {lookup.roughness}, .rms_error = 1e-4};
+    const PrefilteredSpecular truth = prefilter_specular(source, exact);
+    double error = 0.0;
+    double whole = 0.0;
+    for (int texel = 0; texel < 6 * kPlaces * kPlaces; ++texel) {
+      const int face = texel / (kPlaces * kPlaces);
+      const int row = texel / kPlaces % kPlaces;
+      const int column = texel % kPlaces;
+      const float* const rgb = truth.cubemap.face(0, face) + 3 * (row * kPlaces + column);
+      const dvec3 right(rgb[0], rgb[1], rgb[2]);
+      const dvec3 where = image::face_direction(kPlaces, face, column + 0.5, row + 0.5);
+      const dvec3 off = (1.0 - lookup.share) * first.at(where) + lookup.share * second.at(where) - right;
+      error += glm::dot(off, off);
+      whole += glm::dot(right, right);
+    }
+    sum += error / whole / kLookups;
+  }
+  return sum;
+}
+
+/// Root mean square over all roughnesses.
+double error_of_lookups(const LatLongView& source, const PrefilterOptions& options, RoughnessSchedule schedule) {
+  const PrefilteredSpecular chain = prefilter_specular(source, options);
+  const auto mips = static_cast<int>(chain.mips.size());
+  double sum = 0.0;
+  for (int mip = 0; mip + 1 < mips; ++mip) {
+    const auto k = static_cast<std::size_t>(mip);
+    sum += (chain.mips[k + 1].roughness - chain.mips[k].roughness) *
+           square_between(source, chain, {schedule, mips, options.size}, mip);
+  }
+  return std::sqrt(sum);
+}
+
+PrefilterOptions fitted(RoughnessSchedule schedule, int mips, int size) {
+  return {.size = size,
+          .roughness = roughness_of_mips(schedule, mips, size),
+          .lobe_roughness = fitted_roughness_of_mips(schedule, mips, size)};
+}
+
+void check_estimates(const LatLongView& source) {
+  const PrefilteredSpecular chain = prefilter_specular(source, {.size = 64, .mips = 5});
+  CHECK_FALSE(chain.mips.back().error_between);
+  for (int mip = 0; mip < 4; ++mip) {
+    const double found = std::sqrt(square_between(source, chain, {RoughnessSchedule::filament, 5, 64}, mip));
+    const double said = chain.mips[static_cast<std::size_t>(mip)].error_between.value();
+    INFO("mip " << mip << ": " << found << ", estimate " << said);
+    CHECK(said > 0.55 * found);
+    CHECK(said < 1.5 * found);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("between mips: estimates are what direct integration finds", "[specular][lookups]") {
+  check_estimates(make_lat_long(Content::random, 128, 64, 3).view());
+  check_estimates(make_lat_long(Content::sun_disc, 128, 64, 3).view());
+  check_estimates(make_lat_long(Content::smooth, 128, 64, 3).view());
+}
+
+TEST_CASE("between mips: estimates hold on a photograph", "[specular][lookups]") {
+  if (!shared_pictures_are_here()) return;
+  const Environment picture = read_environment((kPictures / "env" / "lebombo_1k.hdr").string());
+  check_estimates(to_lat_long(picture.lat_long(), 64, 32).view());
+}
+
+TEST_CASE("between mips: records have errors where they are known", "[specular][lookups]") {
+  const TestLatLong source = make_lat_long(Content::smooth, 128, 64, 3);
+  const auto errors = [&](const PrefilterOptions& options) {
+    std::vector<double> known;
+    for (const MipRecord& mip : prefilter_specular(source.view(), options).mips)
+      known.push_back(mip.error_between.value_or(-1.0));
+    return known;
+  };
+  const std::vector<double> five = errors({.size = 64, .mips = 5});
+  CHECK(five.back() == -1.0);
+  CHECK(errors({.size = 64, .mips = 7})[1] < five[1]);
+  CHECK(errors({.size = 8, .mips = 2, .method = PrefilterMethod::reference}) == std::vector{-1.0, -1.0});
+  CHECK(errors({.size = 8, .mips = 2, .lobe = LobeFamily::charlie}) == std::vector{-1.0, -1.0});
+}
+
+TEST_CASE("fitted lobes: rising from a mirror, near those of the schedule", "[specular][lookups][roughness]") {
+  for (const RoughnessSchedule schedule : kSchedules) {
+    for (const int size : {1, 5, 32, 256}) {
+      for (const int mips : {1, 2, 5, 6, full_chain_levels(size)}) {
+        if (mips > full_chain_levels(size)) continue;
+        INFO(name(schedule) << ", " << mips << " mips of " << size);
+        const std::vector<double> nominal = roughness_of_mips(schedule, mips, size);
+        const std::vector<double> lobes = fitted_roughness_of_mips(schedule, mips, size);
+        REQUIRE(lobes.size() == nominal.size());
+        CHECK(lobes.front() == 0.0);
+        CHECK(lobes.back() <= 1.0);
+        CHECK(std::is_sorted(lobes.begin(), lobes.end()));
+      }
+    }
+  }
+  const std::vector<double> filament = fitted_roughness_of_mips(RoughnessSchedule::filament, 7, 256);
+  CHECK(filament.back() == Approx(0.89).margin(0.005));
+  CHECK(thrown_by([] { (void)fitted_roughness_of_mips(RoughnessSchedule::linear, 17, 4); }).says("mips"));
+}
+
+TEST_CASE("fitted lobes: no other lobes near by show a typical picture better", "[specular][lookups]") {
+  std::vector<float> energies{9.0F};
+  for (int l = 1; l < 512; ++l) energies.push_back(static_cast<float>((2.0 * l + 1.0) / std::pow(l, 2.5)));
+  for (const RoughnessSchedule schedule : kSchedules) {
+    const std::vector<double> nominal = roughness_of_mips(schedule, 7, 256);
+    const auto error = [&](const std::vector<double>& lobes) {
+      double sum = 0.0;
+      for (int k = 0; k + 1 < 7; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const double one = reflections::error_between(
+            {k, {nominal[i], nominal[i + 1]}, {lobes[i], lobes[i + 1]}, {256 >> k, 128 >> k}}, {schedule, 7, 256},
+            energies);
+        sum += (nominal[i + 1] - nominal[i]) * one * one;
+      }
+      return sum;
+    };
+    const std::vector<double> lobes = fitted_roughness_of_mips(schedule, 7, 256);
+    INFO(name(schedule) << ": " << std::sqrt(error(lobes)) << ", not fitted " << std::sqrt(error(nominal)));
+    CHECK(error(lobes) <= error(nominal));
+    for (std::size_t mip = 1; mip < 7; ++mip) {
+      for (const double times : {0.95, 1.05}) {
+        std::vector<double> other = lobes;
+        other[mip] = std::min(1.0, times * other[mip]);
+        INFO("mip " << mip << " times " << times);
+        CHECK(error(lobes) <= error(other));
+      }
+    }
+  }
+}
+
+TEST_CASE("fitted lobes: what a shader shows is nearer to the truth", "[specular][lookups]") {
+  const TestLatLong source = make_lat_long(Content::smooth, 128, 64, 3);
+  for (const auto schedule : {RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+    const int mips = schedule == RoughnessSchedule::filament ? 5 : 7;
+    const PrefilterOptions exact{.size = 64, .roughness = roughness_of_mips(schedule, mips, 64)};
+    const double before = error_of_lookups(source.view(), exact, schedule);
+    const double after = error_of_lookups(source.view(), fitted(schedule, mips, 64), schedule);
+    INFO(name(schedule) << ": " << after << ", not fitted " << before);
+    CHECK(after < before);
+  }
+}
+
+TEST_CASE("Lobes of mips may be others than shaders look for", "[specular][lookups]") {
+  const TestLatLong source = make_lat_long(Content::blocks, 32, 16, 3);
+  const std::vector<double> lobes{0.0, 0.4, 0.9};
+  const PrefilteredSpecular made =
+      prefilter_specular(source.view(), {.size = 16, .roughness = {0.0, 0.5, 1.0}, .lobe_roughness = lobes});
+  const PrefilteredSpecular same = prefilter_specular(source.view(), {.size = 16, .roughness = lobes});
+  CHECK(all_values(made.cubemap, same.cubemap, [](float a, float b) { return a == b; }));
+  CHECK(made.mips[1].roughness == 0.5);
+  CHECK(made.mips[1].lobe_roughness == 0.4);
+  CHECK(same.mips[1].lobe_roughness == 0.4);
+  const auto refused = [&](const PrefilterOptions& options) {
+    return thrown_by([&] { (void)prefilter_specular(source.view(), options); });
+  };
+  CHECK(refused({.size = 16, .mips = 3, .lobe_roughness = {0.0, 1.0}}).says("3 mips, but lobe_roughness names 2"));
+  CHECK(refused({.size = 16, .mips = 1, .lobe_roughness = {2.0}}).says("lobe_roughness of mip 0 is 2"));
+}
+
+}  // namespace welkin::test
