@@ -11,24 +11,12 @@
 #include <vector>
 
 #include "platform/memory.h"
+#include "reflections/near_weights.h"
 #include "reflections/ring_kernels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::reflections {
-
-/// Where a mip's lobe is split.
-struct NearSplit {
-  int face = 0;        ///< texels along an edge of the faces that are summed, even
-  int size = 0;        ///< of the mip, even
-  double alpha = 0.0;  ///< of the lobe
-  double reach = 0.0;  ///< radians, where the near part ends
-  int bands = 0;       ///< of the far part
-
-  /// Returns q + s there, see `kFarPart`.
-  [[nodiscard]] double end() const noexcept;
-  bool operator==(const NearSplit&) const = default;
-};
 
 /// The weights of a mip's near sums. They depend on the split alone, and forty-eight images of a direction share them.
 class NearSums {
@@ -45,7 +33,9 @@ class NearSums {
 
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// Returns what `write` takes beside the result.
-  [[nodiscard]] std::size_t working_bytes() const noexcept { return sizeof(float) * 3 * kCubeImages * records_; }
+  [[nodiscard]] std::size_t working_bytes() const noexcept {
+    return sizeof(float) * (kRecordFloats * records_ + 3 * kCubeImages * targets_.size());
+  }
   /// Returns a bound on what making them takes, and `write`.
   [[nodiscard]] static std::size_t most_bytes(const NearSplit& split) noexcept;
 
@@ -65,15 +55,19 @@ class NearSums {
     int count;
     std::uint32_t record;
   };
-  class Weigher;
 
-  void gather(const float* faces, const Texels& texels, float* records) const;
+  void add_targets(std::vector<glm::dvec3>& directions);
+  void add_sources(const std::vector<NearWeights::Row>& rows);
+  void gather(const float* faces, const Texels& texels, int turn, float* records) const;
+  void sum(std::size_t row, int turn, const float* records, float* to, float* diagonal) const;
+  void write_diagonals(const float* diagonal, float* to) const;
 
   NearSplit split_;
   std::vector<Texels> sources_;
   std::vector<Texels> targets_;  ///< record: of the first target, among `ends_`
   std::vector<std::uint32_t> ends_;
-  std::vector<RingTap> taps_;
+  platform::AlignedBuffer<RingTap> taps_;
+  std::array<std::size_t, kCubeImages> twins_{};  ///< of each image the other that has the same targets on diagonals
   std::vector<double> far_;
   std::uint32_t records_ = 0;
 };
