@@ -23,6 +23,8 @@ struct NearSplit {
 
   /// Returns q + s there, see `kFarPart`.
   [[nodiscard]] double end() const noexcept;
+  /// Whether the reach has some texels, and the far part is wider than the lobe.
+  [[nodiscard]] bool serves() const noexcept { return reach * face >= 5.0 && reach >= 2.0 * alpha; }
   bool operator==(const NearSplit&) const = default;
 };
 

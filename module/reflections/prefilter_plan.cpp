@@ -138,6 +138,7 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 namespace {
 
 int halved_to(int face, double least) noexcept {
+  least = std::max(least, 64.0);  // texels beside the edges of coarser ones gain or lose too much
   while (can_be_halved(face) && face / 2 >= least) face /= 2;
   return face;
 }
@@ -171,48 +172,69 @@ double bands_of_reach(double bound) noexcept {
   return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound));
 }
 
+/// Returns the bound on the root mean square error that both amount to.
+double least_of(const ErrorBounds& bounds) noexcept { return std::min(bounds.rms, 0.1 * bounds.maximum); }
+
+/// Returns a GGX lobe's mip with near sums, or without if harmonics alone take no longer.
+MipPlan split_where_cheaper(std::shared_ptr<const Lobe> lobe, int size, int face, const ErrorBounds& bounds) {
+  constexpr double kWorth = 0.9;  // of the harmonics' time alone
+  MipPlan mip;
+  mip.lobe = std::move(lobe);
+  mip.alpha = mip.lobe->alpha();
+  mip.size = size;
+  mip.method = MipMethod::spectral;
+  if (mip.alpha >= kMostNearAlpha || size % 2 != 0) return mip;
+  const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds));
+  const NearSplit near = cheapest_split(halved, size, mip.alpha, bands_of_reach(least_of(bounds)));
+  if (near.bands > 0 && milliseconds_of(near) < kWorth * milliseconds_of_harmonics(bands_within(mip.alpha, bounds)))
+    mip.near = near;
+  return mip;
+}
+
+/// Gives all splits the bands of the largest, whose reach is shorter then. Returns false if that is too short for one,
+/// whose lobe is then left to harmonics.
+bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
+  plan.bands = bands_for_dark(plan.bounds);
+  plan.ring_alpha = 1.0;
+  for (const MipPlan& mip : mips)
+    plan.bands = std::max(plan.bands, mip.near.face > 0 ? mip.near.bands : bands_within(mip.alpha, plan.bounds));
+  for (MipPlan& mip : mips) {
+    if (mip.near.face > 0) {
+      mip.near.bands = plan.bands;
+      mip.near.reach = std::min(mip.near.reach, bands_of_reach(least_of(plan.bounds)) / plan.bands);
+      if (!mip.near.serves()) {
+        mip.near = {};
+        return false;
+      }
+    }
+    plan.ring_alpha = std::min(plan.ring_alpha, mip.ring_alpha());
+  }
+  return true;
+}
+
 }  // namespace
 
 PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
   constexpr double kLeastBound = 9e-4;  // weights err by less
-  constexpr double kWorth = 0.9;        // of the harmonics' time alone
-  const double bound = std::min(bounds.rms, 0.1 * bounds.maximum);
-  if (!may_integrate || lights != LightsOf::ggx || bands == 0 || bound < kLeastBound || face % 2 != 0) return *this;
+  if (!may_integrate || lights != LightsOf::ggx || bands == 0 || least_of(bounds) < kLeastBound || face % 2 != 0)
+    return *this;
+  std::vector<MipPlan> own;
+  for (std::size_t k = 0; k < spectral_lobes.size(); ++k)
+    own.push_back(split_where_cheaper(spectral_lobes[k], spectral_sizes[k], face, bounds));
   PrefilterPlan plan = *this;
-  plan.bands = bands_for_dark(bounds);
-  plan.ring_alpha = plan.light_alpha = 1.0;
-  for (std::size_t k = 0; k < spectral_lobes.size(); ++k) {
-    MipPlan mip;
-    mip.lobe = spectral_lobes[k];
-    mip.alpha = mip.lobe->alpha();
-    mip.size = spectral_sizes[k];
-    mip.method = MipMethod::spectral;
-    const int own = bands_within(mip.alpha, bounds);
-    const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds));
-    mip.near = cheapest_split(halved, mip.size, mip.alpha, bands_of_reach(bound));
-    if (mip.alpha < kMostNearAlpha && mip.size % 2 == 0 && mip.near.bands > 0 &&
-        milliseconds_of(mip.near) < kWorth * milliseconds_of_harmonics(own)) {
-      plan.bands = std::max(plan.bands, mip.near.bands);
-      plan.near_mips.push_back(std::move(mip));
-    } else {
-      plan.bands = std::max(plan.bands, own);
-      plan.ring_alpha = std::min(plan.ring_alpha, mip.alpha);
-    }
+  while (!share_bands(plan, own)) {
   }
-  if (plan.near_mips.empty()) return *this;
-  for (MipPlan& mip : plan.near_mips) {
-    mip.near.bands = plan.bands;
-    mip.near.reach = std::min(mip.near.reach, bands_of_reach(bound) / plan.bands);
+  for (MipPlan& mip : own) {
+    if (mip.near.face == 0) continue;
     mip.bands.zonal.assign(static_cast<std::size_t>(plan.bands), 0.0);
-    plan.ring_alpha = std::min(plan.ring_alpha, mip.ring_alpha());
     for (MipPlan& made : plan.mips) {
       if (made.lobe != mip.lobe) continue;
       made.near = mip.near;
       made.bands = mip.bands;
     }
+    plan.near_mips.push_back(std::move(mip));
   }
-  plan.light_alpha = light_alpha;
-  return plan;
+  return plan.near_mips.empty() ? *this : plan;
 }
 
 PrefilterPlan PrefilterPlan::tightened(int steps) const {
