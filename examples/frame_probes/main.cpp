@@ -9,6 +9,7 @@
 #include <welkin/job.h>
 #include <welkin/reflections.h>
 #include <welkin/requests.h>
+#include <welkin/spherical_harmonics.h>
 #include <welkin/worker.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -66,7 +68,8 @@ struct Slot {
   std::vector<frame_probes::HalfTexel> capture = std::vector<frame_probes::HalfTexel>(std::size_t{6} * kSize * kSize);
   std::vector<std::byte> staging = std::vector<std::byte>(welkin::upload_bytes(layout_of_probes()));
   std::vector<welkin::CubemapTarget> targets = welkin::upload_targets(layout_of_probes(), staging);
-  welkin::JobOf<welkin::BakeTo> job{};
+  std::array<welkin::dvec3, 9> light{};  ///< coefficients of radiance
+  welkin::Job<void> job{};               ///< a bake, and what follows it
   std::size_t probe = 0;
   int frame = 0;      ///< of the capture
   bool busy = false;  ///< posted, and not yet taken back
@@ -78,11 +81,17 @@ struct Slot {
   }
 };
 
-/// Stands for a probe's texture on the GPU.
+/// Stands for a probe's texture and constants on the GPU.
 struct GpuProbe {
   std::vector<std::byte> memory = std::vector<std::byte>(welkin::upload_bytes(layout_of_probes()));
+  std::array<welkin::dvec3, 9> light{};
   int frame = -1;  ///< of the capture that it shows
 };
+
+/// Copies the coefficients, which have no targets, out of a result.
+void take_light(const welkin::BakeResult& baked, std::array<welkin::dvec3, 9>& light) {
+  std::ranges::copy(baked.radiance->coefficients(), light.begin());
+}
 
 // ---- The probes, a frame at a time
 
@@ -97,6 +106,7 @@ class Probes {
         GpuProbe& probe = gpu_.at(slot.probe);
         if (slot.frame < probe.frame) continue;  // two bakes of a probe may end in either order
         std::memcpy(probe.memory.data(), slot.staging.data(), slot.staging.size());
+        probe.light = slot.light;
         probe.frame = slot.frame;
         ++uploads_;
       } else if (const auto error = slot.job.error(); error->code != welkin::ErrorCode::replaced) {
@@ -117,10 +127,15 @@ class Probes {
     frame_probes::capture(frame_probes::Scene(frame), position_of(probe), kSize, slot->capture);
     if (worker == nullptr) return;
     // The job reads the capture and writes the staging buffer in place. A bake of the same probe that has not ended is
-    // given up for this one; its slot stays busy until it is ready, so no two bakes share memory.
-    slot->job = worker->post(
-        welkin::BakeTo{welkin::CubemapSource{slot->view(), nullptr}, {.specular = slot->targets}, options_},
-        {.key = "probe " + std::to_string(probe)});
+    // given up for this one; its slot stays busy until it is ready, so no two bakes share memory. The follow-up runs on
+    // the worker's thread and frees the result there: a frame that frees it may wait for the allocator's lock.
+    slot->job =
+        worker
+            ->post(welkin::BakeTo{welkin::CubemapSource{slot->view(), nullptr}, {.specular = slot->targets}, options_},
+                   {.key = "probe " + std::to_string(probe)})
+            .then([to = &*slot](const std::shared_ptr<const welkin::BakeResult>& baked) {
+              take_light(*baked, to->light);
+            });
     slot->busy = true;
   }
 
@@ -130,13 +145,13 @@ class Probes {
 
   [[nodiscard]] bool shown(std::size_t probe) const { return gpu_.at(probe).frame >= 0; }
 
-  /// Returns whether the GPU's chain of a probe has the bytes of a direct bake of the capture that it shows.
+  /// Returns whether a probe's chain and coefficients on the GPU are those of a direct bake of its capture.
   [[nodiscard]] bool right(std::size_t probe) const {
     const GpuProbe& shown = gpu_.at(probe);
     Slot again;
     frame_probes::capture(frame_probes::Scene(shown.frame), position_of(probe), kSize, again.capture);
-    static_cast<void>(welkin::bake_to({.specular = again.targets}, again.view(), options_));
-    return again.staging == shown.memory;
+    take_light(welkin::bake_to({.specular = again.targets}, again.view(), options_), again.light);
+    return again.staging == shown.memory && again.light == shown.light;
   }
 
   [[nodiscard]] int uploads() const { return uploads_; }
@@ -202,7 +217,7 @@ int run(int frames) {
     }
     right = probes.right(probe) && right;
   }
-  std::printf("%d frames with bakes: %d uploads, %d captures skipped; the chains have %s direct call's bits\n", frames,
+  std::printf("%d frames with bakes: %d uploads, %d captures skipped; they have %s direct call's bits\n", frames,
               probes.uploads(), probes.skipped(), right ? "the" : "NOT the");
   return right ? 0 : 1;
 }

@@ -259,7 +259,7 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
     auto posting = c_struct<welkin_post_options>();
     posting.release = [](void* count) { ++*static_cast<int*>(count); };
     posting.release_user = &released;
-    welkin_bake_result* result = posted_handle<welkin_bake_result>(
+    auto* const result = posted_handle<welkin_bake_result>(
         [&](welkin_job** job) { return post(&found.c, &posting, job); }, welkin_job_get_bake);
     CHECK(found == expected);
     auto info = c_struct<welkin_bake_info>();
