@@ -9,6 +9,7 @@
 #include <welkin/image.h>
 #include <welkin/job.h>
 #include <welkin/reflections.h>
+#include <welkin/requests.h>
 #include <welkin/worker.h>
 
 #include <algorithm>
@@ -23,7 +24,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -139,9 +139,7 @@ int run() {
   const auto environment = std::make_shared<const welkin::LatLongImage>(panorama(256));
   own_executor::ThreadPool pool(2);
   welkin::Worker worker({.executor = std::make_shared<own_executor::PoolExecutor>(pool)});
-  auto job = worker.post([environment, targets, options](const welkin::Control& control) {
-    return welkin::bake_to({.specular = targets}, environment->view(), options, control);
-  });
+  auto job = worker.post(welkin::BakeTo{welkin::LatLongSource(environment), {.specular = targets}, options});
 
   int frames = 0;
   while (!job.ready()) {
@@ -149,10 +147,10 @@ int run() {
     ++frames;
   }
   if (const auto error = job.error()) throw std::runtime_error(error->message);
-  const std::optional<welkin::BakeResult> baked = job.try_take();
+  const auto baked = job.try_take();
   if (!baked) throw std::runtime_error("the job has no result");
 
-  bool good = baked->values_clamped == 0;
+  bool good = (*baked)->values_clamped == 0;
   std::printf("%zu bytes in %d mips, baked within %d frames\n", memory.size(), layout.levels, frames);
 
   const double error = error_of_mip_0(targets.front());

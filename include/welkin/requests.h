@@ -168,6 +168,33 @@ struct Bake {
   friend bool operator==(const Bake&, const Bake&) = default;
 };
 
+/// `bake_to`: bakes into the caller's memory, such as a mapped upload buffer. The worker's threads read the source in
+/// its format and write the targets in theirs, so the thread that posts converts no texel.
+///
+/// The memory of the targets must stay until the job is ready, or be kept alive by `owner`. Once the job is ready,
+/// nothing writes to them unless an equal request still runs. A job with a result has written every texel of its
+/// targets. A job that never started, or whose targets were refused, has written nothing. Any other job without a
+/// result (cancelled, replaced, failed) may have written any part of the texels.
+///
+/// Running jobs must not share targets: a job that another with its key replaces writes until it is ready, so give the
+/// new one other memory.
+struct BakeTo {
+  std::variant<CubemapSource, LatLongSource> source;  ///< the pixels that are baked
+  BakeTargets targets{};                              ///< where cubemaps are written
+  BakeOptions options{};                              ///< what is made, and how
+  /// Frees the targets' memory when its last copy goes, on whichever thread that is; may be empty. The worker's copy
+  /// goes right after the job is ready.
+  std::shared_ptr<const void> owner{};
+
+  /// Returns what `bake_to` returns, by pointer: equal requests share it.
+  [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::size_t hash() const noexcept;
+  /// Compares sources, options and owners, and of targets the addresses and layouts.
+  [[nodiscard]] bool operator==(const BakeTo& other) const;
+};
+
 // ---- Requests about skies
 
 /// `precompute_sky`. Handed out by pointer: views and curves share the tables.

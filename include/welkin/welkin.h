@@ -761,6 +761,7 @@ typedef struct welkin_bake_info {
   int32_t octahedral_size;          /* 0 without a map */
   int32_t octahedral_levels;        /* fewer than asked for where there are fewer mips */
   int32_t octahedral_border;        /* texels on each side of level 0 */
+  uint64_t values_clamped;          /* channel values that the formats of `welkin_bake_targets` could not hold */
 } welkin_bake_info;
 
 /* Bakes. As `welkin_project_cubemap`, and WELKIN_LIMIT_EXCEEDED. */
@@ -1210,6 +1211,33 @@ WELKIN_API welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const w
 WELKIN_API welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
                                                    const welkin_bake_options* options, const welkin_post_options* post,
                                                    welkin_job** job);
+
+/* Memory of the caller's for the cubemaps of a bake: RGBA_F16 or RGBA_F32, the targets of a part all of one
+ * `struct_size`. A part without targets stays in the result. */
+typedef struct welkin_bake_targets {
+  uint32_t struct_size;
+  const welkin_cubemap_target* background; /* one per level */
+  int64_t background_count;                /* targets; 0: none */
+  const welkin_cubemap_target* specular;   /* one per mip */
+  int64_t specular_count;                  /* targets; 0: none */
+  const welkin_cubemap_target* irradiance; /* one; null: none */
+} welkin_bake_targets;
+
+/* Posts a bake whose cubemaps the worker's threads write to the caller's memory: `welkin_job_get_bake` for the rest.
+ * `targets` is copied. The memory must stay until the job is ready; `release` is called when nothing reads the pixels
+ * or writes to the targets any more. A job that succeeds has written every texel; one that never started, or whose
+ * targets do not fit (WELKIN_INVALID_ARGUMENT, by the job), none; any other job that fails, any part of them. Running
+ * jobs must not share targets: a replaced job writes until it is ready. */
+WELKIN_API welkin_status welkin_post_bake_cubemap_to(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                                     const welkin_bake_options* options,
+                                                     const welkin_bake_targets* targets,
+                                                     const welkin_post_options* post, welkin_job** job);
+
+/* Posts the same of a lat-long. */
+WELKIN_API welkin_status welkin_post_bake_lat_long_to(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                                      const welkin_bake_options* options,
+                                                      const welkin_bake_targets* targets,
+                                                      const welkin_post_options* post, welkin_job** job);
 
 /* `welkin_sky_tables_create`, as a job: `welkin_job_get_sky_tables`. */
 WELKIN_API welkin_status welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,

@@ -390,6 +390,16 @@ BakePointer baked(const View& view, const BakeOptions& options, const Control& c
   return std::make_shared<const BakeResult>(bake(view, options, control));
 }
 
+BakeTargets bake_targets(const welkin_bake_targets* targets) {
+  const auto given = read_struct(targets, "targets");
+  BakeTargets wanted{.background = cubemap_targets(given.background, given.background_count, "targets.background"),
+                     .specular = cubemap_targets(given.specular, given.specular_count, "targets.specular")};
+  if (given.irradiance != nullptr) {
+    wanted.irradiance = cubemap_targets(given.irradiance, 1, "targets.irradiance").front();
+  }
+  return wanted;
+}
+
 const BakeResult& result_of(const welkin_bake_result* result) {
   require(result, "result");
   return *result->result;
@@ -493,6 +503,28 @@ welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_
   });
 }
 
+welkin_status welkin_post_bake_cubemap_to(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                          const welkin_bake_options* options, const welkin_bake_targets* targets,
+                                          const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = cubemap_view(cubemap);
+    welkin::BakeTo request{welkin::CubemapSource(view, nullptr), bake_targets(targets), bake_options(options)};
+    request.owner = make_owner(std::move(posting.handed_over));
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+welkin_status welkin_post_bake_lat_long_to(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                           const welkin_bake_options* options, const welkin_bake_targets* targets,
+                                           const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = lat_long_view(lat_long);
+    welkin::BakeTo request{welkin::LatLongSource(view, nullptr), bake_targets(targets), bake_options(options)};
+    request.owner = make_owner(std::move(posting.handed_over));
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
 welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result) {
   return hand_out_result<BakePointer>(job, result, "result", handle_of);
 }
@@ -523,6 +555,7 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
       values.octahedral_border = light.octahedral->border;
     }
     values.peak_bytes = light.peak_bytes;
+    values.values_clamped = light.values_clamped;
     const std::optional<double> error = light.irradiance_record.value_or(welkin::MipRecord{}).error_estimate;
     values.irradiance_error_estimate = error.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(info, values, "info");

@@ -426,26 +426,27 @@ Target cubemap_target(const welkin_cubemap_target* target) {
   return checked;
 }
 
-std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count) {
+std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count,
+                                           const std::string& name) {
   constexpr std::int64_t most = std::int64_t{kMostLevels} * std::numeric_limits<std::int32_t>::max();
   if (count < 0 || count > most) {
-    refuse("target_count is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
+    refuse("the number of " + name + " is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
   }
   std::vector<CubemapTarget> written;
   if (count == 0) return written;
   const std::size_t step =
-      stated_size(targets, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), "targets");
+      stated_size(targets, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), name.c_str());
   written.reserve(static_cast<std::size_t>(count));
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
     // As of `views_of`: the caller's structures may be shorter or longer than ours.
     const auto* place = reinterpret_cast<const std::byte*>(targets) + k * step;
     const auto* target = reinterpret_cast<const welkin_cubemap_target*>(place);
-    if (stated_size(target, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), "targets") != step) {
-      refuse("targets[" + std::to_string(k) + "].struct_size differs from that of the first");
+    if (stated_size(target, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), name.c_str()) != step) {
+      refuse(name + "[" + std::to_string(k) + "].struct_size differs from that of the first");
     }
-    const auto given = read_struct(target, "targets");
+    const auto given = read_struct(target, name.c_str());
     if (given.format != WELKIN_FORMAT_RGBA_F16 && given.format != WELKIN_FORMAT_RGBA_F32) {
-      refuse("targets[" + std::to_string(k) + "].format is " + std::to_string(given.format) +
+      refuse(name + "[" + std::to_string(k) + "].format is " + std::to_string(given.format) +
              "; RGBA_F16 and RGBA_F32 are written");
     }
     CubemapTarget& to = written.emplace_back();

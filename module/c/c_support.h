@@ -286,7 +286,8 @@ struct Target {
 [[nodiscard]] Target cubemap_target(const welkin_cubemap_target* target);
 [[nodiscard]] Target image_target(const welkin_image_target* target);
 /// Those of `count` structures of one size that the library writes itself: RGBA of F16 and F32.
-[[nodiscard]] std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count);
+[[nodiscard]] std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count,
+                                                         const std::string& name = "targets");
 /// Throws unless the target has that size.
 void require_size(const Target& target, int width, int height);
 

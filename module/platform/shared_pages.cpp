@@ -49,7 +49,7 @@ WorkingMemory block_of(std::size_t index, std::uint64_t run) noexcept {
 
 }  // namespace
 
-WorkingMemory take(std::size_t bytes) {
+WorkingMemory take(std::size_t bytes) noexcept {
   const auto units = static_cast<unsigned>((bytes + kUnit - 1) / kUnit);
   for (std::size_t index = 0; index < kMost; ++index) {
     std::atomic<std::uint64_t>& free = pages()[index].free;
@@ -64,7 +64,7 @@ WorkingMemory take(std::size_t bytes) {
     page.data = static_cast<char*>(::operator new(kBytes, kAlignment, std::nothrow));
     if (page.data == nullptr) {
       page.taken.store(false, std::memory_order_release);
-      throw std::bad_alloc();
+      return {};
     }
     advise_huge_pages(page.data, kBytes);
     const std::uint64_t run = run_of(kAll, units);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
@@ -95,7 +96,7 @@ class Search {
   }
 
   /// Fills the band's cells.
-  void measure(int band, std::vector<Cell>& cells) const noexcept {
+  void measure(int band, std::span<Cell> cells) const noexcept {
     const std::size_t first = starts_[static_cast<std::size_t>(band)];
     for (int row = first_row(band); row < end_row(band); ++row) {
       for (int column = 0; column < source_.columns(); ++column) {
@@ -109,7 +110,7 @@ class Search {
 
   /// Adds the band's bright texels, not parted yet: their light, and that of the darkest texel of the cell.
   /// Whether one of them is in a bright cell.
-  bool collect(int band, const std::vector<Cell>& cells, std::vector<BrightTexel>& found) const {
+  bool collect(int band, std::span<const Cell> cells, std::vector<BrightTexel>& found) const {
     bool bright = false;
     for (int row = first_row(band); row < end_row(band); ++row) {
       if (!(static_cast<double>(source_.range(row).largest) > threshold_)) continue;
@@ -263,7 +264,9 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
     if (search.may_be_bright(band)) bands.push_back(band);
   }
   if (bands.empty()) return {};
-  std::vector<Cell> cells(search.cells());
+  platform::AlignedBuffer<Cell> buffer(search.cells());
+  const std::span<Cell> cells(buffer.data(), buffer.size());
+  std::fill(cells.begin(), cells.end(), Cell());
   const auto placement = jobs::placement_for(static_cast<std::int64_t>(source.rows()) * source.columns());
   jobs::run_tiles(bands.size(), placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t /*worker*/) { search.measure(bands[tile], cells); });

@@ -8,6 +8,7 @@
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "math/elementary.h"
+#include "platform/memory.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_estimate.h"
 #include "transform/spectrum.h"
@@ -118,7 +119,8 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
                                        const Control& control) {
   const int rows = 2 * bands;
   const int columns = 2 * rows;
-  std::vector<float> cells(static_cast<std::size_t>(3 * rows * columns), 0.0F);
+  platform::AlignedBuffer<float> cells(static_cast<std::size_t>(3 * rows * columns));
+  std::fill_n(cells.data(), cells.size(), 0.0F);
   for (const BrightTexel& light : lights) {
     const double column = light.column + 0.5;
     const glm::dvec3 direction =
@@ -131,7 +133,7 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
     const int at = row * columns + std::clamp(static_cast<int>(turns * columns), 0, columns - 1);
     const double share = light.steradians / image::lat_long_texel_solid_angle(columns, rows, row);
     for (std::size_t c = 0; c < 3; ++c)
-      cells[3 * static_cast<std::size_t>(at) + c] += static_cast<float>(light.excess[c] * share);
+      cells.data()[3 * static_cast<std::size_t>(at) + c] += static_cast<float>(light.excess[c] * share);
   }
   const LatLongView view{cells.data(), columns, rows, 0, PixelFormat::rgb32f};
   return energies_of(transforms::analyse(view, bands, control));

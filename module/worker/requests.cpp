@@ -1,9 +1,13 @@
 #include "welkin/requests.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "welkin/core.h"
 #include "welkin/sky_plan.h"
@@ -20,6 +24,24 @@ std::uint64_t bytes_of_rows(std::uint64_t rows, int width, std::ptrdiff_t stride
 }
 
 std::uint64_t positive(int value) noexcept { return value > 0 ? static_cast<std::uint64_t>(value) : 0; }
+
+// std::get_if, because std::get and std::visit may throw as far as the compiler knows.
+using EitherSource = std::variant<CubemapSource, LatLongSource>;
+
+std::uint64_t bytes_of(const EitherSource& source) noexcept {
+  const auto* const cubemap = std::get_if<CubemapSource>(&source);
+  return cubemap != nullptr ? cubemap->bytes() : std::get_if<LatLongSource>(&source)->bytes();
+}
+
+std::size_t hash_of(const EitherSource& source) noexcept {
+  const auto* const cubemap = std::get_if<CubemapSource>(&source);
+  return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
+}
+
+bool same_target(const CubemapTarget& left, const CubemapTarget& right) {
+  return left.faces == right.faces && left.size == right.size && left.row_stride_bytes == right.row_stride_bytes &&
+         left.format == right.format;
+}
 
 const char* const kNoImage = "a source is a null pointer to an image";
 const char* const kNoTables = "a sky's tables are a null pointer; precompute_sky makes some";
@@ -91,14 +113,33 @@ std::shared_ptr<const BakeResult> Bake::operator()(const Control& control) const
       source);
 }
 
-std::uint64_t Bake::bytes() const noexcept {
-  const auto* const cubemap = std::get_if<CubemapSource>(&source);
-  return cubemap != nullptr ? cubemap->bytes() : std::get_if<LatLongSource>(&source)->bytes();
+std::uint64_t Bake::bytes() const noexcept { return bytes_of(source); }
+
+std::size_t Bake::hash() const noexcept { return hash_of(source); }
+
+std::shared_ptr<const BakeResult> BakeTo::operator()(const Control& control) const {
+  return std::visit(
+      [&](const auto& pixels) {
+        return std::make_shared<const BakeResult>(bake_to(targets, pixels.view(), options, control));
+      },
+      source);
 }
 
-std::size_t Bake::hash() const noexcept {
-  const auto* const cubemap = std::get_if<CubemapSource>(&source);
-  return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
+std::uint64_t BakeTo::bytes() const noexcept { return bytes_of(source); }
+
+std::size_t BakeTo::hash() const noexcept { return hash_of(source); }
+
+bool BakeTo::operator==(const BakeTo& other) const {
+  const auto same_targets = [](const std::vector<CubemapTarget>& left, const std::vector<CubemapTarget>& right) {
+    return std::ranges::equal(left, right, same_target);
+  };
+  const auto& irradiance = targets.irradiance;
+  const auto& other_irradiance = other.targets.irradiance;
+  return source == other.source && options == other.options && owner == other.owner &&
+         same_targets(targets.background, other.targets.background) &&
+         same_targets(targets.specular, other.targets.specular) &&
+         irradiance.has_value() == other_irradiance.has_value() &&
+         (!irradiance || same_target(*irradiance, *other_irradiance));
 }
 
 std::shared_ptr<const SkyTables> PrecomputeSky::operator()(const Control& control) const {

@@ -10,12 +10,14 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "c/c_calls.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
+#include "welkin/bake.h"
 #include "welkin/welkin.h"
 
 namespace welkin::test {
@@ -184,6 +186,111 @@ TEST_CASE("C: targets that nothing can be written to are refused before anything
   REQUIRE(welkin_cubemap_chain_copy(chain, 0, &sound, nullptr) == WELKIN_OK);
   REQUIRE(block.back() == 1.0F);
   welkin_bake_result_destroy(result);
+}
+
+namespace {
+
+/// A chain in memory, with targets for either interface.
+struct BothTargets {
+  BothTargets(int size, int levels) : layout{.size = size, .levels = levels, .row_alignment_bytes = 256} {
+    for (const CubemapTarget& target : cpp) {
+      auto& same = c.emplace_back(c_struct<welkin_cubemap_target>());
+      same.format = WELKIN_FORMAT_RGBA_F16;
+      same.row_stride_bytes = target.row_stride_bytes;
+      same.size = target.size;
+      std::copy(target.faces.begin(), target.faces.end(), same.faces);
+    }
+  }
+
+  UploadLayout layout;
+  std::vector<std::byte> memory = std::vector<std::byte>(upload_bytes(layout), std::byte{kUntouched});
+  std::vector<CubemapTarget> cpp = upload_targets(layout, memory);
+  std::vector<welkin_cubemap_target> c{};
+};
+
+/// Memory for all cubemaps of a bake of 4 texels.
+struct BakeRoom {
+  BakeRoom() : c(c_struct<welkin_bake_targets>()) {
+    c.background = background.c.data();
+    c.background_count = 3;
+    c.specular = specular.c.data();
+    c.specular_count = 1;
+    c.irradiance = irradiance.c.data();
+  }
+  friend bool operator==(const BakeRoom& a, const BakeRoom& b) {
+    return a.background.memory == b.background.memory && a.specular.memory == b.specular.memory &&
+           a.irradiance.memory == b.irradiance.memory;
+  }
+
+  BothTargets background{4, 3};
+  BothTargets specular{4, 1};
+  BothTargets irradiance{2, 1};
+  welkin_bake_targets c;
+};
+
+}  // namespace
+
+TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits of bake_to", "[c_interface]") {
+  const auto cube = make_cubemap_half(Content::random, 8, 4, 1);
+  const auto wide = make_lat_long(Content::one_texel_sun, 16, 8, 1);
+  const welkin_cubemap cube_view = c_view(cube.view());
+  const welkin_lat_long wide_view = c_view(wide.view());
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = 4, .roughness = {0.5}};
+  options.irradiance->size = 2;
+  options.brdf.reset();
+  const double roughness = 0.5;
+  auto specular = c_struct<welkin_prefilter_options>();
+  specular.size = 4;
+  specular.roughness = &roughness;
+  specular.roughness_count = 1;
+  auto asked = c_struct<welkin_bake_options>();
+  asked.specular = &specular;
+  asked.irradiance_size = 2;
+  asked.leave_out = WELKIN_PART_BRDF;
+
+  const CWorker worker(2);
+  const auto check = [&](const auto& view, const auto& post) {
+    const BakeRoom expected;
+    const BakeRoom found;
+    const BakeResult baked =
+        bake_to({expected.background.cpp, expected.specular.cpp, expected.irradiance.cpp.front()}, view, options);
+    int released = 0;
+    auto posting = c_struct<welkin_post_options>();
+    posting.release = [](void* count) { ++*static_cast<int*>(count); };
+    posting.release_user = &released;
+    auto* const result = posted_handle<welkin_bake_result>(
+        [&](welkin_job** job) { return post(&found.c, &posting, job); }, welkin_job_get_bake);
+    CHECK(found == expected);
+    auto info = c_struct<welkin_bake_info>();
+    REQUIRE(welkin_bake_result_get_info(result, &info) == WELKIN_OK);
+    CHECK(info.parts == WELKIN_PART_HARMONICS);  // the cubemaps went to the targets
+    CHECK(info.values_clamped == baked.values_clamped);
+    welkin_bake_result_destroy(result);
+    REQUIRE(welkin_worker_wait_until_idle(worker.get()) == WELKIN_OK);
+    CHECK(released == 1);
+    return baked.values_clamped;
+  };
+  check(cube.view(), [&](const auto* targets, const auto* posting, welkin_job** job) {
+    return welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, targets, posting, job);
+  });
+  CHECK(check(wide.view(), [&](const auto* targets, const auto* posting, welkin_job** job) {
+          return welkin_post_bake_lat_long_to(worker.get(), &wide_view, &asked, targets, posting, job);
+        }) > 0);
+
+  BakeRoom room;
+  const auto refused = [&](std::string_view what) {
+    welkin_job* job = nullptr;
+    CHECK(welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, &room.c, nullptr, &job) ==
+          WELKIN_INVALID_ARGUMENT);
+    CHECK(std::string(welkin_last_error()).find(what) != std::string::npos);
+  };
+  room.irradiance.c[0].format = WELKIN_FORMAT_RGB_F16;
+  refused("targets.irradiance[0].format");
+  room.c.specular_count = -1;
+  refused("targets.specular is -1");
+  CHECK(welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, nullptr, nullptr, nullptr) ==
+        WELKIN_INVALID_ARGUMENT);
 }
 
 }  // namespace welkin::test

@@ -40,6 +40,8 @@ void call_requests(Calls& calls) {
   calls.call("CubemapToLatLong::operator()(", [&] { return to_wide({}); });
   const Bake bake_request{LatLongSource(wide), small_bake()};
   calls.call("Bake::operator()(", [&] { return bake_request({}); });
+  const BakeTo bake_to_request{LatLongSource(wide), {}, small_bake()};
+  calls.call("BakeTo::operator()(", [&] { return bake_to_request({}); });
 
   const PrecomputeSky precompute{earth(), tiny_tables()};
   const auto tables = calls.call("PrecomputeSky::operator()(", [&] { return precompute({}); });

@@ -77,7 +77,7 @@ class LampRoom {
         squares += off * off;
         whole += truth * truth;
       }
-      CHECK(worst < options.maximum_error);
+      CHECK(worst < options.maximum_error.value_or(10.0 * options.rms_error));
       CHECK(std::sqrt(squares / whole) < options.rms_error);
     }
   }

@@ -65,6 +65,9 @@ static void bakes_that_are_refused(void) {
   REFUSED("worker", welkin_post_bake_file(NULL, "a.exr", NULL, NULL, NULL, &job));
   REFUSED("cubemap", welkin_post_bake_cubemap(worker, NULL, NULL, NULL, &job));
   REFUSED("lat_long", welkin_post_bake_lat_long(worker, NULL, NULL, NULL, &job));
+  REFUSED("worker", welkin_post_bake_cubemap_to(NULL, &cubemap, NULL, NULL, NULL, &job));
+  REFUSED("targets", welkin_post_bake_cubemap_to(worker, &cubemap, NULL, NULL, NULL, &job));
+  REFUSED("targets", welkin_post_bake_lat_long_to(worker, &lat_long, NULL, NULL, NULL, &job));
   REFUSED("path", welkin_post_bake_file(worker, NULL, NULL, NULL, NULL, &job));
   REFUSED("job", welkin_job_get_bake(NULL, &bake));
   REFUSED("result", welkin_bake_result_get_info(NULL, NULL));
