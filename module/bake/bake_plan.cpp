@@ -129,9 +129,12 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   const reflections::PrefilterPlan plan = first_choice.largest();
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
-  if (source.cubemap) {
-    for (const reflections::MipPlan& mip : first_choice.with_near_sums(source.columns).near_mips)
-      bytes += reflections::NearSums::most_bytes(mip.near) + kTexelBytes * 6 * squared(mip.near.face);
+  if (source.cubemap && plan.bands > 0) {  // or near sums; harmonics alone where those do not keep the bounds
+    const reflections::PrefilterPlan split = first_choice.with_near_sums(source.columns);
+    std::uint64_t near = spectral_bytes(source, split);
+    for (const reflections::MipPlan& mip : split.near_mips)
+      near += reflections::NearSums::most_bytes(mip.near) + kTexelBytes * 6 * squared(mip.near.face);
+    bytes = std::max(bytes, near);
   }
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {

@@ -36,7 +36,6 @@ constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatte
 constexpr double kHalvedOrder = 0.0085;     ///< of (l h)^4, what faces lose that are halved to texels of h
 constexpr double kHalvedScattered = 0.03;   ///< of h, by which those scatter fine degrees
 constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edges gain or lose by it
-constexpr double kFewRings = 20.0;          ///< of h^4, what rings of height h lose of smooth light
 constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
@@ -166,7 +165,7 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   double rounding = kRounding + (source.finer ? kFiner : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
   if (rings) {
     rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.ring_alpha()) : kTableRounding;
-    rounding += kFewRings * Rings::fourth_power(rings->height) + kHalvedEdges * rings->halved * rings->halved;
+    rounding += kHalvedEdges * rings->halved * rings->halved;
   }
   return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }

@@ -361,7 +361,8 @@ void check_memory(const View& view, const BakeOptions& options) {
   CHECK(peak <= predicted + kBesides);
   CHECK(reported <= predicted);
   CHECK(peak <= 2 * reported + kBesides);     // what a pass holds for a moment is not in the report
-  CHECK(predicted <= 7 * (peak + kBesides));  // there is room for thousands of lights, and copies of their rows
+  // There is room for thousands of lights, copies of their rows, and harmonics where near sums do not serve.
+  CHECK(predicted <= 8 * (peak + kBesides));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "image/cube_symmetry.h"
+#include "image/geometry.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
@@ -62,6 +64,26 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
   }
   CHECK(seen >= 3);
   CHECK(std::count_if(sums.begin(), sums.end(), [](float value) { return value > 0.0F; }) < 80);
+}
+
+// Two images have the texels on the diagonals of a face.
+TEST_CASE("near sums of a turned picture are turned near sums, to the last bit", "[prefilter][near]") {
+  const auto turned = [](const std::vector<float>& faces, int size) {
+    std::vector<float> result(faces.size());
+    for (int k = 0; k < 6 * size * size; ++k) {
+      const glm::ivec3 point = image::point_of(size, {k / (size * size), k % size, k / size % size});
+      const image::CubeTexel to = image::texel_at(size, image::moved(image::cube_image_of(4), point));
+      std::copy_n(faces.begin() + 3 * k, 3, result.begin() + 3 * ((to.face * size + to.row) * size + to.column));
+    }
+    return result;
+  };
+  const TestCubemap cube = noise_of(16);
+  const std::vector<float> faces(cube.pixels.begin(), cube.pixels.end());
+  std::vector<float> sums(std::size_t{18} * 8 * 8);
+  std::vector<float> sums_of_turned(sums.size());
+  NearSums(kSplit).write(faces.data(), sums.data(), {});
+  NearSums(kSplit).write(turned(faces, 16).data(), sums_of_turned.data(), {});
+  CHECK(same_bytes<float>(sums_of_turned, turned(sums, 8)));
 }
 
 TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]") {
