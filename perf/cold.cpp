@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -60,10 +61,11 @@ void use(const Result& result) {
 /// The operations that read pixels of one kind, which `view` returns.
 template <class View>
 void add_prefilters(std::vector<Operation>& operations, const std::string& from, Operation source, int size,
-                    const View& view) {
+                    const View& view, std::optional<int> mips = std::nullopt) {
   source.name = "prefilter " + from + " -> " + std::to_string(size);
+  if (mips) source.name += ", " + std::to_string(*mips) + " mips";
   source.prepare = [=](const Pixels& pixels) -> Call {
-    return [=, &pixels] { use(prefilter_specular(view(pixels), {.size = size})); };
+    return [=, &pixels] { use(prefilter_specular(view(pixels), {.size = size, .mips = mips})); };
   };
   operations.push_back(source);
 }
@@ -108,6 +110,12 @@ void add_reflections(std::vector<Operation>& operations) {
     add_bakes(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long);
   for (const int size : {16, 32, 64, 128, 256, 512, 1024})
     add_prefilters(operations, "cube", {"", Kind::cube, size, size > 512 ? 4 : 10, {}}, size, cube);
+  // The chains whose last mip has 16 texels.
+  for (const int size : {64, 128, 256, 512}) {
+    const int mips = full_chain_levels(size) - 4;
+    add_prefilters(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long, mips);
+    add_prefilters(operations, "cube", {"", Kind::cube, size, 10, {}}, size, cube, mips);
+  }
   for (const int size : {64, 128}) add_bakes(operations, "cube", {"", Kind::cube, size, 10, {}}, size, cube);
   operations.push_back({"sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) -> Call {
                           return [&] {
