@@ -360,7 +360,7 @@ void check_memory(const View& view, const BakeOptions& options) {
   INFO("peak " << peak << " reported " << reported << " predicted " << predicted);
   CHECK(peak <= predicted + kBesides);
   CHECK(reported <= predicted);
-  CHECK(peak <= 2 * reported + kBesides);     // what a pass holds for a moment is not in the report
+  CHECK(peak <= 2 * reported + kBesides);  // what a pass holds for a moment is not in the report
   // There is room for thousands of lights, copies of their rows, and harmonics where near sums do not serve.
   CHECK(predicted <= 8 * (peak + kBesides));
 }
