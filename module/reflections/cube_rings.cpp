@@ -76,6 +76,7 @@ PackedFaces faces_without(const std::vector<BrightTexel>& bright, const projecti
 PackedFaces halved(const PackedFaces& faces, int size, const Control& control) {
   if (size == faces.size) return {size, faces.rgb};
   std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * faces.size));
   for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
   PackedFaces result{size};
   result.owned = halved_faces(rows, size, {control.stop, {}});

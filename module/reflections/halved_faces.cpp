@@ -151,6 +151,7 @@ platform::AlignedBuffer<float> halved_faces(const std::vector<const float*>& row
   platform::AlignedBuffer<float> faces = halved_once(rows, control);
   for (auto made = static_cast<int>(rows.size() / 12); made > size; made /= 2) {
     std::vector<const float*> larger;
+    larger.reserve(static_cast<std::size_t>(6 * made));
     for (int row = 0; row < 6 * made; ++row) larger.push_back(faces.data() + std::ptrdiff_t{3} * made * row);
     faces = halved_once(larger, control);
   }
