@@ -1,6 +1,5 @@
 // The tree over bright texels: how it is made.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -12,6 +11,7 @@
 #include "image/geometry.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/standard_library.h"
 #include "reflections/bright_lights.h"
 
 namespace welkin::reflections {
@@ -50,7 +50,7 @@ class Directions {
     return 1.0 / (square * std::sqrt(square));
   }
   [[nodiscard]] math::SineCosine of_turns(double turns) {
-    const auto bits = std::bit_cast<std::uint64_t>(turns);
+    const auto bits = platform::bit_cast<std::uint64_t>(turns);
     Kept& kept = kept_[static_cast<std::size_t>((bits * 0x9E3779B97F4A7C15U) >> (64 - kKeptBits))];
     if (kept.bits != bits) kept = {bits, math::sine_cosine_of_turns(turns)};
     return kept.of;

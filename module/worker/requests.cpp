@@ -131,7 +131,7 @@ std::size_t BakeTo::hash() const noexcept { return hash_of(source); }
 
 bool BakeTo::operator==(const BakeTo& other) const {
   const auto same_targets = [](const std::vector<CubemapTarget>& left, const std::vector<CubemapTarget>& right) {
-    return std::ranges::equal(left, right, same_target);
+    return std::equal(left.begin(), left.end(), right.begin(), right.end(), same_target);
   };
   const auto& irradiance = targets.irradiance;
   const auto& other_irradiance = other.targets.irradiance;
