@@ -75,7 +75,7 @@ struct Prediction {
   std::uint64_t most_bytes = 0;    ///< of the step that takes most; without previews and encoders
 };
 
-/// Of a bake of a file. Throws as `plan_ahead`.
+/// Predicts a bake of a file. Throws as `plan_ahead`.
 [[nodiscard]] Prediction predict(BakeCommandOptions options);
 
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error

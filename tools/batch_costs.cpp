@@ -5,8 +5,8 @@
 namespace welkin::tool {
 
 double seconds_of_job(const Prediction& prediction, const BakeCommandOptions& options) {
-  // Of bakes of photographs of 1024 x 512 with `--size 256` and more on one thread of Zen 4. They only decide what is a
-  // fair share.
+  // Measured with bakes of photographs of 1024 x 512 with `--size 256` and more on one thread of Zen 4. They only
+  // decide what is a fair share.
   constexpr double kSecondsOfAJob = 0.02;         // opening, hashing and naming eight files
   constexpr double kSecondsOfATexel = 60e-9;      // reading one, and transforming it
   constexpr double kSecondsOfAByte = 10e-9;       // of the results in memory: making it, and encoding it

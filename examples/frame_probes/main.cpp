@@ -41,7 +41,7 @@ constexpr std::chrono::microseconds kPeriod{16'667};  // of a frame
 /// Where a probe stands in the scene.
 welkin::dvec3 position_of(std::size_t probe) { return {-2.8 + 0.8 * static_cast<double>(probe), 0.4, -1.5}; }
 
-/// Reflections of 1 % and nine coefficients; the fast preset is meant for probes that are captured anew.
+/// Reflections of 1 % and nine coefficients; the fast preset is meant for probes of every frame.
 welkin::BakeOptions options_of_probes() {
   welkin::BakeOptions options = welkin::BakeOptions::at(welkin::Quality::fast);
   options.background.reset();
@@ -127,7 +127,7 @@ class Probes {
     frame_probes::capture(frame_probes::Scene(frame), position_of(probe), kSize, slot->capture);
     if (worker == nullptr) return;
     // The job reads the capture and writes the staging buffer in place. A bake of the same probe that has not ended is
-    // given up for this one; its slot stays busy until it is ready, so no two bakes share memory. The follow-up runs on
+    // dropped for this one; its slot stays busy until it is ready, so no two bakes share memory. The follow-up runs on
     // the worker's thread and frees the result there: a frame that frees it may wait for the allocator's lock.
     slot->job =
         worker

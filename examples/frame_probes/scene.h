@@ -16,7 +16,7 @@
 
 namespace frame_probes {
 
-/// A room 8 m by 4 m by 8 m about the origin with walls of different colours, a matte ball, and a lamp that circles
+/// A room 8 m by 4 m by 8 m about the origin with walls of different colours, a matte sphere, and a lamp that circles
 /// below the ceiling.
 class Scene {
  public:
@@ -25,17 +25,17 @@ class Scene {
   /// Returns the radiance that arrives at `from`, inside the room, against the unit vector `direction`.
   [[nodiscard]] welkin::dvec3 radiance(const welkin::dvec3& from, const welkin::dvec3& direction) const {
     if (distance_to_sphere(from, direction, lamp_, 0.25) < kNothing) return {60.0, 50.0, 35.0};
-    const double ball = distance_to_sphere(from, direction, kBall, 0.8);
-    if (ball < kNothing) {
-      const welkin::dvec3 position = from + ball * direction;
-      return shaded(position, glm::normalize(position - kBall), {0.8, 0.3, 0.2});
+    const double distance = distance_to_sphere(from, direction, kSphere, 0.8);
+    if (distance < kNothing) {
+      const welkin::dvec3 position = from + distance * direction;
+      return shaded(position, glm::normalize(position - kSphere), {0.8, 0.3, 0.2});
     }
     return wall(from, direction);
   }
 
  private:
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
-  static constexpr welkin::dvec3 kBall{0.5, -1.2, 0.3};
+  static constexpr welkin::dvec3 kSphere{0.5, -1.2, 0.3};
   static constexpr welkin::dvec3 kHalfRoom{4.0, 2.0, 4.0};
 
   /// Returns the distance to a sphere's front in metres, infinity if the ray misses it.

@@ -45,7 +45,7 @@ enum class LobeFamily {
 /// Presets of how exact reflections and irradiance are: see `PrefilterOptions::at` and `BakeOptions::at`.
 enum class Quality {
   normal,     ///< `rms_error` 1e-3: the default
-  fast,       ///< `rms_error` 1e-2: for probes that are captured anew each frame
+  fast,       ///< `rms_error` 1e-2: for probes that are captured in each frame
   reference,  ///< the integrals themselves, in double: what the others are measured against. Takes minutes.
 };
 

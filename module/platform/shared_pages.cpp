@@ -16,7 +16,8 @@ constexpr std::size_t kUnit = kBytes / 64;
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr std::align_val_t kAlignment{kHugePage};
 
-/// A page in 64 units. Whoever clears bits of `free` owns these units, and whoever clears all of them the page.
+/// A page in 64 units. The thread that clears bits of `free` owns these units; the one that clears all of them owns the
+/// page.
 struct Page {
   std::atomic<std::uint64_t> free{0};  ///< a bit for each unit; 0 without memory
   std::atomic<bool> taken{false};      ///< has memory, or is about to

@@ -50,7 +50,7 @@ void free_block(const WorkingMemory& block) noexcept {
 class Pool {
  public:
   [[nodiscard]] std::size_t limit() const noexcept { return limit_.load(std::memory_order_relaxed); }
-  /// Of all that is kept, in shared pages too.
+  /// Counts all that is kept, in shared pages too.
   [[nodiscard]] std::size_t bytes() const noexcept {
     return bytes_.load(std::memory_order_relaxed) + shared_pages::unused_bytes();
   }

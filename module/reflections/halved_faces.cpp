@@ -50,7 +50,7 @@ Shares shares_of(int row, int size) {
   return shares;
 }
 
-/// What depends on the faces' size alone.
+/// Holds what depends on the faces' size alone.
 class HalvingTable {
  public:
   [[nodiscard]] static std::shared_ptr<const HalvingTable> get(int size) {

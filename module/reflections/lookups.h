@@ -1,5 +1,5 @@
-// What a shader shows that reads mips bilinearly and interpolates linearly between two: how far it is from the truth,
-// and the lobes that bring it nearest.
+// The error of a shader that reads mips bilinearly and interpolates linearly between two, and the lobes that make it
+// least.
 #pragma once
 
 #include <optional>
@@ -43,8 +43,8 @@ struct Lookup {
 /// Returns k_l of the GGX lobe of a roughness for l < degrees, to 1e-4.
 [[nodiscard]] std::vector<double> spectrum_of(double roughness, int degrees);
 
-/// What bilinear interpolation between the texels of a face shows of each degree, on average over all places. Texels of
-/// mips of roughness 0 are means over their areas.
+/// Says what bilinear interpolation between the texels of a face shows of each degree, on average over all places.
+/// Texels of mips of roughness 0 are means over their areas.
 struct TexelFilter {
   TexelFilter(int size, double roughness, int degrees);
 

@@ -478,7 +478,7 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
   }
 }
 
-/// Of each run two sums, of every other texel: one would wait for itself.
+/// Keeps two sums of each run, of every other texel: one alone would wait for itself.
 void sum_runs(const TexelRun* runs, int count, float* sums) {
   constexpr int kParts = kImageFloats / kWidth;
   Lanes sum[kParts];

@@ -77,7 +77,7 @@ struct Window {
     ranges.push_back({all, within(all, close), beside_pole});
   }
   [[nodiscard]] const RowRange& range(int row) const { return ranges[static_cast<std::size_t>(row + rows)]; }
-  /// Those that are close in a row above a line or below it.
+  /// Texels that are close in a row above a line or below it.
   [[nodiscard]] ColumnRange close_to_line(int row) const {
     ColumnRange all{0, 0};
     for (const int k : {std::max(row - 1, -rows), std::min(row, rows)}) {

@@ -130,7 +130,7 @@ TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, an
   const Room expected;
   static_cast<void>(bake_to(expected.targets(), cube.view(), bake_of()));
   const Room room;
-  for (const double share : {0.05, 0.4, 0.7, 0.95}) {  // of the work that is done before the bake is told to stop
+  for (const double share : {0.05, 0.4, 0.7, 0.95}) {  // of the work that is done before the bake is asked to stop
     stop_source stop;
     const BakeTo request{source_of(cube), room.targets(), bake_of()};
     const Control control{stop.get_token(), [&](double done) {
