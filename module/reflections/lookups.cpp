@@ -176,6 +176,7 @@ std::vector<float> whole_energies(std::span<const double> rest, const std::vecto
   double sum = 0.0;
   for (const double energy : energies) sum += energy;
   std::vector<float> shares;
+  shares.reserve(energies.size());
   for (const double energy : energies) shares.push_back(sum > 0.0 ? static_cast<float>(energy / sum) : 0.0F);
   return shares;
 }

@@ -239,7 +239,7 @@ class CubeRow {
             .there = row_there_ && wanted >= Lanes(0.0F) && wanted < size_};
   }
   /// How a texel's width grows from its top to its bottom, over its middle one.
-  [[nodiscard]] WELKIN_INLINE Lanes growth() const { return Lanes(0.0F); }
+  [[nodiscard]] static WELKIN_INLINE Lanes growth() { return Lanes(0.0F); }
 
  private:
   Lanes u0_, column_, size_, step_;

@@ -163,7 +163,7 @@ void NearSums::sum(std::size_t row, int turn, const float* records, float* to, f
   RingPlacesInMemory places{};
   RingPlacesInMemory last{};
   for (int k = 0; k < kRingImages; ++k) {
-    const std::size_t image = static_cast<std::size_t>(turn * kRingImages + k);
+    const auto image = static_cast<std::size_t>(turn * kRingImages + k);
     places.to[k] = to + targets.places[image].first;
     places.step[k] = targets.places[image].step;
     last.to[k] = diagonal + 3 * (kCubeImages * row + image);

@@ -139,7 +139,7 @@ namespace {
 
 int halved_to(int face, double least) noexcept {
   least = std::max(least, 64.0);  // texels beside the edges of coarser ones gain or lose too much
-  while (can_be_halved(face) && face / 2 >= least) face /= 2;
+  while (can_be_halved(face) && face >= 2.0 * least) face /= 2;
   return face;
 }
 
