@@ -1,12 +1,15 @@
 // The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "perf/report/comparison.h"
 #include "perf/report/measurement.h"
+#include "perf/report/passes.h"
 #include "perf/report/plot_svg.h"
 #include "perf/report/process.h"
 #include "perf/report/report_json.h"
@@ -286,6 +289,7 @@ void add_stability(Options& table, ReportCommandOptions& options) {
 
 Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
+  options->run.program = own_folder() / "welkin-report";  // by a name alone it is looked for on the PATH
   Command command{"report", "Error against run time of every method and setting", kReportFooter};
   add_output_files(command.options, *options);
   in_group(command.options, "Output");
@@ -308,5 +312,11 @@ int main(int count, char** words) {
   using welkin::tool::report_command, welkin::tool::run_guarded, welkin::tool::run_program;
   std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
   for (std::string& word : welkin::tool::program_arguments(count, words)) arguments.push_back(std::move(word));
-  return run_guarded([&] { return run_program({"", "", {report_command()}}, arguments); });
+  return run_guarded([&]() -> welkin::tool::ExitCode {
+    if (arguments.size() > 1 && arguments[1] == welkin::report::kFirstCall) {
+      std::printf("%.9g\n", welkin::report::first_call_seconds(std::span(arguments).subspan(2)));
+      return welkin::tool::success;
+    }
+    return run_program({"", "", {report_command()}}, arguments);
+  });
 }

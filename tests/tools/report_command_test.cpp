@@ -61,6 +61,18 @@ TEST_CASE("report: a page, figures and plots", "[tools][report]") {
   }
 }
 
+TEST_CASE("report: reflections from the integral to the loosest bound, in first calls too", "[tools][report]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path csv = folder.path() / "r.csv";
+  run_well("report --scale tiny --no-peers --passes prefilter-cube --csv " + quoted(csv));
+  const std::string figures = text_of(csv);
+  for (const char* setting : {"bound 3 %", "bound 0.1 %", "bound 0.01 %"}) {
+    CHECK(contains(figures, std::string("prefilter-cube,automatic,") + setting + ",,"));
+    CHECK(contains(figures, std::string("prefilter-cube,automatic,") + setting + ",first call of a process,"));
+  }
+  CHECK(contains(figures, "prefilter-cube,the integral in double,reference,,"));
+}
+
 TEST_CASE("report: two reports have the same errors, and are compared", "[tools][report]") {
   const TemporaryFolder folder;
   const std::string old = quoted(folder.path() / "old.json");
