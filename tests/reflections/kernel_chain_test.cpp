@@ -240,7 +240,7 @@ TEST_CASE("Sheen of a panel of lamps is within the bounds", "[zonal][truth]") {
   check_kernels(studio.view(), {ZonalKernel::charlie(0.1), ZonalKernel::charlie(0.5)}, 16, 1536);
 }
 
-TEST_CASE("A kernel's mip whose estimate exceeds the bound is integrated, or refused", "[zonal]") {
+TEST_CASE("A kernel's mip whose estimate exceeds the bound is integrated, or refused", "[zonal][truth]") {
   const TestLatLong lamp = make_lat_long(Content::one_texel_sun, 32, 16, 1);
   KernelChainOptions options{.size = 4, .kernels = {ZonalKernel::charlie(0.1)}, .rms_error = 2e-5};
   const PrefilteredSpecular made = prefilter_by_kernels(lamp.view(), options);
