@@ -7,8 +7,8 @@
 
 namespace welkin::perf {
 
-/// Typical scenes baked whole and by a plan: processor time (the fastest of `--runs=N`, default 3), memory, and whether
-/// what both computed is equal. With `--explain` the plans themselves, predicted and measured.
+/// Typical scenes baked whole and by a plan: processor time (the fastest of `--runs=N`, default 3) and
+/// memory. With `--explain` the plans themselves, predicted and measured.
 [[nodiscard]] std::string scene_table(const std::vector<std::filesystem::path>& arguments);
 
 }  // namespace welkin::perf

@@ -68,11 +68,11 @@
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added. Nothing is taken away or changed, with one
- * exception: the value 0 of `welkin_thread_priority` has another meaning since version 3. A program runs with every
- * library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as it leaves
- * what is new alone. */
-#define WELKIN_C_VERSION 3
+/* The version of this interface. It rises when something is added or taken away. Fields and functions were taken away
+ * in version 4, so programs that were compiled with an older header must be compiled again. A program runs with every
+ * later library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones, from version 4
+ * on, as long as it leaves what is new alone. */
+#define WELKIN_C_VERSION 4
 
 /* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
 WELKIN_API uint32_t welkin_c_version(void);
@@ -557,8 +557,6 @@ typedef struct welkin_prefilter_options {
   int32_t mips;                      /* 0: as many as `roughness_count` says, else as reflections.h has it */
   int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
-  int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
-  int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
   welkin_prefilter_method method;    /* of all mips */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: by `quality` */
   double maximum_error;              /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */

@@ -10,7 +10,6 @@
 #include <variant>
 #include <vector>
 
-#include "bake/needs.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
 #include "image/pixels.h"
@@ -260,8 +259,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   } else if (given.pixels != nullptr) {
     refuse("pixels of the prefilter options is not null; here it must be, as no call would read it");
   }
-  const UnusedMips unused{given.leave_out_sharp, given.leave_out_rough};
-  return unused == UnusedMips() ? wanted : baking::chain_without(unused, wanted);
+  return wanted;
 }
 
 }  // namespace welkin::c_interface

@@ -225,12 +225,10 @@ class BakeEntries final : public baking::ArtefactStore {
       background_ = {EntryKind::cubemap, cache::result_key("bake background", {source_, pixels, background})};
     }
     if (options.irradiance) {
-      // From harmonics its bits are those of the first of all bands that are projected.
       const bool pixels_alone = plan.convolves();
       const double error = plan.irradiance == IrradianceMethod::automatic ? options.irradiance->rms_error : 0.0;
       const ContentHash irradiance =
-          hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands,
-                  pixels_alone ? 0 : plan.projecting.bands, error);
+          hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands, error);
       irradiance_ = {EntryKind::specular_mip,
                      cache::result_key("bake irradiance", {source_, pixels, irradiance, shared_key(plan)})};
     }

@@ -369,7 +369,8 @@ ContentHash hash_options(const BrdfTableOptions& options) {
 }
 
 ContentHash hash_options(const BakeOptions& options) {
-  const auto& [background, specular, octahedral, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
+  const auto& [background, specular, octahedral, irradiance, bands, total_radiance, brdf, pixels, memory_limit_bytes] =
+      options;
   static_cast<void>(memory_limit_bytes);
   const auto& [background_size, background_mips, mip_filter] = background.value_or(BackgroundOptions{});
   const auto& [irradiance_size, irradiance_method, irradiance_error] = irradiance.value_or(IrradianceOptions{});
@@ -381,12 +382,11 @@ ContentHash hash_options(const BakeOptions& options) {
   }
   std::optional<ContentHash> table;
   if (brdf) table = hash_options(*brdf);
-  constexpr int removed = 0;  // these stand where two options stood once, as in a prefilter's hash
-  constexpr bool removed_flag = true;
+  constexpr int removed = 0;
   OptionWriter writer("bake");
   writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
-             irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, removed, removed_flag, table,
-             cache::pixel_key(pixels));
+             irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, removed, total_radiance,
+             table, cache::pixel_key(pixels));
   if (octahedral) {
     const auto& [size, levels, border] = *octahedral;
     writer.all(size, levels, border);

@@ -50,12 +50,8 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[1].c_options.roughness_count = 3;
   all[1].c_options.method = WELKIN_PREFILTER_REFERENCE;
   all[1].c_options.pixels = policy;
-  // What is left of four mips of 16 texels, as a chain of its own.
-  const std::vector<double> four = roughness_of_mips(RoughnessSchedule::filament, 4, 16);
-  all[2].options = {.size = 8, .roughness = {four[1], four[2]}, .rms_error = 1e-2, .maximum_error = 5e-2};
-  all[2].c_options.mips = 4;
-  all[2].c_options.leave_out_sharp = 1;
-  all[2].c_options.leave_out_rough = 1;
+  all[2].options = {.size = 16, .mips = 2, .rms_error = 1e-2, .maximum_error = 5e-2};
+  all[2].c_options.mips = 2;
   all[2].c_options.rms_error = 1e-2;
   all[2].c_options.maximum_error = 5e-2;
   all[5].options = PrefilterOptions::at(Quality::fast);
