@@ -27,7 +27,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   writer.put(name(mip.method));
   if (plan.family != LobeFamily::ggx) {
     // All lobes of a chain decide together which texels are taken out and how many bands there are.
-    writer.put(1);  // the version of its bits
     writer.put(plan.family);
     writer.put(plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
@@ -35,7 +34,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(4);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
     writer.put(plan.may_integrate);
@@ -47,7 +45,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     }
   }
   if (mip.method == MipMethod::narrow) {
-    writer.put(3);  // the version of its bits
     // All narrow mips of a chain share a transform; the reach decides which lights near by are merged.
     writer.put(reflections::narrow_reach(plan));
     writer.put(plan.narrow_size);
