@@ -1064,21 +1064,12 @@ enum {
   WELKIN_THREAD_PRIORITY_IDLE = 3 /* runs only on processors that nothing else wants, if there are any */
 };
 
-/* What a post does when the worker is at its limits. */
-typedef int32_t welkin_overflow_policy;
-enum {
-  WELKIN_OVERFLOW_WAIT = 0,       /* waits until there is room */
-  WELKIN_OVERFLOW_REFUSE = 1,     /* the new job gets WELKIN_QUEUE_FULL */
-  WELKIN_OVERFLOW_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
-};
-
 /* A worker's threads and limits. */
 typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
                       engine runs at the same time; 0: as many as the process may use */
   welkin_thread_priority thread_priority; /* of the worker's own threads */
-  welkin_overflow_policy overflow;        /* what a post does at the limits */
   const char* name;                       /* of the threads; null: "welkin" */
 
   /* Null, or lends the worker the engine's threads: has `task(argument)` called, soon and exactly once, by a thread of
@@ -1089,6 +1080,7 @@ typedef struct welkin_worker_options {
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user; /* what `enqueue` gets as its first argument */
 
+  /* Limits; a job that is posted beyond one ends with WELKIN_QUEUE_FULL. */
   uint64_t max_jobs;  /* in flight; 0: 4096 */
   uint64_t max_bytes; /* in flight, of their pixels; 0: 4 GiB */
 } welkin_worker_options;
@@ -1155,8 +1147,7 @@ typedef struct welkin_post_options {
    * On whichever thread that is, so it must not wait for the worker or one of its jobs. There is one exception: if
    * `struct_size` itself is refused (0, not a multiple of 8, far beyond what this library knows), nothing behind it is
    * read, and nothing is called.
-   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. Equal posts of such pixels
-   * share one run. */
+   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. */
   void (*release)(void* release_user);
   void* release_user; /* what `release` gets */
 
@@ -1278,8 +1269,8 @@ WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
 WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
 
 /* Waits until the job is ready, at most `timeout_nanoseconds`, then returns what `welkin_job_poll` does. On one of the
- * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself, and returns
- * WELKIN_INVALID_ARGUMENT if the wait would never end (docs/threading.md). */
+ * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself. A request must not wait for
+ * itself, directly or through other jobs: that wait never ends. */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Copies the result, any number of times; never waits. What `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if

@@ -192,7 +192,7 @@ SpecularPointer prefiltered(const View& view, const PrefilterOptions& options, c
   return std::make_shared<const PrefilteredSpecular>(prefilter_specular(view, options, control));
 }
 
-/// `prefilter_specular`, as a request. Equal ones share a run.
+/// `prefilter_specular`, as a request.
 template <class Source>
 struct PrefilterRequest {
   Source source;
@@ -202,8 +202,6 @@ struct PrefilterRequest {
     return prefiltered(source.view(), options, control);
   }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const PrefilterRequest&, const PrefilterRequest&) = default;
 };
 
 welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cubemap_chain(std::move(specular)); }

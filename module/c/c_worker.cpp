@@ -12,9 +12,6 @@
 namespace welkin::c_interface {
 namespace {
 
-static_assert(WELKIN_OVERFLOW_REFUSE == static_cast<int>(OverflowPolicy::refuse));
-static_assert(WELKIN_OVERFLOW_DROP_OLDEST == static_cast<int>(OverflowPolicy::drop_oldest));
-
 ThreadPriority thread_priority_of(welkin_thread_priority priority) {
   switch (priority) {
     case WELKIN_THREAD_PRIORITY_DEFAULT: return WorkerOptions().thread_priority;
@@ -30,7 +27,6 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
   WorkerOptions wanted;
   wanted.threads = given.threads;
   wanted.thread_priority = thread_priority_of(given.thread_priority);
-  wanted.overflow = enumerator("overflow", given.overflow, OverflowPolicy::drop_oldest);
   if (given.name != nullptr) wanted.name = given.name;
   wanted.executor = executor_of(given.enqueue, given.enqueue_user, given.threads);
   if (given.max_jobs != 0) wanted.max_jobs = given.max_jobs;
