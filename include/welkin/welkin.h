@@ -598,43 +598,6 @@ WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_lo
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
 
-/* Lobes beside GGX; zonal_kernel.h has their formulas. */
-typedef int32_t welkin_lobe;
-enum {
-  WELKIN_LOBE_CHARLIE = 0, /* sheen; a mip's number is its roughness */
-  WELKIN_LOBE_LAMBERT = 1, /* no numbers */
-  WELKIN_LOBE_PHONG = 2,   /* a mip's number is its power */
-  WELKIN_LOBE_BLINN = 3,   /* the same */
-  WELKIN_LOBE_SPECTRUM =
-      4 /* a mip's numbers are what harmonics of degree 0, 1, ... are multiplied by, over the first */
-};
-
-/* A chain by such a lobe; zonal_kernel.h says more. */
-typedef struct welkin_kernel_options {
-  uint32_t struct_size;
-  int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256 */
-  int32_t mips;                      /* 1 to 16 */
-  welkin_lobe lobe;                  /* of all mips */
-  const double* numbers;             /* of each mip: one, or as many as `bands`; copied */
-  int32_t bands;                     /* of a spectrum, 1 to 1536 */
-  welkin_prefilter_method method;    /* AUTOMATIC, SPECTRAL or REFERENCE */
-  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
-  const welkin_pixel_policy* pixels; /* null: the defaults */
-} welkin_kernel_options;
-
-/* Prefilters by a kernel a mip. Also WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED (a kernel too narrow or too sharp),
- * WELKIN_CANCELLED, WELKIN_OUT_OF_MEMORY. */
-WELKIN_API welkin_status welkin_prefilter_cubemap_by_kernels(const welkin_cubemap* cubemap,
-                                                             const welkin_kernel_options* options,
-                                                             const welkin_control* control,
-                                                             welkin_cubemap_chain** chain);
-
-/* The same of a lat-long. */
-WELKIN_API welkin_status welkin_prefilter_lat_long_by_kernels(const welkin_lat_long* lat_long,
-                                                              const welkin_kernel_options* options,
-                                                              const welkin_control* control,
-                                                              welkin_cubemap_chain** chain);
-
 /* The roughness of each mip of a sheen chain of glTF: `roughness` has room for `mips` doubles, 1 to 16. */
 WELKIN_API welkin_status welkin_charlie_roughness_of_mips(int32_t mips, int32_t size, double* roughness);
 
