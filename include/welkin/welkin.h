@@ -423,13 +423,6 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
 WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                                       welkin_engine_light* light);
 
-/* Babylon.js's polynomial of a single ambient colour: r, g, b for every normal. */
-WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
-
-/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a normal: `value` gets r, g, b. */
-WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
-                                                 double* value);
-
 /* ---- Results in the caller's memory ---- */
 
 /* Memory for one level of a cubemap, which may be an upload buffer: the library writes each texel once and reads none.
@@ -983,9 +976,6 @@ WELKIN_API welkin_status welkin_sky_projector_create(const welkin_sky_view* view
 /* Destroys a projector. */
 WELKIN_API void welkin_sky_projector_destroy(welkin_sky_projector* projector);
 
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector);
-
 /* Radiance of sky and ground, without the sun's disc: `coefficients` gets 3 bands^2 doubles. Allocates nothing. */
 WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
                                                       double* coefficients);
@@ -1000,9 +990,6 @@ WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
 
 /* Destroys a curve. */
 WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
-
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve);
 
 /* As of a projector; under a microsecond for three bands. `sun_irradiance` (may be null) gets r, g, b of the direct sun
  * on a surface that faces it. Allocates nothing. */

@@ -104,10 +104,6 @@ welkin_status welkin_sky_projector_create(const welkin_sky_view* view, const wel
 
 void welkin_sky_projector_destroy(welkin_sky_projector* projector) { destroy(projector); }
 
-int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector) {
-  return projector == nullptr ? 0 : projector->projector.options().bands;
-}
-
 welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
                                            double* coefficients) {
   return guarded([&] {
@@ -129,8 +125,6 @@ welkin_status welkin_sky_curve_create(const welkin_sky_view* view, const welkin_
 }
 
 void welkin_sky_curve_destroy(welkin_sky_curve* curve) { destroy(curve); }
-
-int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve) { return curve == nullptr ? 0 : curve->curve.bands(); }
 
 welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
                                   double* sun_irradiance) {
