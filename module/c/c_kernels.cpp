@@ -26,7 +26,6 @@ welkin_status welkin_charlie_roughness_of_mips(int32_t mips, int32_t size, doubl
     require(roughness, "roughness");
     const std::vector<double> table = welkin::charlie_roughness_of_mips(mips, size);
     std::copy(table.begin(), table.end(), roughness);
-    return WELKIN_OK;
   });
 }
 
@@ -50,6 +49,5 @@ welkin_status welkin_importance_lat_long(const welkin_lat_long* lat_long, const 
                                   target(column_cdf, height * (width + 1), "column_cdf")},
                                  wanted, control_of(control));
     if (integral != nullptr) *integral = sum;
-    return WELKIN_OK;
   });
 }

@@ -32,7 +32,6 @@ welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_cou
     require_room(projection, wanted.bands);
     const auto light = welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -50,7 +49,6 @@ welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_co
     const auto sum = welkin::project_many(views, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
                                           control_of(control));
     if (totals != nullptr) write_diagnostics(totals, sum);
-    return WELKIN_OK;
   });
 }
 
@@ -61,7 +59,6 @@ welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long, const wel
     require_room(projection, wanted.bands);
     const auto light = welkin::project(lat_long_view(lat_long), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -100,7 +97,6 @@ welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radia
   return guarded([&] {
     require(irradiance, "irradiance");
     write_harmonics(welkin::irradiance_from_radiance(read_harmonics(bands, radiance, "radiance")), irradiance);
-    return WELKIN_OK;
   });
 }
 
@@ -109,7 +105,6 @@ welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const d
     const glm::dvec3 towards = read_triple(direction, "direction");
     require(value, "value");
     write_triple(welkin::evaluate(read_harmonics(bands, coefficients, "coefficients"), towards), value);
-    return WELKIN_OK;
   });
 }
 
@@ -120,7 +115,6 @@ welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficient
     require(turned, "turned");
     const welkin::Quaternion rotation{.w = quaternion[3], .x = quaternion[0], .y = quaternion[1], .z = quaternion[2]};
     write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
-    return WELKIN_OK;
   });
 }
 
@@ -131,7 +125,6 @@ welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, c
     const glm::dmat3 orthogonal(read_triple(matrix, "matrix"), read_triple(matrix + 3, "matrix"),
                                 read_triple(matrix + 6, "matrix"));
     write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
-    return WELKIN_OK;
   });
 }
 
@@ -155,7 +148,6 @@ welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_
       write_struct(report, values, "report");
     }
     write_harmonics(result.radiance, windowed);
-    return WELKIN_OK;
   });
 }
 
@@ -167,7 +159,6 @@ welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* 
     for (int channel = 0; directions != nullptr && channel < 3; ++channel) {
       write_triple(least.direction[channel], directions + 3 * channel);
     }
-    return WELKIN_OK;
   });
 }
 
@@ -175,7 +166,6 @@ welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* 
   return guarded([&] {
     require(exposure, "exposure");
     *exposure = welkin::exposure_of(read_harmonics(bands, radiance, "radiance"));
-    return WELKIN_OK;
   });
 }
 
@@ -190,7 +180,6 @@ welkin_status welkin_dominant_light(int32_t bands, const double* radiance, doubl
     write_triple(values.direction, direction);
     write_triple(values.irradiance, irradiance);
     *found = light ? 1 : 0;
-    return WELKIN_OK;
   });
 }
 
@@ -203,7 +192,6 @@ welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t bands, double*
     light.irradiance = read_triple(given.irradiance, "irradiance");
     light.solid_angle = given.solid_angle;
     write_harmonics(welkin::sun_harmonics(light, bands), coefficients);
-    return WELKIN_OK;
   });
 }
 
@@ -251,7 +239,6 @@ welkin_status write_form(Form form, int32_t bands, const double* radiance, welki
   return guarded([&] {
     const Engine wanted = enumerator("engine", engine, Engine::usd);
     write_struct(light, plain(form(read_harmonics(bands, radiance, "radiance"), wanted)), "light");
-    return WELKIN_OK;
   });
 }
 
@@ -282,6 +269,5 @@ welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* con
     write_matrix(known.from_welkin, values.from_welkin);
     if (known.faces_from_engine) write_matrix(*known.faces_from_engine, values.faces_from_engine);
     write_struct(convention, values, "convention");
-    return WELKIN_OK;
   });
 }
