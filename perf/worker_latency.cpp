@@ -74,7 +74,6 @@ struct TimedProjection {
     return projection;
   }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return request.bytes(); }
-  friend bool operator==(const TimedProjection&, const TimedProjection&) = default;
 };
 
 enum class Waiting { future, polling };

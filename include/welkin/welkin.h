@@ -68,11 +68,11 @@
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added. Nothing is taken away or changed, with one
- * exception: the value 0 of `welkin_thread_priority` has another meaning since version 3. A program runs with every
- * library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as it leaves
- * what is new alone. */
-#define WELKIN_C_VERSION 3
+/* The version of this interface. It rises when something is added or taken away. Fields and functions were taken away
+ * in version 4, so programs that were compiled with an older header must be compiled again. A program runs with every
+ * later library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones, from version 4
+ * on, as long as it leaves what is new alone. */
+#define WELKIN_C_VERSION 4
 
 /* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
 WELKIN_API uint32_t welkin_c_version(void);
@@ -423,13 +423,6 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
 WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                                       welkin_engine_light* light);
 
-/* Babylon.js's polynomial of a single ambient colour: r, g, b for every normal. */
-WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
-
-/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a normal: `value` gets r, g, b. */
-WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
-                                                 double* value);
-
 /* ---- Results in the caller's memory ---- */
 
 /* Memory for one level of a cubemap, which may be an upload buffer: the library writes each texel once and reads none.
@@ -557,8 +550,6 @@ typedef struct welkin_prefilter_options {
   int32_t mips;                      /* 0: as many as `roughness_count` says, else as reflections.h has it */
   int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
-  int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
-  int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
   welkin_prefilter_method method;    /* of all mips */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: by `quality` */
   double maximum_error;              /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */
@@ -599,43 +590,6 @@ WELKIN_API welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap,
 WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long,
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
-
-/* Lobes beside GGX; zonal_kernel.h has their formulas. */
-typedef int32_t welkin_lobe;
-enum {
-  WELKIN_LOBE_CHARLIE = 0, /* sheen; a mip's number is its roughness */
-  WELKIN_LOBE_LAMBERT = 1, /* no numbers */
-  WELKIN_LOBE_PHONG = 2,   /* a mip's number is its power */
-  WELKIN_LOBE_BLINN = 3,   /* the same */
-  WELKIN_LOBE_SPECTRUM =
-      4 /* a mip's numbers are what harmonics of degree 0, 1, ... are multiplied by, over the first */
-};
-
-/* A chain by such a lobe; zonal_kernel.h says more. */
-typedef struct welkin_kernel_options {
-  uint32_t struct_size;
-  int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256 */
-  int32_t mips;                      /* 1 to 16 */
-  welkin_lobe lobe;                  /* of all mips */
-  const double* numbers;             /* of each mip: one, or as many as `bands`; copied */
-  int32_t bands;                     /* of a spectrum, 1 to 1536 */
-  welkin_prefilter_method method;    /* AUTOMATIC, SPECTRAL or REFERENCE */
-  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
-  const welkin_pixel_policy* pixels; /* null: the defaults */
-} welkin_kernel_options;
-
-/* Prefilters by a kernel a mip. Also WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED (a kernel too narrow or too sharp),
- * WELKIN_CANCELLED, WELKIN_OUT_OF_MEMORY. */
-WELKIN_API welkin_status welkin_prefilter_cubemap_by_kernels(const welkin_cubemap* cubemap,
-                                                             const welkin_kernel_options* options,
-                                                             const welkin_control* control,
-                                                             welkin_cubemap_chain** chain);
-
-/* The same of a lat-long. */
-WELKIN_API welkin_status welkin_prefilter_lat_long_by_kernels(const welkin_lat_long* lat_long,
-                                                              const welkin_kernel_options* options,
-                                                              const welkin_control* control,
-                                                              welkin_cubemap_chain** chain);
 
 /* The roughness of each mip of a sheen chain of glTF: `roughness` has room for `mips` doubles, 1 to 16. */
 WELKIN_API welkin_status welkin_charlie_roughness_of_mips(int32_t mips, int32_t size, double* roughness);
@@ -1022,9 +976,6 @@ WELKIN_API welkin_status welkin_sky_projector_create(const welkin_sky_view* view
 /* Destroys a projector. */
 WELKIN_API void welkin_sky_projector_destroy(welkin_sky_projector* projector);
 
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector);
-
 /* Radiance of sky and ground, without the sun's disc: `coefficients` gets 3 bands^2 doubles. Allocates nothing. */
 WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
                                                       double* coefficients);
@@ -1039,9 +990,6 @@ WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
 
 /* Destroys a curve. */
 WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
-
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve);
 
 /* As of a projector; under a microsecond for three bands. `sun_irradiance` (may be null) gets r, g, b of the direct sun
  * on a surface that faces it. Allocates nothing. */
@@ -1066,21 +1014,12 @@ enum {
   WELKIN_THREAD_PRIORITY_IDLE = 3 /* runs only on processors that nothing else wants, if there are any */
 };
 
-/* What a post does when the worker is at its limits. */
-typedef int32_t welkin_overflow_policy;
-enum {
-  WELKIN_OVERFLOW_WAIT = 0,       /* waits until there is room */
-  WELKIN_OVERFLOW_REFUSE = 1,     /* the new job gets WELKIN_QUEUE_FULL */
-  WELKIN_OVERFLOW_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
-};
-
 /* A worker's threads and limits. */
 typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
                       engine runs at the same time; 0: as many as the process may use */
   welkin_thread_priority thread_priority; /* of the worker's own threads */
-  welkin_overflow_policy overflow;        /* what a post does at the limits */
   const char* name;                       /* of the threads; null: "welkin" */
 
   /* Null, or lends the worker the engine's threads: has `task(argument)` called, soon and exactly once, by a thread of
@@ -1091,6 +1030,7 @@ typedef struct welkin_worker_options {
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user; /* what `enqueue` gets as its first argument */
 
+  /* Limits; a job that is posted beyond one ends with WELKIN_QUEUE_FULL. */
   uint64_t max_jobs;  /* in flight; 0: 4096 */
   uint64_t max_bytes; /* in flight, of their pixels; 0: 4 GiB */
 } welkin_worker_options;
@@ -1157,8 +1097,7 @@ typedef struct welkin_post_options {
    * On whichever thread that is, so it must not wait for the worker or one of its jobs. There is one exception: if
    * `struct_size` itself is refused (0, not a multiple of 8, far beyond what this library knows), nothing behind it is
    * read, and nothing is called.
-   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. Equal posts of such pixels
-   * share one run. */
+   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. */
   void (*release)(void* release_user);
   void* release_user; /* what `release` gets */
 
@@ -1280,8 +1219,8 @@ WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
 WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
 
 /* Waits until the job is ready, at most `timeout_nanoseconds`, then returns what `welkin_job_poll` does. On one of the
- * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself, and returns
- * WELKIN_INVALID_ARGUMENT if the wait would never end (docs/threading.md). */
+ * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself. A request must not wait for
+ * itself, directly or through other jobs: that wait never ends. */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Copies the result, any number of times; never waits. What `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if

@@ -421,7 +421,6 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   const std::vector<double> lobes = lobes_of(options, roughness);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = mips;
   plan.bounds = bounds_of(options);
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.may_integrate = options.method == PrefilterMethod::automatic;
@@ -450,7 +449,6 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   projection::check_policy(options.pixels);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = static_cast<int>(options.kernels.size());
   plan.bounds = bounds_of({.rms_error = options.rms_error});
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);

@@ -75,9 +75,6 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
 TEST_CASE("octahedral: worker requests have the bits of the direct call", "[worker][octahedral]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
   const Bake request{CubemapSource{cube.view(), nullptr}, bake_of({.size = 32, .levels = 2})};
-  Bake other = request;
-  other.options.octahedral->levels = 1;
-  CHECK(other != request);
   Worker worker;
   const auto result = worker.post(Bake(request)).get();
   CHECK(same_map(result->octahedral, to_octahedral(result->specular->cubemap, *request.options.octahedral)));
@@ -116,13 +113,11 @@ TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, an
 TEST_CASE("octahedral: a plan that leaves mips out has the map of those that are left", "[plan][octahedral]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
   const BakeOptions whole = bake_of({.size = 64, .levels = 4});
-  for (const bool same_bits : {true, false}) {
-    const Plan rest = plan(cube.view(), {.glossy = RoughnessRange{0.5, 0.6}, .same_bits = same_bits}, whole);
-    ResultCache cache;
-    for (const BakeResult& result : {bake(cube.view(), rest), cache.bake(cube.view(), rest)}) {
-      REQUIRE(result.specular->cubemap.levels() == 2);
-      CHECK(same_map(result.octahedral, to_octahedral(result.specular->cubemap, {.size = 64, .levels = 2})));
-    }
+  const Plan rest = plan(cube.view(), {.glossy = RoughnessRange{0.5, 0.6}}, whole);
+  ResultCache cache;
+  for (const BakeResult& result : {bake(cube.view(), rest), cache.bake(cube.view(), rest)}) {
+    REQUIRE(result.specular->cubemap.levels() == 2);
+    CHECK(same_map(result.octahedral, to_octahedral(result.specular->cubemap, {.size = 64, .levels = 2})));
   }
   const Plan matte = plan(cube.view(), {.glossy = std::nullopt}, whole);
   CHECK_FALSE(matte.options.octahedral.has_value());

@@ -342,7 +342,6 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
     auto options = c_struct<welkin_worker_options>();
     options.threads = 2;
     options.max_jobs = 16;
-    options.overflow = static_cast<welkin_overflow_policy>(round % 3);
     welkin_worker* worker = nullptr;
     REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
     std::vector<std::thread> threads;

@@ -240,23 +240,6 @@ TEST_CASE("bakes in a worker have the call's bits", "[worker][bake]") {
   }
 }
 
-TEST_CASE("equal bakes are run once", "[worker][bake]") {
-  const auto image = picture(64);
-  Worker worker(options_with(1));
-  std::vector<Job<std::shared_ptr<const BakeResult>>> jobs;
-  Hold hold(worker);
-  for (int k = 0; k < 4; ++k) jobs.push_back(worker.post(Bake{image, small_bake()}));
-  auto other = worker.post(Bake{image, small_bake(8)});
-  hold.let_go();
-  const auto first = take(jobs.front());
-  for (std::size_t k = 1; k < jobs.size(); ++k) CHECK(take(jobs[k]) == first);  // the very same result
-  CHECK(take(other) != first);
-  CHECK(Bake{image, small_bake()} == Bake{image, small_bake()});
-  CHECK(!(Bake{image, small_bake()} == Bake{picture(64), small_bake()}));
-  CHECK(!(Bake{image, small_bake()} == Bake{cubemap(8), small_bake()}));
-  CHECK(Bake{image, small_bake()}.bytes() == 12 * 64 * 32);
-}
-
 TEST_CASE("a running bake stops when it is told to", "[worker][bake]") {
   const auto image = picture(1024);
   Worker worker(options_with(2));
@@ -381,34 +364,6 @@ TEST_CASE("a request may be a member of what it is posted with, or a function", 
   CHECK(worker.post(Half{5.0}).get() == 2.5);
   int (*const function)(const Control&) = [](const Control&) { return 9; };
   CHECK(worker.post(function).get() == 9);
-}
-
-TEST_CASE("of jobs that share a run all but one get a copy", "[worker]") {
-  struct Seven {
-    Copied operator()(const Control&) const { return Copied(7); }
-    bool operator==(const Seven&) const = default;
-  };
-  Worker worker(options_with(1));
-  copies = 0;
-  // A result that can be copied but not assigned is not std::copyable, which sharing asks for: three runs, no copy.
-  std::vector<Job<Copied>> jobs;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Seven{}));
-  }
-  for (auto& job : jobs) CHECK(take(job).value() == 7);
-  CHECK(copies == 0);
-
-  struct Vector {
-    std::vector<int> operator()(const Control&) const { return std::vector<int>(1000, 7); }
-    bool operator==(const Vector&) const = default;
-  };
-  std::vector<Job<std::vector<int>>> vectors;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 3; ++k) vectors.push_back(worker.post(Vector{}));
-  }
-  for (auto& vector : vectors) CHECK(take(vector) == std::vector<int>(1000, 7));
 }
 
 // Promise: the hot loops allocate nothing when a worker runs them either.

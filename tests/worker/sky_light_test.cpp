@@ -389,7 +389,6 @@ TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[
 TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
   WorkerOptions full = options_with(1);
   full.max_jobs = 1;
-  full.overflow = OverflowPolicy::refuse;
   Worker worker(full);
   std::unique_ptr<SkyLight> sky;
   {
