@@ -12,6 +12,7 @@
 #include <numbers>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "image/area_resampling.h"
 #include "image/geometry.h"
@@ -332,9 +333,8 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
 /// `spectral_`.
 bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
   if (plan_.lights == LightsOf::any) {
-    if (choose_bands_by_energy(spectral_, source_on(rows))) return true;
-    spectral_.bands = std::min(transforms::kMaximumSpectrumBands, spectral_.bands + spectral_.bands / 2);
-    return false;
+    const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
+    return std::exchange(spectral_.bands, wanted) == wanted;
   }
   if (spectral_.tightenings == kMostTightenings || !spectral_.near_mips.empty()) return true;
   if (keeps_rms_error(spectral_, source_on(rows), texels)) return true;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "image/geometry.h"
+#include "math/elementary.h"
 #include "platform/text.h"
 #include "reflections/lobe.h"
 #include "transform/transform_kernels.h"
@@ -188,24 +189,58 @@ double error_beyond(const MipPlan& mip, std::span<const double> energies) {
   return std::sqrt(std::max(0.0, left) * tail / (2.0 * static_cast<double>(known.size()) + 1.0) / (4.0 * kPi));
 }
 
+/// Gives a mip its lobe's first `bands` and returns the error that is estimated for them.
+double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
+  mip.bands.zonal = mip.lobe->spectrum(bands);
+  for (int l = 0; l < bands && mip.lobe->last_band() == 0; ++l)
+    mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
+  // what is dark beside lights is to be right too
+  const double rest = blurred_rms(source.energies, mip.bands.zonal);
+  return spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
+}
+
 /// Chooses the bands of one mip: as few as keep its share of the bound. Returns the error that is estimated for them.
 double choose_bands_of_lobe(const PrefilterPlan& plan, const SpectralSource& source, MipPlan& mip) {
   const int last = mip.lobe->last_band();
-  const std::vector<double> spectrum = mip.lobe->spectrum(last > 0 ? last : plan.bands);
   int bands = last > 0 ? last : std::min(kLeastLobeBands, plan.bands);
   for (;; bands = std::min(plan.bands, bands + std::max(kBandStep, bands / 16 / kBandStep * kBandStep))) {
-    mip.bands.zonal.assign(spectrum.begin(), spectrum.begin() + bands);
-    for (int l = 0; l < bands && last == 0; ++l) mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
-    // what is dark beside lights is to be right too
-    const double rest = blurred_rms(source.energies, mip.bands.zonal);
-    const double error = spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
+    const double error = error_of_bands(source, bands, mip);
     if (last > 0 || bands >= plan.bands || error <= kOfLobeBound * plan.bounds.rms) return error;
+  }
+}
+
+/// Returns the energies of `bands` degrees: beyond the known ones they go on as those fall from their third to their
+/// last quarter.
+std::vector<double> continued(std::span<const double> known, int bands) {
+  const std::size_t quarter = std::max<std::size_t>(1, known.size() / 4);
+  const double last = tail_of(known);
+  const double third = tail_of(known.first(known.size() - quarter));
+  constexpr double kQuarters = 0.33647;  // logarithm of 7 / 5, the ratio of their middles
+  const double power =
+      last > 0.0 && third > 0.0 ? std::clamp(math::logarithm(third / last) / kQuarters, -1.0, 3.0) : 0.0;
+  std::vector<double> energies(known.begin(), known.end());
+  const double middle = 0.875 * static_cast<double>(known.size());
+  for (int l = static_cast<int>(known.size()); l < bands; ++l)
+    energies.push_back(last * math::exponential(power * math::logarithm(middle / l)));
+  return energies;
+}
+
+/// Returns the bands that a mip will take, more than the source's energies have, by their continuation.
+int foreseen_bands(const PrefilterPlan& plan, const SpectralSource& source, MipPlan mip) {
+  constexpr int most = transforms::kMaximumSpectrumBands;
+  const std::vector<double> energies = continued(source.energies, most);
+  SpectralSource longer = source;
+  for (int bands = plan.bands + plan.bands / 8;; bands += bands / 16) {
+    bands = std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
+    longer.energies = std::span(energies).first(static_cast<std::size_t>(bands));
+    if (bands == most || error_of_bands(longer, bands, mip) <= kOfLobeBound * plan.bounds.rms) return bands;
   }
 }
 
 }  // namespace
 
-bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+int choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+  int wanted = plan.bands;
   for (std::size_t level = 0; level < plan.spectral_lobes.size(); ++level) {
     MipPlan mip;
     mip.lobe = plan.spectral_lobes[level];
@@ -213,8 +248,9 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
     const double error = choose_bands_of_lobe(plan, source, mip);
     const bool ends = mip.lobe->last_band() > 0;
     if (!ends && error > kOfLobeBound * plan.bounds.rms) {
-      if (plan.bands < transforms::kMaximumSpectrumBands) return false;
-      if (error > plan.bounds.rms) {
+      if (plan.bands < transforms::kMaximumSpectrumBands) {
+        wanted = std::max(wanted, foreseen_bands(plan, source, mip));
+      } else if (error > plan.bounds.rms) {
         throw Error(ErrorCode::limit_exceeded,
                     "the kernel of mip " + std::to_string(level) + " is too narrow or has too sharp an edge: with " +
                         std::to_string(plan.bands) + " harmonic bands the mip errs by an estimated " +
@@ -226,7 +262,7 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
       if (made.lobe == mip.lobe) made.bands = mip.bands;
     }
   }
-  return true;
+  return wanted;
 }
 
 /// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as

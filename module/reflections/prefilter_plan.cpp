@@ -21,9 +21,9 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kLargestSize = 8192;
-constexpr double kLeastAlpha = 1e-6;       ///< below, a lobe is narrower than any texel by far: a copy
-constexpr double kKinkOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
-constexpr double kLeastRmsError = 1e-6;    ///< what float arithmetic leaves
+constexpr double kLeastAlpha = 1e-6;      ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kEndOversampling = 2.0;  ///< of the synthesis' rings, for spectra that end without a taper
+constexpr double kLeastRmsError = 1e-6;   ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
@@ -284,8 +284,8 @@ std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
 }
 
 transforms::GridSize MipPlan::grid() const noexcept {
-  return lobe->alpha() > 0.0 ? transforms::grid_for_bands(bands.bands())
-                             : transforms::grid_for_bands(bands.bands(), kKinkOversampling);
+  return lobe->last_band() > 0 ? transforms::grid_for_bands(bands.bands(), kEndOversampling)
+                               : transforms::grid_for_bands(bands.bands());
 }
 
 namespace {
