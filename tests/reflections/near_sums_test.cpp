@@ -22,11 +22,23 @@
 
 namespace welkin::test {
 
-using reflections::NearSplit, reflections::NearSums;
+using reflections::NearSplit, reflections::NearTable;
 
 namespace {
 
 constexpr NearSplit kSplit{.face = 16, .size = 8, .alpha = 0.07, .reach = 0.4, .bands = 24};
+
+/// The near sums of packed faces.
+std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& faces) {
+  const auto face_floats = std::size_t{3} * static_cast<std::size_t>(split.size * split.size);
+  std::vector<float> sums(6 * face_floats, 0.0F);
+  std::vector<const float*> rows;
+  for (int row = 0; row < 6 * split.face; ++row) rows.push_back(faces.data() + std::ptrdiff_t{3} * split.face * row);
+  reflections::NearMip mip{split, {}};
+  for (std::size_t face = 0; face < 6; ++face) mip.faces[face] = sums.data() + face * face_floats;
+  reflections::add_near_sums(rows, {mip}, {});
+  return sums;
+}
 
 TestCubemap noise_of(int size) { return make_cubemap(Content::random, size, 3, 5); }
 
@@ -34,8 +46,7 @@ TestCubemap noise_of(int size) { return make_cubemap(Content::random, size, 3, 5
 
 TEST_CASE("near sums of uniform light have the near part's share of it", "[prefilter][near]") {
   const std::vector<float> white(std::size_t{18} * 16 * 16, 1.0F);
-  std::vector<float> sums(std::size_t{18} * 8 * 8, -1.0F);
-  NearSums(kSplit).write(white.data(), sums.data(), {});
+  const std::vector<float> sums = near_sums(kSplit, white);
   const double share = 1.0 - reflections::far_spectrum(kSplit.alpha, kSplit.end(), 1).front();
   CHECK(share > 0.3);
   for (const float sum : sums) REQUIRE(std::abs(static_cast<double>(sum) - share) < 1e-6);
@@ -45,8 +56,7 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
   // the texel of +X in the middle, seen from each texel of the mip that is near enough
   std::vector<float> faces(std::size_t{18} * 16 * 16, 0.0F);
   faces[3 * (7 * 16 + 8)] = 1.0F;
-  std::vector<float> sums(std::size_t{18} * 8 * 8);
-  NearSums(kSplit).write(faces.data(), sums.data(), {});
+  const std::vector<float> sums = near_sums(kSplit, faces);
   const glm::dvec3 from = image::face_direction(16, 0, 8.5, 7.5);
   const double texel = image::FaceSolidAngles::get(16)->at(7, 8);
   int seen = 0;
@@ -79,11 +89,7 @@ TEST_CASE("near sums of a turned picture are turned near sums, to the last bit",
   };
   const TestCubemap cube = noise_of(16);
   const std::vector<float> faces(cube.pixels.begin(), cube.pixels.end());
-  std::vector<float> sums(std::size_t{18} * 8 * 8);
-  std::vector<float> sums_of_turned(sums.size());
-  NearSums(kSplit).write(faces.data(), sums.data(), {});
-  NearSums(kSplit).write(turned(faces, 16).data(), sums_of_turned.data(), {});
-  CHECK(same_bytes<float>(sums_of_turned, turned(sums, 8)));
+  CHECK(same_bytes<float>(near_sums(kSplit, turned(faces, 16)), turned(near_sums(kSplit, faces), 8)));
 }
 
 TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]") {
