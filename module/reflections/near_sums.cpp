@@ -90,8 +90,6 @@ NearTable::NearTable(const NearSplit& split)
     weights_.make(index, tile, worker.room);
     for (const NearRun& run : tile.runs)
       widen(worker.rows[static_cast<std::size_t>(run.row)], {run.first, run.first + run.count});
-    tile.runs.shrink_to_fit();
-    tile.weights.shrink_to_fit();
   });
   for (const Worker& worker : workers) {
     for (std::size_t row = 0; row < rows_.size(); ++row) widen(rows_[row], worker.rows[row]);

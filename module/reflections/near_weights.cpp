@@ -327,15 +327,18 @@ void grow(platform::AlignedBuffer<float>& buffer, std::size_t count) {
 }  // namespace
 
 void NearWeights::make(std::size_t tile, NearTile& to, Room& room) const {
-  to.runs.clear();
-  to.runs_ends.clear();
-  to.weights.clear();
+  room.made.runs.clear();
+  room.made.runs_ends.clear();
+  room.made.weights.clear();
   const std::size_t groups = (directions_.size() + kLanes - 1) / kLanes;
   for (std::size_t group = tile * kGroupsPerTile; group < std::min(groups, (tile + 1) * kGroupsPerTile); ++group) {
     weigh_group(group, room);
     for (std::size_t lane = 0; lane < std::min(kLanes, directions_.size() - group * kLanes); ++lane)
-      take_runs(lane, room, to);
+      take_runs(lane, room);
   }
+  to.runs.assign(room.made.runs.begin(), room.made.runs.end());
+  to.runs_ends.assign(room.made.runs_ends.begin(), room.made.runs_ends.end());
+  to.weights.assign(room.made.weights.begin(), room.made.weights.end());
 }
 
 void NearWeights::weigh_group(std::size_t group, Room& room) const {
@@ -370,7 +373,7 @@ void NearWeights::weigh_group(std::size_t group, Room& room) const {
 }
 
 /// Takes a direction's weights, without those at the ends of rows that are other directions' alone.
-void NearWeights::take_runs(std::size_t lane, const Room& room, NearTile& to) const {
+void NearWeights::take_runs(std::size_t lane, Room& room) const {
   const int part_rows = split_.cubemap() ? split_.face : split_.rows;
   for (std::size_t k = 0; k < room.count; ++k) {
     const Window& window = room.windows[k];
@@ -385,13 +388,16 @@ void NearWeights::take_runs(std::size_t lane, const Room& room, NearTile& to) co
       while (first < end && weight(first) == 0.0F) ++first;
       while (first < end && weight(end - 1) == 0.0F) --end;
       if (first < end) {
-        to.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
-        for (int i = first; i < end; ++i) to.weights.push_back(weight(i));
+        room.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
+        const std::size_t before = room.made.weights.size();
+        room.made.weights.resize(before + static_cast<std::size_t>(end - first));
+        float* const made = room.made.weights.data() + before;
+        for (int i = first; i < end; ++i) made[i - first] = weight(i);
       }
       ++row;
     }
   }
-  to.runs_ends.push_back(to.runs.size());
+  room.made.runs_ends.push_back(room.made.runs.size());
 }
 
 namespace {
