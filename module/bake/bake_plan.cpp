@@ -71,38 +71,36 @@ std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
                                                 static_cast<std::uint64_t>(grid.columns + border);
 }
 
-reflections::NarrowSplit split_of(const SourceShape& source, int size) {
-  return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows, size);
+reflections::NearSplit split_of(const SourceShape& source, int size, double alpha) {
+  return reflections::narrow_split(source.columns, source.cubemap ? 0 : source.rows, size, alpha);
 }
 
 reflections::PictureShape picture_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, grids.
+/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, weights, grids.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
-  const int rings = source.cubemap ? finest.rows_for_cubemap() : source.rows;
+  const reflections::NearSplit finest = split_of(source, plan.narrow_size, 0.0);
+  const int rings = source.cubemap ? reflections::far_rows_for_cubemap(finest) : source.rows;
   std::uint64_t bytes = columns_bytes(finest.bands, rings) + squared(finest.bands) * transforms::kHarmonicFloats * 4;
   if (source.cubemap)
     bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, source.columns, rings);
-  const double sharpest = finest.sharpest_lobe();
+  const double sharpest = reflections::sharpest_lobe(finest);
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
   if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
   bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source), reflections::kFarLights * sharpest,
                                                  jobs::worker_count(jobs::Placement::arena));
-  double reach = 0.0;
+  std::uint64_t records = 0;
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method != MipMethod::narrow) continue;
-    const reflections::NarrowSplit split = split_of(source, mip.size);
-    reach = std::max(reach, split.reach);
-    bytes += grid_bytes(split.bands, split.grid());
+    const reflections::NearSplit split = split_of(source, mip.size, mip.alpha);
+    records = std::max<std::uint64_t>(records, reflections::near_sums_bytes(split));
+    bytes += grid_bytes(split.bands, reflections::far_grid(split)) + reflections::NearTable::most_bytes(split);
   }
-  const int rows = source.cubemap ? source.columns : source.rows;
-  const reflections::TexelParts parts = reflections::parts_for(source.cubemap, source.columns, rows);
-  return bytes +
-         reflections::TexelImages::bytes_for(source.cubemap, source.columns * parts.columns, rows * parts.rows, reach);
+  const int cut = finest.face / source.columns;
+  return bytes + records + (cut > 1 ? kTexelBytes * cut * source.texels() : 0);
 }
 
 /// Of the transform that spectral mips share, and of the lights beside it.
@@ -133,7 +131,8 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     const reflections::PrefilterPlan split = first_choice.with_near_sums(source.columns);
     std::uint64_t near = spectral_bytes(source, split);
     for (const reflections::MipPlan& mip : split.near_mips)
-      near += reflections::NearSums::most_bytes(mip.near) + kTexelBytes * 6 * squared(mip.near.face);
+      near += reflections::NearTable::most_bytes(mip.near) + reflections::near_sums_bytes(mip.near) +
+              kTexelBytes * 6 * squared(mip.near.face);
     bytes = std::max(bytes, near);
   }
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);

@@ -93,7 +93,7 @@ int known_degrees(const MipPlan& mip, int bands) {
 }  // namespace
 
 MipPlan with_far_part(MipPlan mip) {
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   for (int l = 0; l < mip.near.bands; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] = far[static_cast<std::size_t>(l)] * taper(l, mip.near.bands);
   return mip;
@@ -114,7 +114,7 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
   if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
   const std::vector<double> lobe = mip.lobe->spectrum(degrees);
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   const double tail = tail_of(source.energies);
   double sum = 0.0;
   for (std::size_t l = 0; l < lobe.size(); ++l) {
@@ -131,7 +131,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
   const std::vector<double> lobe =
-      mip.near.face > 0 ? NearSums::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
+      mip.near.face > 0 ? NearTable::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
   const int rings = mip.grid().rings;
   const double tail = tail_of(energies);
   double sum = 0.0;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "reflections/lobe.h"
-#include "reflections/narrow_kernels.h"
+#include "reflections/near_kernels.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
