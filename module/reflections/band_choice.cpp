@@ -30,7 +30,7 @@ constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
 constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
 constexpr double kLeastRingsOfAlpha = 3.4;
-constexpr double kLeastRings = 128.0;
+constexpr double kLeastRings = 128.0;  ///< at the default bounds; they grow with the fourth root as well
 
 // Faces that are halved to texels of h = 2 / size lose an amount that falls like h^4 too.
 constexpr double kHalvedTexel = 0.6;          // times alpha, at a root mean square error of 1e-3
@@ -73,7 +73,8 @@ int bands_for_dark(const ErrorBounds& bounds) noexcept { return whole_bands(kOfD
 double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
   const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),
                                     kRingsOfRms * fourth_root(1e-3 / bounds.rms), kLeastRingsOfAlpha});
-  return std::max(kLeastRings, of_alpha / alpha);
+  const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
+  return std::max(kLeastRings / fourth_root(looser), of_alpha / alpha);
 }
 
 double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
