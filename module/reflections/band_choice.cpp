@@ -33,7 +33,7 @@ constexpr double kLeastRingsOfAlpha = 3.4;
 constexpr double kLeastRings = 128.0;  ///< at the default bounds; they grow with the fourth root as well
 
 // Faces that are halved to texels of h = 2 / size lose an amount that falls like h^4 too.
-constexpr double kHalvedTexel = 0.6;          // times alpha, at a root mean square error of 1e-3
+constexpr double kHalvedTexel = 0.62;         // times alpha, at a root mean square error of 1e-3
 constexpr double kHalvedPower = 1.0 / 3.0;    // of the bound
 constexpr double kTexelsOfBands = 2.0 / 3.0;  // at least
 

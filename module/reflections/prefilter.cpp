@@ -69,7 +69,8 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
-constexpr int kFewBands = 48;             ///< these take no longer than to look whether two thirds of them do
+constexpr double kMostSharp = 2.6;         ///< over the reach: of lobes whose dark parts mostly take more bands
+constexpr int kFewBands = 72;             ///< these take no longer than to look whether fewer do
 
 using Faces = std::array<float*, 6>;
 
@@ -436,7 +437,8 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   }
   const ErrorBounds tight = target.bounds.tightened(target.tightenings);
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
-  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && 3 * mip.bands.bands() >= 2 * of_dark)
+  const bool sharp = 2.0 * mip.alpha * of_dark < kMostSharp * reach_within(tight);
+  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp)
     mip.bands = tapered_lobe(mip.alpha, of_dark);
   blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   if (near) add_near_sums(target, mip, {control.stop, {}});
