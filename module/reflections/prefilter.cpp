@@ -69,6 +69,9 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
+constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
+constexpr double kMostSharp = 2.6;         ///< over the reach: of lobes whose dark parts mostly take more bands
+constexpr int kFewBands = 72;             ///< these take no longer than to look whether fewer do
 
 using Faces = std::array<float*, 6>;
 
@@ -424,16 +427,22 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
     if (keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)) break;
     mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), spectrum.bands());
   }
-  blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
-  if (near) add_near_sums(target, mip, {control.stop, {}});
   const ErrorBounds tight = target.bounds.tightened(target.tightenings);
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
+  const bool sharp = 2.0 * mip.alpha * of_dark < kMostSharp * reach_within(tight);
+  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp)
+    mip.bands = tapered_lobe(mip.alpha, of_dark);
+  blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
+  if (near) add_near_sums(target, mip, {control.stop, {}});
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {
     mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(target, mip, spectrum, {control.stop, {}});
   }
   const Stopwatch splatting;
-  bright_.add({*mip.lobe}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
+  const double least =
+      bright_.empty() ? 0.0 : kLeftOut * target.bounds.rms * least_of(target.chain, target.level, control);
+  const double left_out =
+      bright_.add({*mip.lobe, 0.0, least}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
   note_darkness(target, blurred_rms(energies_, mip.bands.zonal), control);
   note(target.name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   target.record.bands = mip.bands.bands();
@@ -442,7 +451,7 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   // Few texels may lie where the error of a lobe with kinks is largest.
   const double by_chance = mip.alpha > 0.0 ? 1.0 : std::min(2.0, 1.0 + 4.0 / mip.size);
   target.record.error_estimate =
-      by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms), rms);
+      by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms) + left_out, rms);
   keep_or_integrate(target, mip, watch, control);
 }
 

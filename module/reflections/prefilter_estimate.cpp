@@ -295,7 +295,7 @@ bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, co
   MipPlan narrowest;
   narrowest.alpha = plan.least_alpha;
   narrowest.lobe = std::make_shared<const Lobe>(plan.least_alpha);
-  narrowest.bands = choose_bands(plan.least_alpha, plan.tight(), transforms::kMaximumSpectrumBands);
+  narrowest.bands = choose_bands(plan.least_alpha, plan.bounds.tightened(kMostTightenings), plan.bands);  // at most
   return keeps_rms_error(narrowest, plan.bounds.rms, source, lights);
 }
 
