@@ -78,20 +78,22 @@ if(WELKIN_TOOLS)
   # Tests of the command run the built programs.
   add_dependencies(welkin_tests welkin_command welkin_report_command)
 endif()
-catch_discover_tests(welkin_tests PROPERTIES TIMEOUT 600)
+catch_discover_tests(welkin_tests TEST_SPEC "~[slow]~[truth]" PROPERTIES TIMEOUT 600 LABELS quick)
+catch_discover_tests(welkin_tests TEST_SPEC "[slow]~[truth]" PROPERTIES TIMEOUT 600 LABELS slow)
+catch_discover_tests(welkin_tests TEST_SPEC "[truth]" PROPERTIES TIMEOUT 600 LABELS truth)
 
 # Nobody reads working memory that nobody wrote: results on record stay the same where it is filled with NaN.
 if(welkin_all_codecs AND NOT WELKIN_TEST_FOLDERS AND NOT CMAKE_CROSSCOMPILING)
   add_test(NAME "results on record, in working memory filled with NaN" COMMAND welkin_tests "[same_as_before]")
   set_tests_properties("results on record, in working memory filled with NaN" PROPERTIES
-                       ENVIRONMENT WELKIN_TEST_FILL_MEMORY=1 TIMEOUT 600)
+                       ENVIRONMENT WELKIN_TEST_FILL_MEMORY=1 TIMEOUT 600 LABELS slow)
 endif()
 
 # A call of C that computes with the caller's rounding would differ from the call of C++, which does not
 # (tests/float_environment).
 if(welkin_all_codecs AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT WELKIN_TEST_FOLDERS)
   foreach(mode IN ITEMS upward flushed)
-    add_test(NAME "float environment: the C interface, ${mode}" COMMAND welkin_tests "C: *C++ call*")
+    add_test(NAME "float environment: the C interface, ${mode}" COMMAND welkin_tests "[c_interface]")
     set_tests_properties("float environment: the C interface, ${mode}" PROPERTIES
                          ENVIRONMENT WELKIN_TEST_FLOAT_MODE=${mode} TIMEOUT 600)
   endforeach()

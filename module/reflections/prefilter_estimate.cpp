@@ -39,6 +39,7 @@ constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edge
 constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
+constexpr double kFinerToTheEnd = 2e-5;     ///< the same where the last harmonics count as much as the first
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
 constexpr double kCoarse = 3.0;             ///< more of that where a lobe is narrower than three rings
 
@@ -158,16 +159,18 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
 
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
-  const std::optional<Rings> rings =
-      source.face_size > 0 ? std::optional(Rings{kPi / source.rings, source.halved}) : std::nullopt;
+  const bool cube = source.face_size > 0;
+  const Rings of_cube{cube ? kPi / source.rings : 0.0, source.halved};
+  const std::optional<Rings> rings = cube ? std::optional(of_cube) : std::nullopt;
   const double square =
       (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
-  double rounding = kRounding + (source.finer ? kFiner : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
-  if (rings) {
-    rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.ring_alpha()) : kTableRounding;
-    rounding += kHalvedEdges * rings->halved * rings->halved;
+  const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
+  double rounding = kRounding + (source.finer ? finer : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  if (cube) {
+    rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
+    rounding += kHalvedEdges * of_cube.halved * of_cube.halved;
   }
-  return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+  return (cube ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
 namespace {

@@ -143,7 +143,7 @@ TEST_CASE("lobes: worker requests have the bits of the direct call", "[worker][l
   CHECK(same_bits(result->specular->cubemap, direct(cube.view(), family).cubemap));
 }
 
-TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][cache][lobes]") {
+TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][cache][lobes][slow]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
   std::vector<PrefilterOptions> all;
   for (const Family& family : all_families()) all.push_back(family.options);

@@ -39,7 +39,7 @@ PassAction action_of(const BakeResult& result) { return pass_named(result, "octa
 
 }  // namespace
 
-TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[bake][octahedral]") {
+TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[bake][octahedral][slow]") {
   const TestLatLong wide = make_lat_long(Content::high_range, 64, 32, 5);
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
   const auto check = [](const auto& view, const OctahedralOptions& how) {
@@ -81,7 +81,7 @@ TEST_CASE("octahedral: worker requests have the bits of the direct call", "[work
 }
 
 TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, and no other",
-          "[bake][cache][octahedral]") {
+          "[bake][cache][octahedral][slow]") {
   const TemporaryDirectory directory;
   ResultCache cache({.folder = directory.file("cache"), .memory_bytes = 0});
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);

@@ -117,10 +117,10 @@ void require_same(const welkin_cubemap_chain* chain, const PrefilteredSpecular& 
 
 }  // namespace
 
-TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface]") {
+TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]") {
   const CWorker worker(2);
-  const auto cube = make_cubemap(Content::high_range, 32, 4, 1);
-  const auto picture = make_lat_long(Content::high_range, 64, 32, 2);
+  const auto cube = make_cubemap(Content::high_range, 8, 4, 1);
+  const auto picture = make_lat_long(Content::high_range, 16, 8, 2);
   const welkin_cubemap cube_view = c_view(cube.view());
   const welkin_lat_long lat_long_view = c_view(picture.view());
   const auto policy = clamping_policy();
@@ -200,7 +200,7 @@ TEST_CASE("C: an importance table has the C++ call's bits", "[c_interface]") {
   CHECK(integral == expected.integral);
 }
 
-TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface]") {
+TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface][slow]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
   const welkin_cubemap view = c_view(cube.view());
   welkin_cubemap_chain* chain = nullptr;
@@ -388,7 +388,7 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
 
 }  // namespace
 
-TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface]") {
+TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow]") {
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
   const auto picture = make_lat_long(Content::high_range, 64, 32, 2);

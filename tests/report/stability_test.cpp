@@ -94,20 +94,22 @@ void require_recorded_if_fast(const std::string& subject) {
 }  // namespace
 
 TEST_CASE("Stability: dynamic range of projections", "[report][stability]") { require_recorded("range"); }
-TEST_CASE("Stability: dynamic range of pictures", "[report][stability]") { require_recorded_if_fast("image-range"); }
+TEST_CASE("Stability: dynamic range of pictures", "[report][stability][truth]") {
+  require_recorded_if_fast("image-range");
+}
 TEST_CASE("Stability: cancellation", "[report][stability]") { require_recorded("cancellation"); }
 TEST_CASE("Stability: sums of any length", "[report][stability]") { require_recorded("accumulation"); }
 TEST_CASE("Stability: values that are no numbers", "[report][stability]") { require_recorded("policies"); }
-TEST_CASE("Stability: sizes of 1 and 2", "[report][stability]") { require_recorded("sizes"); }
-TEST_CASE("Stability: lobes of any width", "[report][stability]") { require_recorded_if_fast("roughness"); }
+TEST_CASE("Stability: sizes of 1 and 2", "[report][stability][truth]") { require_recorded("sizes"); }
+TEST_CASE("Stability: lobes of any width", "[report][stability][truth]") { require_recorded_if_fast("roughness"); }
 TEST_CASE("Stability: kernels at grazing angles", "[report][stability]") { require_recorded("grazing"); }
-TEST_CASE("Stability: BRDF tables at their ends", "[report][stability]") { require_recorded("brdf"); }
-TEST_CASE("Stability: windows", "[report][stability]") { require_recorded("windows"); }
+TEST_CASE("Stability: BRDF tables at their ends", "[report][stability][truth]") { require_recorded("brdf"); }
+TEST_CASE("Stability: windows", "[report][stability][truth]") { require_recorded("windows"); }
 TEST_CASE("Stability: turns", "[report][stability]") { require_recorded("rotation"); }
-TEST_CASE("Stability: rays through a planet's air", "[report][stability]") { require_recorded("sky-rays"); }
-TEST_CASE("Stability: suns of any elevation", "[report][stability]") { require_recorded_if_fast("sky-sun"); }
-TEST_CASE("Stability: air of any density", "[report][stability]") { require_recorded_if_fast("sky-air"); }
-TEST_CASE("Stability: planets of any size", "[report][stability]") { require_recorded_if_fast("sky-planet"); }
+TEST_CASE("Stability: rays through a planet's air", "[report][stability][truth]") { require_recorded("sky-rays"); }
+TEST_CASE("Stability: suns of any elevation", "[report][stability][truth]") { require_recorded_if_fast("sky-sun"); }
+TEST_CASE("Stability: air of any density", "[report][stability][truth]") { require_recorded_if_fast("sky-air"); }
+TEST_CASE("Stability: planets of any size", "[report][stability][truth]") { require_recorded_if_fast("sky-planet"); }
 
 TEST_CASE("Every subject of the record is one of the suite", "[report][stability]") {
   const std::vector<std::string> subjects = report::stability_subjects();

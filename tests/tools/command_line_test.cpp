@@ -28,101 +28,6 @@ TEST_CASE("command: --help-all teaches", "[tools]") {
   }
 }
 
-TEST_CASE("command: sh --help names every option", "[tools]") {
-  const CommandResult result = run_welkin("sh --help-all");
-  for (const char* option : {"INPUT", "--sky", "--json", "--bands", "--quadrature exact|midpoint", "--target-size",
-                             "--layout", "vertical-strip", "--clamp", "--preserve-clamped", "--gamma", "--nan",
-                             "--infinity", "--negative keep|replace|reject", "--threads", "--memory-limit"}) {
-    INFO(option);
-    CHECK(contains(result.output, option));
-  }
-}
-
-TEST_CASE("command: sky --help names every option", "[tools][sky]") {
-  const CommandResult result = run_welkin("sky --help-all");
-  for (const char* option : {"--sun-elevation",
-                             "--sun-azimuth",
-                             "--altitude",
-                             "--no-ground",
-                             "--preset earth|clear|hazy|dusty|polluted|no-aerosol|earth-bruneton|earth-hillaire|mars",
-                             "--aerosol DEPTH",
-                             "--atmosphere FILE",
-                             "--wavelengths",
-                             "--ground-albedo",
-                             "--night CD",
-                             "--print-atmosphere",
-                             "--orders",
-                             "--until-change",
-                             "--colour spectral|srgb",
-                             "--layout full|compact",
-                             "--table-size",
-                             "--tables FILE",
-                             "--quadrature uniform|gauss|gauss-split",
-                             "--directions",
-                             "--json",
-                             "--bands",
-                             "--for",
-                             "--sweep FILE.png",
-                             "--sweep-to",
-                             "--output",
-                             "--picture-height",
-                             "--sun-disc",
-                             "--size",
-                             "--formats",
-                             "--memory-limit",
-                             "--threads"}) {
-    INFO(option);
-    CHECK(contains(result.output, option));
-  }
-}
-
-TEST_CASE("command: bake --help names every option", "[tools]") {
-  const CommandResult result = run_welkin("bake --help-all");
-  for (const char* option : {"INPUT",
-                             "--output",
-                             "--json",
-                             "--size",
-                             "--background-size",
-                             "--mips",
-                             "--roughness filament|three|linear|gltf|bevy|babylon|unity|unreal|LIST",
-                             "--method automatic|spectral|reference",
-                             "--fit-lookups on|off",
-                             "--quality fast|normal|reference",
-                             "--rms-error",
-                             "--irradiance",
-                             "--irradiance-method automatic|direct|harmonics",
-                             "--bands",
-                             "--brdf",
-                             "--brdf-model",
-                             "--no-brdf",
-                             "--formats",
-                             "--ktx2-format rgba16f|rgba32f|b10g11r11|e5b9g9r9|bc6h|bc6h-signed|astc4x4|astc6x6",
-                             "--bc6h-effort fast|normal|slow",
-                             "--astc-effort fastest|fast|medium|thorough",
-                             "--supercompression none|zlib|zstd",
-                             "--no-previews",
-                             "--preview-size",
-                             "--sky",
-                             "--for",
-                             "--clamp",
-                             "--nan",
-                             "--threads",
-                             "--memory-limit"}) {
-    INFO(option);
-    CHECK(contains(result.output, option));
-  }
-}
-
-TEST_CASE("command: report --help names every option and pass", "[tools][report]") {
-  const CommandResult result = run_welkin("report --help-all");
-  for (const char* part : {"--output", "--json", "--csv", "--plots", "--scale", "--quick", "--passes", "--environment",
-                           "--threads", "--against", "--error-factor", "--time-factor", "--node-modules", "--no-peers",
-                           "--stability", "project-cubemap", "prefilter-file", "sky-tables"}) {
-    INFO(part);
-    CHECK(contains(result.output, part));
-  }
-}
-
 TEST_CASE("command: --version tells version and instruction sets", "[tools]") {
   const CommandResult result = run_welkin("--version");
   CHECK(result.exit_code == 0);
@@ -264,7 +169,7 @@ std::vector<std::string> inputs() {
 
 }  // namespace
 
-TEST_CASE("sh: the same output on any number of threads", "[tools]") {
+TEST_CASE("sh: the same output on any number of threads", "[tools][slow]") {
   for (const std::string& input : inputs()) {
     const nlohmann::json expected = run_sh_json_without_times("--threads 1 " + input);
     for (const char* threads : {"--threads 2 ", "--threads 5 ", ""}) {
@@ -274,7 +179,7 @@ TEST_CASE("sh: the same output on any number of threads", "[tools]") {
   }
 }
 
-TEST_CASE("sh: the same output on every instruction set", "[tools]") {
+TEST_CASE("sh: the same output on every instruction set", "[tools][slow]") {
   for (const std::string& input : inputs()) {
     const nlohmann::json expected = run_sh_json_without_times("--bands 6 " + input);
     for (const InstructionSet set : available_instruction_sets()) {

@@ -106,7 +106,7 @@ std::vector<std::filesystem::path> shared_files() {
 
 }  // namespace
 
-TEST_CASE("command: sh and info agree on the light of real environments", "[tools]") {
+TEST_CASE("command: sh and info agree on the light of real environments", "[tools][slow]") {
   const auto files = shared_files();
   if (files.empty()) WARN("no shared environments here");
   for (const auto& file : files) {
@@ -169,7 +169,7 @@ std::string output_of(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix]") {
+TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]") {
   const TemporaryDirectory directory;
   std::filesystem::create_directory(directory.file("corpus"));
   const int files = write_corpus(directory.file("corpus"), directory.file(""));

@@ -189,7 +189,7 @@ TEST_CASE("resampling runs out of memory cleanly", "[worker]") {
   fail_everywhere([&] { return LatLongToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
 }
 
-TEST_CASE("files run out of memory cleanly", "[worker]") {
+TEST_CASE("files run out of memory cleanly", "[worker][slow]") {
   const TemporaryDirectory directory;
   for (const char* extension : {".exr", ".hdr", ".pfm", ".png"}) {
     INFO(extension);

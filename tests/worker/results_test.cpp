@@ -181,7 +181,7 @@ std::vector<Case> all_cases(const TemporaryDirectory& directory) {
 
 }  // namespace
 
-TEST_CASE("a worker's results are the direct calls' bits", "[worker]") {
+TEST_CASE("a worker's results are the direct calls' bits", "[worker][slow]") {
   const TemporaryDirectory directory;
   const std::vector<Case> cases = all_cases(directory);
   for (const int threads : {1, 2, 5}) {
@@ -193,7 +193,7 @@ TEST_CASE("a worker's results are the direct calls' bits", "[worker]") {
   }
 }
 
-TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker]") {
+TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker][slow]") {
   const TemporaryDirectory directory;
   const std::vector<Case> cases = all_cases(directory);
   for (const int slots : {1, 3}) {
@@ -368,7 +368,7 @@ TEST_CASE("a request may be a member of what it is posted with, or a function", 
 
 // Promise: the hot loops allocate nothing when a worker runs them either.
 
-TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocation]") {
+TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocation][slow]") {
   if (kSanitized) return;  // sanitizers bring a heap of their own
   for (const int threads : {1, 2, 4}) {
     Worker worker(options_with(threads));

@@ -221,7 +221,7 @@ TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dy
   }));
 }
 
-TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky]") {
+TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky][slow]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.tables.heights = 12;  // many of this test's frames

@@ -440,7 +440,7 @@ unsigned chosen_seed() {
 
 }  // namespace
 
-TEST_CASE("workers stand whatever is done to them at once", "[worker][stress]") {
+TEST_CASE("workers stand whatever is done to them at once", "[worker][stress][slow]") {
   const unsigned seed = chosen_seed();
   INFO("WELKIN_STRESS_SEED=" << seed);
   const Watchdog watchdog(seed);
