@@ -14,5 +14,6 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/without_codecs -B ${work} -G $
     -DWELKIN_SOURCE=${source} -DWELKIN_CORE=${core} ${absent}
     -DWELKIN_EXR=OFF -DWELKIN_PNG=OFF -DWELKIN_WEBP=OFF -DWELKIN_ZLIB=OFF -DWELKIN_ZSTD=OFF -DWELKIN_ASTC=OFF)
 run(${CMAKE_COMMAND} --build ${work} --target refusing)
+file(REMOVE_RECURSE ${work}/files)
 run(${work}/bin/refusing ${work})
 message("${output}")
