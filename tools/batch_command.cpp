@@ -10,7 +10,6 @@
 #include "embedded_texts.h"
 #include "platform/text.h"
 #include "tools/batch.h"
-#include "tools/batch_inputs.h"
 #include "tools/commands.h"
 #include "tools/json.h"
 #include "tools/terminal.h"

@@ -1,4 +1,4 @@
-#include "tools/batch_inputs.h"
+#include "tools/batch.h"
 
 #include <algorithm>
 #include <array>

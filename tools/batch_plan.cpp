@@ -13,7 +13,6 @@
 #include "platform/text.h"
 #include "tools/baked.h"
 #include "tools/batch.h"
-#include "tools/batch_inputs.h"
 #include "tools/lines.h"
 #include "tools/text.h"
 

@@ -107,10 +107,7 @@ class ShardRun {
         tasks_(tasks_of(plan, run)),
         stop_(std::move(stop)),
         store_(run.results),
-        report_(run.results, run.shard) {
-    for (const Task& task : tasks_) all_seconds_ += plan_.jobs[task.job].seconds;
-    seconds_left_ = all_seconds_;
-  }
+        report_(run.results, run.shard) {}
 
   /// Throws what stopped it.
   BatchOutcome run() {
@@ -143,6 +140,12 @@ class ShardRun {
     const BatchJob& job;
     int threads;
   };
+
+  [[nodiscard]] double predicted_seconds() const {
+    double all = 0.0;
+    for (const Task& task : tasks_) all += plan_.jobs[task.job].seconds;
+    return all;
+  }
 
   [[nodiscard]] int threads_wanted(const BatchJob& job) const {
     // Its share of what is left to do, itself included.
@@ -309,6 +312,7 @@ class ShardRun {
   const std::stop_token stop_;
   ResultStore store_;
   RunReport report_;
+  const double all_seconds_ = predicted_seconds();
   const Clock::time_point start_ = Clock::now();
   const bool shows_progress_ = is_terminal(Stream::error) && verbosity() != Verbosity::quiet;
 
@@ -319,8 +323,7 @@ class ShardRun {
   int running_ = 0;
   int threads_busy_ = 0;
   std::uint64_t memory_busy_ = 0;
-  double all_seconds_ = 0.0;
-  double seconds_left_ = 0.0;  ///< of tasks that are not given out
+  double seconds_left_ = all_seconds_;  ///< of tasks that are not given out
   double seconds_done_ = 0.0;
   Clock::time_point next_drawing_ = start_ + std::chrono::milliseconds(100);
   bool drawn_ = false;

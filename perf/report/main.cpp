@@ -15,8 +15,6 @@
 #include "perf/report/report_json.h"
 #include "perf/report/report_page.h"
 #include "perf/report/run_report.h"
-#include "perf/report/stability.h"
-#include "perf/report/stability_output.h"
 #include "perf/report/stopwatch.h"
 #include "perf/report/words.h"
 #include "tools/arguments.h"
@@ -42,8 +40,6 @@ struct ReportCommandOptions {
   std::string node_modules;
   bool quick = false;
   bool no_peers = false;
-  bool stability = false;
-  std::string stability_subject;
 };
 
 /// The folders must be there before minutes of work, not after.
@@ -113,35 +109,7 @@ std::string recommended(const report::Report& measured) {
   return text;
 }
 
-/// Of what writes one file.
-const std::string& one_output(const ReportCommandOptions& options) {
-  if (!options.json.empty() && !options.page.empty())
-    throw Error(ErrorCode::invalid_argument, "one file is written: pass -o or --json, not both");
-  return options.json.empty() ? options.page : options.json;
-}
-
-/// The stability suite instead of a report: a table for a person, or JSON into the file that --json names.
-std::string stability(const ReportCommandOptions& options) {
-  const report::Machine machine = report::this_machine(report::Stopwatch{});
-  StabilityRequest request;
-  request.suite = {options.quick || options.run.scale != "full", options.stability_subject};
-  request.origin = {machine.date.substr(0, 10),
-                    machine.processor + ", " + machine.instruction_set + ", " + machine.compiler,
-                    std::string("welkin report --stability") + (request.suite.quick ? " --quick" : "") +
-                        (options.stability_subject.empty() ? "" : " --stability-subject " + options.stability_subject) +
-                        (options.page.empty() ? "" : " -o " + options.page)};
-  const std::string& file = one_output(options);
-  if (!options.json.empty()) request.format = StabilityFormat::json;
-  if (options.json.empty() && !options.page.empty()) request.format = StabilityFormat::markdown;
-  require_folder(file);
-  const std::string text = stability_text(request);
-  if (file.empty()) return text;
-  write_text_file(file, text);
-  return file + '\n';
-}
-
 std::string answer(ReportCommandOptions& options) {
-  if (options.stability) return stability(options);
   settle(options);
   std::optional<report::Report> older;
   if (!options.against.empty()) {
@@ -228,22 +196,6 @@ void add_comparisons(Options& table, ReportCommandOptions& options) {
   table.push_back({.names = "--no-peers", .target = &options.no_peers, .text = "Measure Welkin alone"});
 }
 
-void add_stability(Options& table, ReportCommandOptions& options) {
-  constexpr const char* kStability = "--stability";
-  table.push_back({.names = kStability,
-                   .target = &options.stability,
-                   .text =
-                       "Measure extreme and stiff cases against their promises instead. Prints a table; --json writes "
-                       "JSON, -o writes Markdown, --quick leaves out the slow cases",
-                   .excludes = {"--csv", "--passes", "--environment", "--threads", "--against"}});
-  table.push_back({.names = "--stability-subject",
-                   .target = &options.stability_subject,
-                   .text = "Run only the cases of this subject",
-                   .type = alternatives(report::stability_subjects()),
-                   .words = report::stability_subjects(),
-                   .needs = {kStability}});
-}
-
 Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
   options->run.program = own_folder() / "welkin-report";  // by a name alone it is looked for on the PATH
@@ -254,10 +206,8 @@ Command report_command() {
   in_group(command.options, "What is measured");
   add_comparisons(command.options, *options);
   in_group(command.options, "Comparisons");
-  add_stability(command.options, *options);
-  in_group(command.options, "Other measurements");
-  command.everyday = {"--output",  "--json",    "--quick",     "--passes", "--environment",
-                      "--threads", "--against", "--stability", "--quiet"};
+  command.everyday = {"--output",      "--json",    "--quick",   "--passes",
+                      "--environment", "--threads", "--against", "--quiet"};
   command.run = [options](const Given& /*given*/) { print_result(answer(*options)); };
   return command;
 }

@@ -142,7 +142,7 @@ TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular 
 TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const std::string options =
-      "--sky --size 32 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
+      "--sky --size 8 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
   const auto said = [&](const std::string& more) {
     return bake_into(scratch.path() / "out", options + more).at("options");
   };

@@ -295,14 +295,3 @@ TEST_CASE("bake: the same files on any number of threads", "[tools][bake][slow]"
     check_same(scratch.path() / "many", expected);
   }
 }
-
-TEST_CASE("bake: the same files on every instruction set", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto expected = scratch.path() / "expected";
-  bake_into(expected, kOptions);
-  for (const InstructionSet set : available_instruction_sets()) {
-    INFO(name(set));
-    bake_into(scratch.path() / "set", kOptions, std::string("WELKIN_ISA=") + name(set));
-    check_same(scratch.path() / "set", expected);
-  }
-}

@@ -278,7 +278,7 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
 }
 
 TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise",
-          "[tools][bake][engine_folders][posix]") {
+          "[tools][bake][engine_folders][posix][slow]") {
   // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
   if (std::system("command -v cmgen >/dev/null 2>&1") != 0) {
     WARN("left out: there is no cmgen (Debian's libfilament-tools)");

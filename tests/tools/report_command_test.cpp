@@ -42,8 +42,7 @@ void require_refused(const std::string& arguments, int exit_code, const std::str
 TEST_CASE("report: a page and figures", "[tools][report]") {
   const TemporaryFolder folder;
   const std::string base = (folder.path() / "r").string();
-  const CommandResult result = run_well(kTiny + "-o " + base + ".html --json " + base + ".json --csv " + base +
-                                        ".csv");
+  const CommandResult result = run_well(kTiny + "-o " + base + ".html --json " + base + ".json --csv " + base + ".csv");
   CHECK(contains(result.output, "Which setting to take"));
   CHECK(contains(result.output, base + ".html"));
   CHECK(contains(text_of(base + ".html"), "<!DOCTYPE html>"));
@@ -105,29 +104,18 @@ TEST_CASE("report: raw figures alone come without a page", "[tools][report][slow
   CHECK_FALSE(contains(result.output, ".html"));
 }
 
-TEST_CASE("report: the stability suite as a table and as JSON", "[tools][report][slow]") {
-  const TemporaryFolder folder;
-  CHECK(contains(run_well("report --stability --quick --stability-subject windows").output, "hold"));
-  run_well("report --stability --quick --stability-subject windows --json " + quoted(folder.path() / "s.json"));
-  CHECK_FALSE(nlohmann::json::parse(text_of(folder.path() / "s.json")).at("cases").empty());
-}
-
 TEST_CASE("report: what cannot be done is refused before any work", "[tools][report]") {
   const TemporaryFolder folder;
   require_refused("report --scale huge", 2, "--scale");
   require_refused("report --quick --scale tiny", 2, "--scale");
   require_refused("report --passes nonsense", 2, "nonsense");
   require_refused("report --threads -1", 2, "--threads");
-  require_refused("report --stability --passes brdf", 2, "--stability");
-  require_refused("report --stability-subject windows", 2, "--stability");
   require_refused("report --error-factor 2", 2, "--against");
   require_refused("report --against old.json --time-factor 0.5", 2, "--time-factor");
   require_refused("report --against " + quoted(folder.path() / "none.json"), 1, "none.json");
   require_refused("report -o " + quoted(folder.path() / "none" / "page.html"), 1, "there is no folder");
   require_refused("report -o " + quoted(folder.path()), 1, "is a directory");
   require_refused("report --json -", 2, "is no file");
-  require_refused("report --stability --against old.json", 2, "--stability");
-  require_refused("report --stability --json a.json -o b.md", 2, "not both");
   std::ofstream(folder.path() / "cut.json") << "{\"format\": \"welkin report\", \"version\": 1";
   require_refused("report --against " + quoted(folder.path() / "cut.json"), 1, "cut.json");
   require_refused(

@@ -469,11 +469,6 @@ TEST_CASE("sh: a sun that overflowed to infinity is taken out too", "[tools]") {
   CHECK(run_welkin("sh --sky --take-out-sun --gamma").exit_code == 2);
 }
 
-TEST_CASE("sh: a window leaves the dominant light as it is", "[tools]") {
-  const nlohmann::json plain = run_sh_json("--sky");
-  CHECK(run_sh_json("--sky --window hanning").at("dominant_light") == plain.at("dominant_light"));
-}
-
 TEST_CASE("sh: the error of the irradiance falls with the bands", "[tools][slow]") {
   const nlohmann::json json = run_sh_json("--sky --irradiance-error --bands 3");
   const auto& errors = json.at("irradiance_errors");

@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "perf/report/brdf_truth.h"
-#include "perf/report/stability/cases.h"
-#include "perf/report/stability/measures.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
 #include "welkin/irradiance.h"
 #include "welkin/reflections.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 // The BRDF table at its ends: views that graze, roughness near 0 and 1.
 namespace {
@@ -32,8 +32,8 @@ ColumnError column_error(int width, int height, int column) {
   for (int row = 0; row < height; ++row) {
     const double roughness = (row + 0.5) / height;
     const float* const entry = table->values.data() + static_cast<std::ptrdiff_t>(3) * (row * width + column);
-    const BrdfTruth truth = ggx_truth(normal_view, roughness * roughness);
-    const double sheen = sheen_truth(normal_view, roughness * roughness);
+    const report::BrdfTruth truth = report::ggx_truth(normal_view, roughness * roughness);
+    const double sheen = report::sheen_truth(normal_view, roughness * roughness);
     worst.ggx = worse(worst.ggx, worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias)));
     worst.sheen = worse(worst.sheen, std::abs(entry[2] - sheen) / std::max(1.0, sheen));
   }
@@ -338,4 +338,4 @@ void add_grazing_cases(StabilityCases& cases) {
   add_lobes(cases);
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

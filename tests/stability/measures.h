@@ -15,7 +15,7 @@
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 /// Whole numbers that look random: the same for the same seed and index (a finaliser in the manner of murmur3).
 [[nodiscard]] std::uint32_t hashed(std::uint32_t seed, std::uint32_t index) noexcept;
@@ -113,4 +113,4 @@ template <class Image>
 /// How many values of all tables are negative or not finite.
 [[nodiscard]] double unsound_values(const SkyTables& tables);
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

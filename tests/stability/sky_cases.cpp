@@ -4,12 +4,12 @@
 #include <limits>
 #include <numbers>
 
-#include "perf/report/stability/cases.h"
-#include "perf/report/stability/measures.h"
 #include "reference/sky_reference.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
 #include "welkin/sky.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 // Grazing rays at the scale of planets: transmittance in closed form, the horizon from both sides.
 namespace {
@@ -503,4 +503,4 @@ void add_sky_planet_cases(StabilityCases& cases) {
       scaled_difference);
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

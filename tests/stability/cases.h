@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "perf/report/stability.h"
+#include "stability/stability.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 enum class Effort { quick, full };  ///< full: not in quick runs
 
@@ -42,4 +42,4 @@ void add_sky_sun_cases(StabilityCases& cases);
 void add_sky_air_cases(StabilityCases& cases);
 void add_sky_planet_cases(StabilityCases& cases);
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

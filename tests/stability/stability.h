@@ -1,9 +1,5 @@
-// What happens where numbers are extreme: a named suite that measures every promise on its hardest cases.
-//
-//   for (const auto& result : welkin::report::run_stability({.quick = true})) ...
-//
-// Errors are deterministic (the library gives the same bits everywhere), so a result can be compared with a recorded
-// one. Times are no part of this.
+// What happens where numbers are extreme: a named suite that measures every promise on its hardest cases. Errors are
+// deterministic (the library gives the same bits everywhere), so a result can be compared with a recorded one.
 #pragma once
 
 #include <string>
@@ -11,7 +7,7 @@
 
 #include "welkin/core.h"
 
-namespace welkin::report {
+namespace welkin::test {
 
 /// What a number of a result counts.
 enum class StabilityUnit {
@@ -38,19 +34,12 @@ struct StabilityResult {
   std::string failure;  ///< what was thrown, if the case did not end
 };
 
-struct StabilityOptions {
-  bool quick = false;   ///< leave out what takes long or much memory (faces of 2048 to 8192)
-  std::string subject;  ///< only this one's cases; empty: all
-};
+/// Runs a subject's cases in their order; `quick`: without those that take long or much memory (faces of 2048 to 8192).
+/// An exception in a case is its result (`failure`), not the end.
+[[nodiscard]] std::vector<StabilityResult> run_stability(const std::string& subject, bool quick);
 
 /// The subjects in order, "range" to "sky-planet".
 [[nodiscard]] std::vector<std::string> stability_subjects();
-
-/// Runs the cases in a fixed order. Progress is the share of cases that are done. Full: some two minutes and 1
-/// GiB; quick: one minute. An exception in a case is its result (`failure`), not the end.
-/// Throws `Error`: invalid_argument (an unknown subject), cancelled.
-[[nodiscard]] std::vector<StabilityResult> run_stability(const StabilityOptions& options = {},
-                                                         const Control& control = {});
 
 /// Where and when something was measured, for people.
 struct StabilityOrigin {
@@ -64,4 +53,4 @@ struct StabilityOrigin {
 [[nodiscard]] std::string stability_markdown(const std::vector<StabilityResult>& results,
                                              const StabilityOrigin& origin);
 
-}  // namespace welkin::report
+}  // namespace welkin::test

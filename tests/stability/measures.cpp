@@ -1,4 +1,4 @@
-#include "perf/report/stability/measures.h"
+#include "stability/measures.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "image/geometry.h"
 #include "reference/sky_reference.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 namespace {
 
 CubemapImage cube_of(int size) {
@@ -295,4 +295,4 @@ double unsound_values(const SkyTables& tables) {
          unsound(tables.irradiance);
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "perf/report/stability.h"
+#include "stability/stability.h"
 
-namespace welkin::report {
+namespace welkin::test {
 namespace {
 
 /// Two significant digits, whatever the locale.
@@ -132,11 +132,11 @@ std::string stability_markdown(const std::vector<StabilityResult>& results, cons
                          "A number without a unit is a relative error. \"ulp\" is a unit in the last place of a float. "
                          "\"wrong\" counts answers that are wrong. \"x\" says how many times an error grew. The "
                          "library gives the same bits on every machine. The figures therefore depend on the machine "
-                         "above only in the last bits of truths that use its mathematical library. `tests/report` "
+                         "above only in the last bits of truths that use its mathematical library. `tests/stability` "
                          "holds the quick cases: a test fails if an error doubles, a promise breaks or a case "
                          "disappears.");
   for (const std::string& subject : stability_subjects()) text += table(results, subject);
   return text + advice(results) + failures(results);
 }
 
-}  // namespace welkin::report
+}  // namespace welkin::test

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "perf/report/stability.h"
-#include "perf/report/stability/cases.h"
+#include "stability/cases.h"
+#include "stability/stability.h"
 #include "welkin/core.h"
 
-namespace welkin::report {
+namespace welkin::test {
 namespace {
 
 using stability::Effort;
@@ -37,29 +37,11 @@ constexpr std::array<Subject, 15> kSubjects{{{"range", stability::add_range_case
 
 std::string subject_of(const std::string& name) { return name.substr(0, name.find('/')); }
 
-StabilityCases cases_for(const StabilityOptions& options) {
-  StabilityCases cases;
-  for (const Subject& subject : kSubjects) {
-    if (options.subject.empty() || options.subject == subject.name) subject.add(cases);
-  }
-  if (cases.empty()) {
-    std::string names;
-    for (const std::string& name : stability_subjects()) names += (names.empty() ? "" : ", ") + name;
-    throw Error(ErrorCode::invalid_argument,
-                "there is no stability subject '" + options.subject + "'; there are " + names);
-  }
-  if (options.quick) std::erase_if(cases, [](const StabilityCase& one) { return one.effort == Effort::full; });
-  return cases;
-}
-
-StabilityResult measured(const StabilityCase& one, const Control& control) {
+StabilityResult measured(const StabilityCase& one) {
   StabilityResult result{one.name, subject_of(one.name), one.promise, one.truth, 0.0, one.unit, one.bound,
                          false,    one.advice,           {}};
   try {
-    result.measured = one.measure(control);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::cancelled) throw;
-    result.failure = error.what();
+    result.measured = one.measure({});
   } catch (const std::exception& error) {
     result.failure = error.what();
   }
@@ -89,16 +71,16 @@ std::vector<std::string> stability_subjects() {
   return names;
 }
 
-std::vector<StabilityResult> run_stability(const StabilityOptions& options, const Control& control) {
-  const StabilityCases cases = cases_for(options);
-  const Control inside{control.stop, {}};
+std::vector<StabilityResult> run_stability(const std::string& subject, bool quick) {
+  StabilityCases cases;
+  for (const Subject& known : kSubjects) {
+    if (subject == known.name) known.add(cases);
+  }
   std::vector<StabilityResult> results;
   for (const StabilityCase& one : cases) {
-    if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "the stability suite was cancelled");
-    results.push_back(measured(one, inside));
-    if (control.progress) control.progress(static_cast<double>(results.size()) / static_cast<double>(cases.size()));
+    if (!quick || one.effort != Effort::full) results.push_back(measured(one));
   }
   return results;
 }
 
-}  // namespace welkin::report
+}  // namespace welkin::test

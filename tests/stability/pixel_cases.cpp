@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
-#include "perf/report/stability/cases.h"
-#include "perf/report/stability/measures.h"
 #include "reference/reference_projection.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
 #include "welkin/directional_light.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 // Dynamic range of projections: one texel from 1e-38 to the last float over a background of 1, halves, denormals.
 namespace {
@@ -490,4 +490,4 @@ void add_policy_cases(StabilityCases& cases) {
                    StabilityUnit::relative, 0.0, [](const Control&) { return alpha_error(); }});
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

@@ -1,7 +1,7 @@
 // Promise: every case of the stability suite is as exact as it is on record (tests/data/stability.json): no error grew,
 // no promise broke, no case is gone. After a change that alters errors and says why, WELKIN_RECORD_GOLDEN=1 writes the
 // file anew: `welkin_tests "[stability]"`, all in one process.
-#include "perf/report/stability.h"
+#include "stability/stability.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,20 +11,17 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "perf/report/process.h"
+#include "perf/report/stopwatch.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/sanitized.h"
-#include "support/thrown_error.h"
 
 namespace welkin::test {
 namespace {
-
-using report::StabilityResult;
-using report::StabilityUnit;
 
 /// How much larger than recorded an error may be. The library's bits are the same everywhere; those of the truths
 /// depend on the machine's mathematical library, in their last places.
@@ -68,7 +65,7 @@ void check_case(const StabilityResult& result, const nlohmann::json& golden) {
 
 /// Measures a subject's quick cases and compares each with what is on record.
 void require_recorded(const std::string& subject) {
-  const std::vector<StabilityResult> results = report::run_stability({.quick = true, .subject = subject});
+  const std::vector<StabilityResult> results = run_stability(subject, true);
   REQUIRE_FALSE(results.empty());
   if (std::getenv("WELKIN_RECORD_GOLDEN") != nullptr) return record(subject, results);
   const nlohmann::json golden = recorded();
@@ -93,26 +90,24 @@ void require_recorded_if_fast(const std::string& subject) {
 
 }  // namespace
 
-TEST_CASE("Stability: dynamic range of projections", "[report][stability]") { require_recorded("range"); }
-TEST_CASE("Stability: dynamic range of pictures", "[report][stability][truth]") {
-  require_recorded_if_fast("image-range");
-}
-TEST_CASE("Stability: cancellation", "[report][stability]") { require_recorded("cancellation"); }
-TEST_CASE("Stability: sums of any length", "[report][stability]") { require_recorded("accumulation"); }
-TEST_CASE("Stability: values that are no numbers", "[report][stability]") { require_recorded("policies"); }
-TEST_CASE("Stability: sizes of 1 and 2", "[report][stability][truth]") { require_recorded("sizes"); }
-TEST_CASE("Stability: lobes of any width", "[report][stability][truth]") { require_recorded_if_fast("roughness"); }
-TEST_CASE("Stability: kernels at grazing angles", "[report][stability]") { require_recorded("grazing"); }
-TEST_CASE("Stability: BRDF tables at their ends", "[report][stability][truth]") { require_recorded("brdf"); }
-TEST_CASE("Stability: windows", "[report][stability][truth]") { require_recorded("windows"); }
-TEST_CASE("Stability: turns", "[report][stability]") { require_recorded("rotation"); }
-TEST_CASE("Stability: rays through a planet's air", "[report][stability][truth]") { require_recorded("sky-rays"); }
-TEST_CASE("Stability: suns of any elevation", "[report][stability][truth]") { require_recorded_if_fast("sky-sun"); }
-TEST_CASE("Stability: air of any density", "[report][stability][truth]") { require_recorded_if_fast("sky-air"); }
-TEST_CASE("Stability: planets of any size", "[report][stability][truth]") { require_recorded_if_fast("sky-planet"); }
+TEST_CASE("Stability: dynamic range of projections", "[stability]") { require_recorded("range"); }
+TEST_CASE("Stability: dynamic range of pictures", "[stability][truth]") { require_recorded_if_fast("image-range"); }
+TEST_CASE("Stability: cancellation", "[stability]") { require_recorded("cancellation"); }
+TEST_CASE("Stability: sums of any length", "[stability]") { require_recorded("accumulation"); }
+TEST_CASE("Stability: values that are no numbers", "[stability]") { require_recorded("policies"); }
+TEST_CASE("Stability: sizes of 1 and 2", "[stability][truth]") { require_recorded("sizes"); }
+TEST_CASE("Stability: lobes of any width", "[stability][truth]") { require_recorded_if_fast("roughness"); }
+TEST_CASE("Stability: kernels at grazing angles", "[stability]") { require_recorded("grazing"); }
+TEST_CASE("Stability: BRDF tables at their ends", "[stability][truth]") { require_recorded("brdf"); }
+TEST_CASE("Stability: windows", "[stability][truth]") { require_recorded("windows"); }
+TEST_CASE("Stability: turns", "[stability]") { require_recorded("rotation"); }
+TEST_CASE("Stability: rays through a planet's air", "[stability][truth]") { require_recorded("sky-rays"); }
+TEST_CASE("Stability: suns of any elevation", "[stability][truth]") { require_recorded_if_fast("sky-sun"); }
+TEST_CASE("Stability: air of any density", "[stability][truth]") { require_recorded_if_fast("sky-air"); }
+TEST_CASE("Stability: planets of any size", "[stability][truth]") { require_recorded_if_fast("sky-planet"); }
 
-TEST_CASE("Every subject of the record is one of the suite", "[report][stability]") {
-  const std::vector<std::string> subjects = report::stability_subjects();
+TEST_CASE("Every subject of the record is one of the suite", "[stability]") {
+  const std::vector<std::string> subjects = stability_subjects();
   const nlohmann::json golden = recorded();
   for (const auto& [name, value] : golden.items()) {
     CAPTURE(name);
@@ -120,40 +115,25 @@ TEST_CASE("Every subject of the record is one of the suite", "[report][stability
   }
 }
 
-TEST_CASE("The suite reports its progress and stops when it is asked to", "[report][stability]") {
-  std::stop_source stop;
-  std::vector<double> shares;
-  const Control control{stop.get_token(), [&](double share) {
-                          shares.push_back(share);
-                          if (shares.size() == 3) stop.request_stop();
-                        }};
-  const ThrownError error =
-      thrown_by([&] { (void)report::run_stability({.quick = true, .subject = "policies"}, control); });
-  CHECK(error.code == ErrorCode::cancelled);
-  REQUIRE(shares.size() == 3);
-  CHECK(std::is_sorted(shares.begin(), shares.end()));
-
-  shares.clear();
-  const Control patient{{}, [&](double share) { shares.push_back(share); }};
-  const auto results = report::run_stability({.quick = true, .subject = "policies"}, patient);
-  CHECK(shares.size() == results.size());
-  CHECK(shares.back() == 1.0);
+TEST_CASE("The table of docs/stability_table.md", "[.stability-table]") {
+  std::vector<StabilityResult> results;
+  for (const std::string& subject : stability_subjects()) {
+    for (StabilityResult& result : run_stability(subject, false)) results.push_back(std::move(result));
+  }
+  const report::Machine machine = report::this_machine(report::Stopwatch{});
+  std::ofstream("stability_table.md") << stability_markdown(
+      results,
+      {machine.date.substr(0, 10), machine.processor + ", " + machine.instruction_set + ", " + machine.compiler,
+       "welkin_tests \"[.stability-table]\""});
 }
 
-TEST_CASE("A subject that is none is refused, with those that are", "[report][stability]") {
-  const ThrownError error = thrown_by([] { (void)report::run_stability({.subject = "ranges"}); });
-  CHECK(error.code == ErrorCode::invalid_argument);
-  CHECK(error.says("'ranges'"));
-  CHECK(error.says("range, image-range"));
-}
-
-TEST_CASE("The page has every case, the date, the machine and each advice once", "[report][stability]") {
+TEST_CASE("The page has every case, the date, the machine and each advice once", "[stability]") {
   const std::vector<StabilityResult> results{
       {"range/a", "range", "promise a", "truth a", 2.5e-8, StabilityUnit::relative, 5e-7, true, "", ""},
       {"range/b", "range", "promise b", "truth b", 0.5, StabilityUnit::ulps, 0.0, false, "do this", ""},
       {"brdf/c", "brdf", "promise c", "truth c", std::numeric_limits<double>::infinity(), StabilityUnit::count, 0.0,
        false, "do this", "it threw"}};
-  const std::string page = report::stability_markdown(results, {"2026-11-22", "a machine"});
+  const std::string page = stability_markdown(results, {"2026-11-22", "a machine"});
   const auto says = [&](const std::string& text) { return page.find(text) != std::string::npos; };
   CHECK(says("2026-11-22"));
   CHECK(says("a machine"));

@@ -7,11 +7,11 @@
 #include <limits>
 #include <numbers>
 
-#include "perf/report/stability/cases.h"
-#include "perf/report/stability/measures.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 // Turns: tiny ones, those by nearly a half turn, ten thousand in a row.
 namespace {
@@ -344,4 +344,4 @@ void add_window_cases(StabilityCases& cases) {
       StabilityUnit::count);
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "image/geometry.h"
-#include "perf/report/stability/cases.h"
-#include "perf/report/stability/measures.h"
 #include "reference/reference_projection.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
 #include "welkin/directional_light.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
@@ -20,7 +20,7 @@
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin::report::stability {
+namespace welkin::test::stability {
 
 // Length of sums: faces up to 8192, against sums in double. An error must not grow with the number of texels.
 namespace {
@@ -479,4 +479,4 @@ void add_size_cases(StabilityCases& cases) {
                    StabilityUnit::ulps, 4.0, [](const Control&) { return one_texel_irradiance(); }});
 }
 
-}  // namespace welkin::report::stability
+}  // namespace welkin::test::stability
