@@ -114,36 +114,6 @@ TEST_CASE("command: options may stand before their command", "[tools][posix][slo
   CHECK(contains(errors_of("--sise 4 bake --sky"), "bake: there is no option --sise; did you mean --size?"));
 }
 
-TEST_CASE("command: --help has the defaults, and what makes a bake quick", "[tools]") {
-  const auto one_line = [](const std::string& command) {
-    std::istringstream words(run_welkin(command + " --help").output);
-    std::string text;
-    for (std::string word; words >> word;) text += word + ' ';
-    return text;
-  };
-  const auto has = [&](const char* command, const std::vector<const char*>& parts) {
-    const std::string help = one_line(command);
-    INFO(help);
-    for (const char* const part : parts) {
-      INFO(part);
-      CHECK(contains(help, part));
-    }
-  };
-  has("bake", {"faces (default 256)", "Roughness of mips (default filament, or by --for)",
-               "Formats of cubemaps (default ktx2, or by --for)", "(default by the picture)",
-               "-o,--output DIR The folder to write to (default the input's name without extension, or sky)",
-               "--no-previews No previews, which take two thirds of the time", "(default no limit)", "(default 0)",
-               "Threads to work with (default 0, for all)"});
-  has("sky", {"(default 40)", "(default earth)", "(default spectral, but srgb with --sweep)", "(default 32"});
-  has("sh", {"C# for --for unity (default table)", "to 16 (default 3)", "ringing (default none)", "(default welkin)"});
-  has("convert", {"(default half, 8bit for .png)", "(default as large as IN)", "sphere (default automatic)"});
-  has("testmap", {"(default 512, or 2048 for a lat-long)", "(default exr)", "(default testmap.exr, here"});
-  has("importance", {"counts (default luminance)", "(default as many)"});
-  has("info", {"(default automatic, by its header", "(default rec709"});
-  has("batch", {"to run, which are predicted to take equally long (default 1/1)", "(default 8GiB)", "(default 256"});
-  has("report", {"(default 1)"});
-}
-
 TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
   const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
   CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
