@@ -148,6 +148,7 @@ double least_of(const CubemapChain& chain, int level, const Control& control) {
 
 /// What narrow mips share.
 struct NarrowSource {
+  NearSplit split;      ///< of the one whose far part has the most bands
   BrightLights bright;  ///< taken out of the spectrum
   int bright_texels = 0;
   double contrast = 0.0;  ///< see `contrast_of`
@@ -502,8 +503,8 @@ NearSplit LobeChain::split_of(const MipPlan& mip) const {
 void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
   NarrowSource narrow;
-  const NearSplit split =
-      narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  narrow.split = narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  const NearSplit& split = narrow.split;
   const double sharpest = sharpest_lobe(split);
   const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
   narrow.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
@@ -564,10 +565,15 @@ void LobeChain::end_narrow_mip(std::size_t level, const NarrowSource& narrow, co
   note_darkness(target, far_rms, control);
   record(level).bands = split.bands;
   record(level).bright_texels = narrow.bright_texels;
-  const double rms = rms_of_level(target.chain, target.level, mip.size);
-  const double lights = narrow.bright.empty() ? 0.0 : far.front();
-  record(level).error_estimate = narrow_error(
-      source_, {mip.size, mip.alpha, rms, far_rms, lost_of_far(far, zonal, narrow.energies), lights}, narrow.contrast);
+  const int rings = source_.cubemap() ? far_rows_for_cubemap(narrow.split) : 0;
+  record(level).error_estimate = narrow_error(source_,
+                                              {.size = mip.size,
+                                               .alpha = mip.alpha,
+                                               .rms = rms_of_level(target.chain, target.level, mip.size),
+                                               .far_rms = far_rms,
+                                               .lost = lost_of_far(far, zonal, narrow.energies, rings),
+                                               .lights = narrow.bright.empty() ? 0.0 : far.front()},
+                                              narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
 }
 
