@@ -264,16 +264,15 @@ class NearSums {
     alignas(64) float sums[kRecordFloats] = {};
   };
 
-  explicit NearSums(const NearMip& mip) : mip_(mip), table_(NearTable::get(mip.split)) {
-    for (int turn = 0; turn < turns_of(mip.split); ++turn) {
+  explicit NearSums(const NearMip& mip) : mip_(mip) {
+    for (int turn = 0; turn < turns_of(mip.table->split()); ++turn) {
       for (int image = 0; image < kRingImages; ++image) {
         for (const bool cap : {false, true}) places_[turn][image][cap ? 1 : 0] = place_of(turn, image, cap);
       }
     }
   }
 
-  [[nodiscard]] std::size_t tiles() const { return table_->weights().tiles(); }
-  [[nodiscard]] const std::vector<ColumnRange>& rows() const { return table_->rows(); }
+  [[nodiscard]] std::size_t tiles() const { return mip_.table->weights().tiles(); }
   void add(std::size_t tile, int turn, const NearRecords& records, Room& room) const;
 
  private:
@@ -287,12 +286,11 @@ class NearSums {
   [[nodiscard]] Place place_of(int turn, int image, bool cap) const;
 
   NearMip mip_;
-  std::shared_ptr<const NearTable> table_;
   Place places_[kTurns][kRingImages][2];
 };
 
 NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
-  const int size = mip_.split.size;
+  const int size = mip_.table->split().size;
   const auto pixel = [&](int across, int other) {
     const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
     const image::CubeTexel texel = image_of(size, point, turn, image);
@@ -307,14 +305,14 @@ NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
 
 // A direction that is its own image adds its share to that texel several times.
 void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room& room) const {
-  const NearTile& own = table_->tile(tile, room.tile, room.weights);
-  const glm::ivec3* direction = table_->weights().directions().data() + NearWeights::first_of(tile);
+  const NearTile& own = mip_.table->tile(tile, room.tile, room.weights);
+  const glm::ivec3* direction = mip_.table->weights().directions().data() + NearWeights::first_of(tile);
   NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
   for (const std::size_t end : own.runs_ends) {
     taps.count = static_cast<int>(own.runs.data() + end - taps.runs);
     taps.weights = near_kernels().sum_runs(taps, room.sums);
     taps.runs += taps.count;
-    const bool cap = direction->y == mip_.split.size;
+    const bool cap = direction->y == mip_.table->split().size;
     const int across = direction->x / 2;
     const int other = (cap ? direction->z : direction->y) / 2;
     for (int image = 0; image < kRingImages; ++image) {
@@ -330,12 +328,12 @@ void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room&
 
 void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control) {
   if (mips.empty()) return;
-  const NearSplit& split = mips.front().split;
+  const NearSplit& split = mips.front().table->split();
   std::vector<NearSums> sums;
   std::vector<ColumnRange> columns = rows_of(split);
   for (const NearMip& mip : mips) {
     sums.emplace_back(mip);
-    for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], sums.back().rows()[row]);
+    for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], mip.table->rows()[row]);
   }
   NearRecords records(split, columns);
   const int turns = turns_of(split);
@@ -344,7 +342,7 @@ void add_near_sums(const std::vector<const float*>& rows, const std::vector<Near
   for (int turn = 0; turn < turns; ++turn) {
     records.gather(rows, turn, {control.stop, {}});
     for (std::size_t k = 0; k < sums.size(); ++k, done += 1.0) {
-      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].split)));
+      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].table->split())));
       std::vector<NearSums::Room> rooms(jobs::worker_count(placement));
       jobs::run_tiles(sums[k].tiles(), placement, rooms.size(),
                       jobs::part_of(control, done / steps, (done + 1.0) / steps),
