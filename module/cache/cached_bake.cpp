@@ -35,7 +35,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(5);  // the version of its bits
+    writer.put(4);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
     writer.put(plan.may_integrate);
@@ -47,7 +47,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     }
   }
   if (mip.method == MipMethod::narrow) {
-    writer.put(4);  // the version of its bits
+    writer.put(3);  // the version of its bits
     // All narrow mips of a chain share a transform; the reach decides which lights near by are merged.
     writer.put(reflections::narrow_reach(plan));
     writer.put(plan.narrow_size);
