@@ -29,7 +29,7 @@ int parts_of(double texels_of_radian) {
 
 }  // namespace
 
-// Rings lose 0.02 (l pi / rows)^4 of band l: 2 % of the middle one, which the far part has a twentieth of.
+// Rings lose 2 % of the middle band, which the far part has a twentieth of.
 int far_rows_for_cubemap(const NearSplit& split) noexcept {
   return 2 * transforms::fast_even_length(std::max(64, split.bands * 3 / 4));
 }
@@ -78,14 +78,17 @@ std::vector<double> tapered(const std::vector<double>& spectrum, int bands) {
 }
 
 double lost_of_far(const std::vector<double>& spectrum, const std::vector<double>& taken,
-                   const std::vector<double>& energies) {
+                   const std::vector<double>& energies, int rings) {
+  constexpr double of_rings = 0.02;  // of (l h)^4, h a ring's height
   const std::size_t quarter = energies.size() / 4;
   double tail = 0.0;
   for (std::size_t l = energies.size() - quarter; l < energies.size(); ++l)
     tail += energies[l] / static_cast<double>(quarter);
   double sum = 0.0;
   for (std::size_t l = 0; l < spectrum.size(); ++l) {
-    const double lost = spectrum[l] - (l < taken.size() ? taken[l] : 0.0);
+    const double phase = rings > 0 ? kPi * static_cast<double>(l) / rings : 0.0;
+    const double kept = 1.0 - std::min(1.0, of_rings * phase * phase * phase * phase);
+    const double lost = spectrum[l] - (l < taken.size() ? kept * taken[l] : 0.0);
     sum += lost * lost * (l < energies.size() ? energies[l] : tail);
   }
   return std::sqrt(sum / (4.0 * kPi));

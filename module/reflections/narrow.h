@@ -39,9 +39,10 @@ struct CutRows {
 
 /// Returns what a mip takes of the far part's spectrum, whose end is tapered.
 [[nodiscard]] std::vector<double> tapered(const std::vector<double>& spectrum, int bands);
-/// What that leaves out of a picture with such energies (`energies_of`), root mean square over the sphere.
+/// Returns what that leaves out of a picture with such energies (`energies_of`), root mean square over the sphere.
+/// `rings`: those a cubemap was read on, which lose some of each band; 0: of a lat-long.
 [[nodiscard]] double lost_of_far(const std::vector<double>& spectrum, const std::vector<double>& taken,
-                                 const std::vector<double>& energies);
+                                 const std::vector<double>& energies, int rings);
 
 /// Returns the contrast of a source. For cubemaps it is the root mean square of the differences between neighbouring
 /// texels along both axes. For lat-longs it is the root of the sum over edges between texels of squared step times

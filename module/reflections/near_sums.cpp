@@ -22,7 +22,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kCacheBytes = std::size_t{96} << 20U;
 constexpr std::size_t kLargestTable = std::size_t{128} << 20U;  ///< by its bound, which is twice of what it takes
 constexpr std::int64_t kTexelsOfTap = 10;                       ///< whose sanitizing takes as long as a weight
-constexpr int kLongestRun = 64;                                 ///< texels that floats add up without loss
 
 /// Returns texels that a radian takes, root of those of a steradian where they are largest.
 double texels_of_radian(const NearSplit& split) {
@@ -57,11 +56,12 @@ void widen(ColumnRange& range, const ColumnRange& by) {
   range = range.first < range.end ? ColumnRange{std::min(range.first, by.first), std::max(range.end, by.end)} : by;
 }
 
-/// How the images of a mip's directions are found, and those of a source's texels.
+constexpr int kParts = static_cast<int>(kNearFaces.size());
 constexpr int kTurns = 3;  ///< of the axes, from x to y to z: with `kRingImages`, all of a cube's symmetries
 
 int turns_of(const NearSplit& split) { return split.cubemap() ? kTurns : 1; }
 
+/// Returns where an image has a texel of the mip, or of the source.
 image::CubeTexel image_of(int size, glm::ivec3 point, int turn, int image) {
   for (int k = 0; k < turn; ++k) point = {point.y, point.z, point.x};
   return image::texel_at(size, image::moved(image::cube_image_of(image), point));
@@ -140,11 +140,19 @@ class NearRecords {
     ColumnRange columns;
   };
 
+  /// Where an image has a face: columns and rows go with columns and rows, either way.
+  struct FaceImage {
+    int face, column, row;  ///< of the first texel
+    int across[2], down[2];
+  };
+
+  [[nodiscard]] FaceImage image_of_face(int part, int turn, int image) const;
   void copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image);
   void copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image);
 
   NearSplit split_;
   std::vector<Piece> pieces_;
+  std::vector<FaceImage> images_;  ///< of a cubemap, [turn][part][image]
   std::vector<std::ptrdiff_t> rows_;
   platform::AlignedBuffer<float> records_;
 };
@@ -160,6 +168,23 @@ NearRecords::NearRecords(const NearSplit& split, std::vector<ColumnRange> column
       pieces_.push_back({static_cast<int>(row), {column, std::min(end, column + kColumns)}});
   }
   records_ = platform::AlignedBuffer<float>(static_cast<std::size_t>(next));
+  for (int k = 0; split.cubemap() && k < kTurns * kParts * kRingImages; ++k)
+    images_.push_back(image_of_face(k / kRingImages % kParts, k / kRingImages / kParts, k % kRingImages));
+}
+
+NearRecords::FaceImage NearRecords::image_of_face(int part, int turn, int image) const {
+  const auto place = [&](int column, int row) {
+    const int face = kNearFaces[static_cast<std::size_t>(part)];
+    return image_of(split_.face, image::point_of(split_.face, {face, column, row}), turn, image);
+  };
+  const image::CubeTexel first = place(0, 0);
+  const image::CubeTexel right = place(1, 0);
+  const image::CubeTexel below = place(0, 1);
+  return {first.face,
+          first.column,
+          first.row,
+          {right.column - first.column, right.row - first.row},
+          {below.column - first.column, below.row - first.row}};
 }
 
 void NearRecords::gather(const std::vector<const float*>& rows, int turn, const Control& control) {
@@ -177,58 +202,53 @@ void NearRecords::gather(const std::vector<const float*>& rows, int turn, const 
 
 /// Texels of a source that go to one image of records that follow each other.
 struct Copy {
-  const float* const* rows;  ///< the first texel's
-  int down;                  ///< rows from each to the next
+  const float* const* rows;  ///< of the source
+  int row;
+  int down;  ///< rows from each to the next
   int column;
   int across;
   int count;
   int columns;  ///< of a row
 
   void to(float* record, int image) const {
-    const float* const* row = rows;
+    int line = row;
     int place = 3 * column;
     const int last = image + 1 < kRingImages ? 3 * (columns - 1) : 0;
     record += std::ptrdiff_t{3} * image;
-    for (int k = 0; k < count; ++k, row += down, place += 3 * across, record += kRecordFloats) {
+    for (int k = 0; k < count; ++k, line += down, place += 3 * across, record += kRecordFloats) {
       // a fourth float is overwritten by the next image
       if (place < last)
-        std::memcpy(record, *row + place, 4 * sizeof(float));
+        std::memcpy(record, rows[line] + place, 4 * sizeof(float));
       else
-        std::memcpy(record, *row + place, 3 * sizeof(float));
+        std::memcpy(record, rows[line] + place, 3 * sizeof(float));
     }
   }
 };
 
 void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image) {
   const int size = split_.face;
-  const int face = kNearFaces[static_cast<std::size_t>(piece.row / size)];
-  const auto [first_column, end] = piece.columns;
-  const auto place = [&](int column) {
-    return image_of(size, image::point_of(size, {face, column, piece.row % size}), turn, image);
-  };
-  const image::CubeTexel first = place(first_column);
-  const image::CubeTexel next = place(std::min(first_column + 1, size - 1));
-  const Copy copy{rows.data() + first.face * size + first.row,
-                  next.row - first.row,
-                  first.column,
-                  next.column - first.column,
-                  end - first_column,
+  const int part = piece.row / size;
+  const int row = piece.row % size;
+  const auto [first, end] = piece.columns;
+  const FaceImage& own = images_[static_cast<std::size_t>((turn * kParts + part) * kRingImages + image)];
+  const Copy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
+                  own.across[1], own.column + first * own.across[0] + row * own.down[0],
+                  own.across[0], end - first,
                   size};
-  copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first_column} * kRecordFloats,
-          image);
+  copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
 }
 
 void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image) {
   const int columns = split_.face;
   const auto [first, end] = piece.columns;
   const image::CubeImage how = image::cube_image_of(image);
-  const float* const* const row = &rows[static_cast<std::size_t>(how.below ? split_.rows - 1 - piece.row : piece.row)];
+  const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;
   float* to = records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats;
   for (int k = first; k < end;) {
     const int count = std::min(end - k, how.mirrored ? column + 1 : columns - column);
-    Copy{row, 0, column, how.mirrored ? -1 : 1, count, columns}.to(to, image);
+    Copy{rows.data(), row, 0, column, how.mirrored ? -1 : 1, count, columns}.to(to, image);
     k += count;
     to += std::ptrdiff_t{count} * kRecordFloats;
     column = how.mirrored ? columns - 1 : 0;
@@ -244,16 +264,15 @@ class NearSums {
     alignas(64) float sums[kRecordFloats] = {};
   };
 
-  explicit NearSums(const NearMip& mip) : mip_(mip), table_(NearTable::get(mip.split)) {
-    for (int turn = 0; turn < turns_of(mip.split); ++turn) {
+  explicit NearSums(const NearMip& mip) : mip_(mip) {
+    for (int turn = 0; turn < turns_of(mip.table->split()); ++turn) {
       for (int image = 0; image < kRingImages; ++image) {
         for (const bool cap : {false, true}) places_[turn][image][cap ? 1 : 0] = place_of(turn, image, cap);
       }
     }
   }
 
-  [[nodiscard]] std::size_t tiles() const { return table_->weights().tiles(); }
-  [[nodiscard]] const std::vector<ColumnRange>& rows() const { return table_->rows(); }
+  [[nodiscard]] std::size_t tiles() const { return mip_.table->weights().tiles(); }
   void add(std::size_t tile, int turn, const NearRecords& records, Room& room) const;
 
  private:
@@ -267,12 +286,11 @@ class NearSums {
   [[nodiscard]] Place place_of(int turn, int image, bool cap) const;
 
   NearMip mip_;
-  std::shared_ptr<const NearTable> table_;
   Place places_[kTurns][kRingImages][2];
 };
 
 NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
-  const int size = mip_.split.size;
+  const int size = mip_.table->split().size;
   const auto pixel = [&](int across, int other) {
     const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
     const image::CubeTexel texel = image_of(size, point, turn, image);
@@ -287,14 +305,14 @@ NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
 
 // A direction that is its own image adds its share to that texel several times.
 void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room& room) const {
-  const NearTile& own = table_->tile(tile, room.tile, room.weights);
-  const glm::ivec3* direction = table_->weights().directions().data() + NearWeights::first_of(tile);
+  const NearTile& own = mip_.table->tile(tile, room.tile, room.weights);
+  const glm::ivec3* direction = mip_.table->weights().directions().data() + NearWeights::first_of(tile);
   NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
   for (const std::size_t end : own.runs_ends) {
     taps.count = static_cast<int>(own.runs.data() + end - taps.runs);
     taps.weights = near_kernels().sum_runs(taps, room.sums);
     taps.runs += taps.count;
-    const bool cap = direction->y == mip_.split.size;
+    const bool cap = direction->y == mip_.table->split().size;
     const int across = direction->x / 2;
     const int other = (cap ? direction->z : direction->y) / 2;
     for (int image = 0; image < kRingImages; ++image) {
@@ -310,12 +328,12 @@ void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room&
 
 void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control) {
   if (mips.empty()) return;
-  const NearSplit& split = mips.front().split;
+  const NearSplit& split = mips.front().table->split();
   std::vector<NearSums> sums;
   std::vector<ColumnRange> columns = rows_of(split);
   for (const NearMip& mip : mips) {
     sums.emplace_back(mip);
-    for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], sums.back().rows()[row]);
+    for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], mip.table->rows()[row]);
   }
   NearRecords records(split, columns);
   const int turns = turns_of(split);
@@ -324,7 +342,7 @@ void add_near_sums(const std::vector<const float*>& rows, const std::vector<Near
   for (int turn = 0; turn < turns; ++turn) {
     records.gather(rows, turn, {control.stop, {}});
     for (std::size_t k = 0; k < sums.size(); ++k, done += 1.0) {
-      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].split)));
+      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].table->split())));
       std::vector<NearSums::Room> rooms(jobs::worker_count(placement));
       jobs::run_tiles(sums[k].tiles(), placement, rooms.size(),
                       jobs::part_of(control, done / steps, (done + 1.0) / steps),

@@ -22,6 +22,7 @@ class NearTable {
   [[nodiscard]] static std::shared_ptr<const NearTable> get(const NearSplit& split);
   explicit NearTable(const NearSplit& split);
 
+  [[nodiscard]] const NearSplit& split() const noexcept { return split_; }
   /// Returns the far part's spectrum over k_0 of the whole lobe, half as many degrees again as its bands.
   [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
   [[nodiscard]] const NearWeights& weights() const noexcept { return weights_; }
@@ -46,12 +47,12 @@ class NearTable {
 
 /// Six packed RGB faces of a mip.
 struct NearMip {
-  NearSplit split;
-  std::array<float*, 6> faces;
+  std::shared_ptr<const NearTable> table;
+  std::array<float*, 6> faces{};
 };
 
 /// Adds the near parts to mips that hold the far parts. `rows`: the source's, packed RGB, of a cubemap face after face;
-/// the splits are of that source. The same bits on any number of threads and instruction set. Throws `Error`
+/// the tables are of splits of that source. The same bits on any number of threads and instruction set. Throws `Error`
 /// (cancelled).
 void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control);
 /// Returns a bound on what that takes, without tables.

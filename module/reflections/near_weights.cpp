@@ -123,118 +123,73 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
 std::size_t NearWeights::tiles() const noexcept { return (directions_.size() + first_of(1) - 1) / first_of(1); }
 std::size_t NearWeights::first_of(std::size_t tile) noexcept { return tile * kGroupsPerTile * kLanes; }
 
-/// All directions within the reach of another.
-class NearWeights::Cone {
- public:
-  explicit Cone(double reach) {
-    const math::SineCosine angle = math::sine_cosine_of_turns(reach / (2.0 * kPi));
-    sine_ = angle.sine;
-    cosine_ = angle.cosine;
-  }
+namespace {
 
-  /// Returns where the planes lie that touch the cone, all with an edge of the face: x / z from the axis' coordinates
-  /// across and outwards.
-  [[nodiscard]] Interval across(double x, double z) const {
-    const double square = x * x + z * z - sine_ * sine_;
-    if (z <= -sine_) return {};
-    if (square <= 0.0) return {-kInfinity, kInfinity};
-    const double root = sine_ * std::sqrt(square);
-    const double wide = z * z - sine_ * sine_;
-    const double product = x * x - sine_ * sine_;
-    if (z > sine_) return {(x * z - root) / wide, (x * z + root) / wide};
-    if (product <= 0.0) return {-kInfinity, kInfinity};
-    if (x > 0.0) return {product / (x * z + root), kInfinity};
-    return {-kInfinity, product / (x * z - root)};
-  }
+/// Returns where the planes lie that touch the cone of all directions within a reach, all with an edge of the face: x /
+/// z from its axis' coordinates across and outwards.
+Interval across_cone(double x, double z, const math::SineCosine& reach) {
+  const double square = x * x + z * z - reach.sine * reach.sine;
+  if (z <= -reach.sine) return {};
+  if (square <= 0.0) return {-kInfinity, kInfinity};
+  const double root = reach.sine * std::sqrt(square);
+  const double wide = z * z - reach.sine * reach.sine;
+  const double product = x * x - reach.sine * reach.sine;
+  if (z > reach.sine) return {(x * z - root) / wide, (x * z + root) / wide};
+  if (product <= 0.0) return {-kInfinity, kInfinity};
+  if (x > 0.0) return {product / (x * z + root), kInfinity};
+  return {-kInfinity, product / (x * z - root)};
+}
 
-  /// Returns the part of a line across the face that lies within, u where (u, v, 1) does.
-  [[nodiscard]] Interval along(const glm::dvec3& axis, double v) const {
-    // f(u) = (x u + k)^2 - c^2 (u^2 + w) is not negative there, and x u + k is positive
-    const double x = std::abs(axis.x);
-    const double k = axis.y * v + axis.z;
-    const double w = 1.0 + v * v;
-    const double a = (x - cosine_) * (x + cosine_);
-    const double square = k * k + w * a;
-    if (a < 0.0 && (k <= 0.0 || square <= 0.0)) return {};
-    const double root = cosine_ * std::sqrt(std::max(0.0, square));
-    const double b = x * k;
-    const double first = b >= 0.0 ? (cosine_ * cosine_ * w - k * k) / (b + root) : (root - b) / a;
-    const double end = a < 0.0 ? (b + root) / -a : kInfinity;
-    return axis.x < 0.0 ? Interval{-end, -first} : Interval{first, end};
-  }
+/// Returns a range from a place on, and another.
+ColumnRange with(const ColumnRange& range, const ColumnRange& other, int place) {
+  return {std::min(range.first, other.first - place), std::max(range.end, other.end - place)};
+}
 
-  /// Returns the columns of a row within which Gauss points of its texels may lie.
-  [[nodiscard]] ColumnRange columns_of(const glm::dvec3& axis, int row, int size) const {
-    const double texel = 2.0 / size;
-    const double v = (row + 0.5) * texel - 1.0;
-    const double point = 0.5773502691896257 * 0.5 * texel;  // from a texel's middle
-    const Interval upper = along(axis, v - point);
-    const Interval lower = along(axis, v + point);
-    return texels_of({std::min(upper.first, lower.first), std::max(upper.end, lower.end)}, size);
-  }
-
- private:
-  double sine_;
-  double cosine_;
-};
+}  // namespace
 
 void NearWeights::add_face(const Directions& directions, int part, Room& room) const {
   const image::Frame& frame = image::face_frame(kNearFaces[static_cast<std::size_t>(part)]);
   const int size = split_.face;
-  const Cone cone(split_.reach);
+  const math::SineCosine reach = math::sine_cosine_of_turns(split_.reach / (2.0 * kPi));
   Window& window = room.windows[room.count];
   window.part = part;
   CubeGroup& group = window.face;
   group = {};
   group.size = static_cast<float>(size);
-  Directions axes;
-  std::array<ColumnRange, kLanes> rows{};
-  ColumnRange all{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+  ColumnRange rows{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+  ColumnRange columns = rows;
   for (std::size_t k = 0; k < kLanes; ++k) {
-    axes[k] = {glm::dot(directions[k], frame.u), glm::dot(directions[k], frame.v),
-               glm::dot(directions[k], frame.normal)};
+    const double x = glm::dot(directions[k], frame.u);
+    const double y = glm::dot(directions[k], frame.v);
+    const double z = glm::dot(directions[k], frame.normal);
     group.column[k] = group.row[k] = static_cast<float>(kNowhere);
     window.row[k] = window.column[k] = kNowhere;
-    rows[k] = texels_of(cone.across(axes[k].y, axes[k].z), size);
-    if (empty(rows[k]) || empty(texels_of(cone.across(axes[k].x, axes[k].z), size))) {
-      rows[k] = {0, 0};
-      continue;
-    }
-    const double u = axes[k].x / axes[k].z;
-    const double v = axes[k].y / axes[k].z;
-    const double column = clear_of_lines(0.5 * (u + 1.0) * size);
-    const double row = clear_of_lines(0.5 * (v + 1.0) * size);
+    const ColumnRange own_rows = texels_of(across_cone(y, z, reach), size);
+    const ColumnRange own_columns = texels_of(across_cone(x, z, reach), size);
+    if (empty(own_rows) || empty(own_columns)) continue;
+    const double column = clear_of_lines(0.5 * (x / z + 1.0) * size);
+    const double row = clear_of_lines(0.5 * (y / z + 1.0) * size);
     window.column[k] = whole_below(column);
     window.row[k] = whole_below(row);
-    group.u[k] = static_cast<float>(u);
-    group.v[k] = static_cast<float>(v);
+    group.u[k] = static_cast<float>(x / z);
+    group.v[k] = static_cast<float>(y / z);
     group.column[k] = static_cast<float>(window.column[k]);
     group.row[k] = static_cast<float>(window.row[k]);
     group.part[k] = static_cast<float>(column - window.column[k]);
     group.part_row[k] = static_cast<float>(row - window.row[k]);
-    all = {std::min(all.first, rows[k].first - window.row[k]), std::max(all.end, rows[k].end - window.row[k])};
+    rows = with(rows, own_rows, window.row[k]);
+    columns = with(columns, own_columns, window.column[k]);
   }
-  if (empty(all)) return;
+  if (empty(rows)) return;
   ++room.count;
-  window.first_row = all.first;
-  const ColumnRange none{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  window.rows.assign(static_cast<std::size_t>(all.end - all.first),
-                     {.range = {.columns = none, .fine = {}, .close = {}}});
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    for (int row = rows[k].first; row < rows[k].end; ++row) {
-      const ColumnRange columns = cone.columns_of(axes[k], row, size);
-      if (empty(columns)) continue;
-      ColumnRange& own = window.rows[static_cast<std::size_t>(row - window.row[k] - all.first)].range.columns;
-      own = {std::min(own.first, columns.first - window.column[k]), std::max(own.end, columns.end - window.column[k])};
-    }
-  }
+  window.first_row = rows.first;
+  window.rows.clear();
   const auto beside = [](int row, int texels) -> ColumnRange {
     return std::abs(row) <= texels ? ColumnRange{-texels, texels + 1} : ColumnRange{0, 0};
   };
-  for (int row = all.first; row < all.end; ++row) {
-    RowRange& range = window.rows[static_cast<std::size_t>(row - all.first)].range;
-    range = nested(range.columns, beside(row, closed_ ? kFine : kClose), closed_ ? beside(row, kClose) : ColumnRange{});
-  }
+  for (int row = rows.first; row < rows.end; ++row)
+    window.rows.push_back({.range = nested(columns, beside(row, closed_ ? kFine : kClose),
+                                           closed_ ? beside(row, kClose) : ColumnRange{})});
 }
 
 namespace {
@@ -372,7 +327,7 @@ void NearWeights::weigh_group(std::size_t group, Room& room) const {
   near_kernels().scale(room.weights.data(), static_cast<int>(texels), sums);
 }
 
-/// Takes a direction's weights, without those at the ends of rows that are other directions' alone.
+/// Takes a direction's weights, without the ends of rows that the near part does not reach.
 void NearWeights::take_runs(std::size_t lane, Room& room) const {
   const int part_rows = split_.cubemap() ? split_.face : split_.rows;
   for (std::size_t k = 0; k < room.count; ++k) {

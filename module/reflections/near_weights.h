@@ -64,7 +64,6 @@ class NearWeights {
 
  private:
   using Directions = std::array<glm::dvec3, simd::kLanes>;
-  class Cone;
 
   struct Window;
   void add_face(const Directions& directions, int part, Room& room) const;

@@ -152,6 +152,7 @@ double least_of(const CubemapChain& chain, int level, const Control& control) {
 
 /// What narrow mips share.
 struct NarrowSource {
+  NearSplit split;      ///< of the one whose far part has the most bands
   BrightLights bright;  ///< taken out of the spectrum
   int bright_texels = 0;
   double contrast = 0.0;  ///< see `contrast_of`
@@ -235,8 +236,8 @@ class LobeChain {
   [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
   [[nodiscard]] NearSplit split_of(const MipPlan& mip) const;
-  void add_far_part(std::size_t level, const NarrowSource& narrow, const Control& control);
-  void end_narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control);
+  void add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
+  void end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
   void keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
   [[nodiscard]] double seconds_to_integrate(const MipPlan& mip) const;
   [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
@@ -390,7 +391,7 @@ void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Co
   memory_.take(bytes);
   std::vector<const float*> rows;
   for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
-  reflections::add_near_sums(rows, {{mip.near, target.faces()}}, control);
+  reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
   if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
@@ -511,8 +512,8 @@ NearSplit LobeChain::split_of(const MipPlan& mip) const {
 void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
   NarrowSource narrow;
-  const NearSplit split =
-      narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  narrow.split = narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  const NearSplit& split = narrow.split;
   const double sharpest = sharpest_lobe(split);
   const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
   narrow.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
@@ -531,52 +532,62 @@ void LobeChain::run_narrow(const Control& control) {
   std::vector<std::size_t> levels;
   std::vector<NearMip> mips;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (mip.method != MipMethod::narrow) continue;
+    if (plan_.mips[level].method != MipMethod::narrow) continue;
     levels.push_back(level);
-    mips.push_back({split_of(mip), target(level).faces()});
-    graph.add(static_cast<double>(mip.size) * mip.size,
-              [this, level, &narrow](const Control& part) { add_far_part(level, narrow, part); });
+    mips.push_back({nullptr, target(level).faces()});
+  }
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const MipPlan& mip = plan_.mips[levels[k]];
+    graph.add(static_cast<double>(mip.size) * mip.size, [this, k, &mip, &levels, &mips, &narrow](const Control& part) {
+      mips[k].table = NearTable::get(split_of(mip));
+      add_far_part(levels[k], narrow, *mips[k].table, part);
+    });
   }
   graph.run(jobs::part_of(control, 0.2, 0.5));
 
   const Stopwatch near;
-  const CutRows cut(source_, mips.front().split);
+  const CutRows cut(source_, split);
   std::size_t bytes = cut.owned.bytes();
-  for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.split));
+  for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
   memory_.take(bytes);
   reflections::add_near_sums(cut.rows, mips, jobs::part_of(control, 0.5, 0.95));
-  note("narrow: near sums", std::to_string(mips.front().split.face) + " columns", near.milliseconds());
+  note("narrow: near sums", std::to_string(split.face) + " columns", near.milliseconds());
   memory_.give_back(bytes);
-  for (const std::size_t level : levels) end_narrow_mip(level, narrow, {control.stop, {}});
+  for (std::size_t k = 0; k < levels.size(); ++k) end_narrow_mip(levels[k], narrow, *mips[k].table, {control.stop, {}});
   memory_.give_back(narrow.spectrum.bytes() + narrow.bright.bytes());
 }
 
-void LobeChain::add_far_part(std::size_t level, const NarrowSource& narrow, const Control& control) {
+void LobeChain::add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                             const Control& control) {
   const MipPlan& mip = plan_.mips[level];
-  const NearSplit split = split_of(mip);
+  const NearSplit& split = table.split();
   const Target target = this->target(level);
-  const std::vector<double> zonal = tapered(NearTable::get(split)->far(), split.bands);
+  const std::vector<double> zonal = tapered(table.far(), split.bands);
   blur(target, zonal, far_grid(split), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.7));
   narrow.bright.add({*mip.lobe, split.end()}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
 }
 
-void LobeChain::end_narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control) {
+void LobeChain::end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                               const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
-  const NearSplit split = split_of(mip);
   const Target target = this->target(level);
-  const std::vector<double>& far = NearTable::get(split)->far();
-  const std::vector<double> zonal = tapered(far, split.bands);
+  const std::vector<double>& far = table.far();
+  const std::vector<double> zonal = tapered(far, table.split().bands);
   if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   const double far_rms = blurred_rms(narrow.energies, zonal);
   note_darkness(target, far_rms, control);
-  record(level).bands = split.bands;
+  record(level).bands = table.split().bands;
   record(level).bright_texels = narrow.bright_texels;
-  const double rms = rms_of_level(target.chain, target.level, mip.size);
-  const double lights = narrow.bright.empty() ? 0.0 : far.front();
-  record(level).error_estimate = narrow_error(
-      source_, {mip.size, mip.alpha, rms, far_rms, lost_of_far(far, zonal, narrow.energies), lights}, narrow.contrast);
+  const int rings = source_.cubemap() ? far_rows_for_cubemap(narrow.split) : 0;
+  record(level).error_estimate = narrow_error(source_,
+                                              {.size = mip.size,
+                                               .alpha = mip.alpha,
+                                               .rms = rms_of_level(target.chain, target.level, mip.size),
+                                               .far_rms = far_rms,
+                                               .lost = lost_of_far(far, zonal, narrow.energies, rings),
+                                               .lights = narrow.bright.empty() ? 0.0 : far.front()},
+                                              narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
 }
 

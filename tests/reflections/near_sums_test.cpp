@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -38,7 +39,7 @@ std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& f
   std::vector<float> sums(6 * face_floats, 0.0F);
   std::vector<const float*> rows;
   for (int row = 0; row < 6 * split.face; ++row) rows.push_back(faces.data() + std::ptrdiff_t{3} * split.face * row);
-  reflections::NearMip mip{split, {}};
+  reflections::NearMip mip{std::make_shared<const NearTable>(split)};
   for (std::size_t face = 0; face < 6; ++face) mip.faces[face] = sums.data() + face * face_floats;
   reflections::add_near_sums(rows, {mip}, {});
   return sums;
