@@ -6,7 +6,7 @@
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
-//   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
+//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/reflections.md
 //   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
 //   welkin_perf --schedule                          bakes on 1 to 64 workers, from the tiles of one
