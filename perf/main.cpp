@@ -7,6 +7,7 @@
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
 //   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/reflections.md
+//   welkin_perf --bounds [--runs=N] LATLONG          docs/speed.md, time by rms_error
 //   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
 //   welkin_perf --schedule                          bakes on 1 to 64 workers, from the tiles of one
@@ -22,6 +23,7 @@
 
 #include "bake.h"
 #include "bc6h.h"
+#include "bounds.h"
 #include "cancel_latency.h"
 #include "cold.h"
 #include "command.h"
@@ -101,6 +103,9 @@ int main(int argc, char** argv) {
   }
   if (argc > 1 && std::string(argv[1]) == "--estimates") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::estimate_table);
+  }
+  if (argc > 1 && std::string(argv[1]) == "--bounds") {
+    return perf::print_tables(1, {argv + 2, argv + argc}, perf::bounds_table);
   }
   if (argc > 1 && std::string(argv[1]) == "--scenes") {
     return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);
