@@ -7,6 +7,11 @@
 
 namespace welkin::perf {
 
+/// `[--runs=N] LATLONG`: a table of warm processor milliseconds on one thread, by subject and `rms_error`, each the
+/// least of N calls (20): default and short chains of cubemaps and of the lat-long itself, sheen, irradiance, and 64
+/// probes of halves in one call.
+[[nodiscard]] std::string bounds_table(const std::vector<std::filesystem::path>& arguments);
+
 /// EncodeBc6h/fast|normal|slow/<size>/<threads>: the prefiltered chain of a sky with a sun and noise.
 /// DecodeBc6h/halves/<size>/<threads>.
 void add_bc6h(const std::vector<int>& thread_counts);
@@ -39,8 +44,9 @@ void add_cancel_latency(const std::vector<int>& thread_counts);
 /// "again" finds them in a cache. A texel is one of the picture.
 void add_command(const std::vector<int>& thread_counts);
 
-/// `[COUNT] [--seed=N] [PICTURE...]`: a table by kind of result over COUNT random environments (10 000), of which a
-/// fifth are of the pictures if there are any. After each 500 the table so far goes to standard error.
+/// `[COUNT] [--seed=N] [--rms-error=X] [PICTURE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
+/// random environments (10 000), of which a fifth are of the pictures if there are any. After each 500 the table so far
+/// goes to standard error.
 [[nodiscard]] std::string estimate_table(const std::vector<std::filesystem::path>& arguments);
 
 /// Markdown tables for the environments in `files`: how far the irradiance cubemap of a bake is from direct cosine

@@ -6,7 +6,8 @@
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
-//   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
+//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/reflections.md
+//   welkin_perf --bounds [--runs=N] LATLONG          docs/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
 //   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
 #include <benchmark/benchmark.h>
@@ -66,6 +67,9 @@ int main(int argc, char** argv) {
   }
   if (argc > 1 && std::string(argv[1]) == "--estimates") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::estimate_table);
+  }
+  if (argc > 1 && std::string(argv[1]) == "--bounds") {
+    return perf::print_tables(1, {argv + 2, argv + argc}, perf::bounds_table);
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));

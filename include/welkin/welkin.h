@@ -109,8 +109,8 @@ WELKIN_API const char* welkin_status_name(welkin_status status);
 WELKIN_API const char* welkin_last_error(void);
 
 /* ---- Working memory ----
- * Calls take their large buffers from blocks that earlier calls left, so that a warm call clears no pages but its
- * result's. These functions change no result. */
+ * Calls take their large buffers and chains from blocks that earlier ones left, so that a warm call clears no pages
+ * once results are freed. These functions change no result. */
 
 /* Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
  * beyond that. 0 keeps none. */

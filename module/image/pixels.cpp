@@ -342,27 +342,9 @@ void check_view(const LatLongView& lat_long) {
 
 namespace welkin {
 
-namespace {
-
-struct Extent {
-  std::size_t bytes;
-  std::size_t alignment;
-};
-
-/// Returns what a chain asks a resource for. Large chains in the process's own memory lie in whole huge pages, and so
-/// does a rest of half a page and more.
-Extent extent_of(const memory_resource* memory, std::size_t bytes) noexcept {
-  constexpr std::size_t half_page = std::size_t{1} << 20U;
-  if (bytes < half_page || memory != new_delete_resource()) return {bytes, platform::kCacheLine};
-  const std::size_t rest = bytes % platform::kHugePage;
-  return {rest < half_page ? bytes : bytes + platform::kHugePage - rest, platform::kHugePage};
-}
-
-}  // namespace
-
 void CubemapChain::Free::operator()(float* pixels) const noexcept {
-  const Extent extent = extent_of(memory, bytes);
-  memory->deallocate(pixels, extent.bytes, extent.alignment);
+  if (memory != nullptr) return memory->deallocate(pixels, bytes, platform::kCacheLine);
+  platform::give_working_memory({.data = pixels, .bytes = bytes, .alignment = platform::kHugePage});
 }
 
 CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
@@ -383,10 +365,14 @@ CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size
     values_ += 6 * edge * edge * 3;
   }
   if (memory == nullptr) memory = get_default_resource();
-  const Extent extent = extent_of(memory, bytes());
-  pixels_ = {static_cast<float*>(memory->allocate(extent.bytes, extent.alignment)), Free{memory, bytes()}};
-  // What another resource gives belongs to a block of the caller's.
-  if (memory == new_delete_resource()) platform::advise_huge_pages(pixels_.get(), extent.bytes);
+  if (memory != new_delete_resource() || bytes() < platform::kLeastOwnBlock) {
+    pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
+    return;
+  }
+  // large chains are kept between calls as working memory is, unless none is kept
+  const platform::WorkingMemory block = platform::take_working_memory(bytes());
+  const bool kept = block.alignment == platform::kHugePage;
+  pixels_ = {static_cast<float*>(block.data), Free{kept ? nullptr : memory, block.bytes}};
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {
