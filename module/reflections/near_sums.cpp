@@ -267,7 +267,7 @@ class NearSums {
   explicit NearSums(const NearMip& mip) : mip_(mip) {
     for (int turn = 0; turn < turns_of(mip.table->split()); ++turn) {
       for (int image = 0; image < kRingImages; ++image) {
-        for (const bool cap : {false, true}) places_[turn][image][cap ? 1 : 0] = place_of(turn, image, cap);
+        for (const bool cap : {false, true}) places_[turn][cap ? 1 : 0][image] = place_of(turn, image, cap);
       }
     }
   }
@@ -286,7 +286,7 @@ class NearSums {
   [[nodiscard]] Place place_of(int turn, int image, bool cap) const;
 
   NearMip mip_;
-  Place places_[kTurns][kRingImages][2];
+  Place places_[kTurns][2][kRingImages];
 };
 
 NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
@@ -307,20 +307,25 @@ NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
 void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room& room) const {
   const NearTile& own = mip_.table->tile(tile, room.tile, room.weights);
   const glm::ivec3* direction = mip_.table->weights().directions().data() + NearWeights::first_of(tile);
+  const NearKernels& kernels = near_kernels();
   NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
-  for (const std::size_t end : own.runs_ends) {
-    taps.count = static_cast<int>(own.runs.data() + end - taps.runs);
-    taps.weights = near_kernels().sum_runs(taps, room.sums);
+  std::array<float*, kRingImages> texels{};
+  for (std::size_t k = 0; k < own.runs_ends.size(); ++k, ++direction) {
+    taps.count = static_cast<int>(own.runs.data() + own.runs_ends[k] - taps.runs);
+    taps.weights = kernels.sum_runs(taps, room.sums);
     taps.runs += taps.count;
     const bool cap = direction->y == mip_.table->split().size;
-    const int across = direction->x / 2;
-    const int other = (cap ? direction->z : direction->y) / 2;
-    for (int image = 0; image < kRingImages; ++image) {
-      const Place& place = places_[turn][image][cap ? 1 : 0];
-      float* const rgb = place.first + across * place.across + other * place.other;
-      for (int c = 0; c < 3; ++c) rgb[c] += room.sums[3 * image + c];
+    const auto& places = places_[turn][cap ? 1 : 0];
+    const bool next = k > 0 && direction->x == direction[-1].x + 2;  // in its row
+    for (std::size_t image = 0; image < kRingImages; ++image) {
+      const Place& place = places[image];
+      if (next)
+        texels[image] += place.across;
+      else
+        texels[image] =
+            place.first + direction->x / 2 * place.across + (cap ? direction->z : direction->y) / 2 * place.other;
+      for (std::size_t c = 0; c < 3; ++c) texels[image][c] += room.sums[3 * image + c];
     }
-    ++direction;
   }
 }
 

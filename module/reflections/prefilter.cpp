@@ -390,6 +390,7 @@ void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Co
   const std::size_t bytes = faces.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
   std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * faces.size));
   for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
   reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
   if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());

@@ -38,6 +38,7 @@ std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& f
   const auto face_floats = std::size_t{3} * static_cast<std::size_t>(split.size * split.size);
   std::vector<float> sums(6 * face_floats, 0.0F);
   std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * split.face));
   for (int row = 0; row < 6 * split.face; ++row) rows.push_back(faces.data() + std::ptrdiff_t{3} * split.face * row);
   reflections::NearMip mip{std::make_shared<const NearTable>(split)};
   for (std::size_t face = 0; face < 6; ++face) mip.faces[face] = sums.data() + face * face_floats;
