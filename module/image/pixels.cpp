@@ -150,14 +150,23 @@ void write_texels(const Channel* values, int channels, std::size_t count, int ta
 std::uint64_t write_halves(const float* values, int channels, std::size_t count, TexelLayout layout,
                            std::byte* place) noexcept {
   constexpr std::uint16_t one = 0x3C00;
+  const int kept = std::min(channels, layout.channels);
+  std::array<float, 4 * kHalvesBlock> block;
   std::array<std::uint16_t, 4 * kHalvesBlock> halves;
   std::uint64_t changed = 0;
   for (std::size_t first = 0; first < count; first += kHalvesBlock) {
     const std::size_t here = std::min<std::size_t>(kHalvesBlock, count - first);
-    const int numbers = channels * static_cast<int>(here);
-    changed += static_cast<std::uint64_t>(image_kernels().halves_of_floats(values, numbers, halves.data()));
-    write_texels(halves.data(), channels, here, layout.channels, one, place);
-    values += numbers;
+    const int numbers = kept * static_cast<int>(here);
+    const float* from = values;
+    if (kept < channels) {  // what is not written is not counted
+      for (std::size_t i = 0; i < here; ++i)
+        std::copy_n(values + i * static_cast<std::size_t>(channels), kept,
+                    block.data() + i * static_cast<std::size_t>(kept));
+      from = block.data();
+    }
+    changed += static_cast<std::uint64_t>(image_kernels().halves_of_floats(from, numbers, halves.data()));
+    write_texels(halves.data(), kept, here, layout.channels, one, place);
+    values += here * static_cast<std::size_t>(channels);
     place += here * layout.texel_bytes();
   }
   return changed;
