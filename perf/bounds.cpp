@@ -1,5 +1,3 @@
-#include "bounds.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "benchmarks.h"
 #include "perf/report/environment.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"

@@ -1,10 +1,9 @@
-#include "estimates.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
+#include "benchmarks.h"
 #include "support/estimate_trials.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"

@@ -72,7 +72,7 @@ enum class ErrorCode {
   limit_exceeded,    ///< a file or request that would need more memory than the stated limit
   cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
   replaced,          ///< a newer request with the same key took this job's place
-  queue_full,        ///< a worker at its limits refused this job, or dropped it for another
+  queue_full,        ///< a worker at its limits refused this job
   stopped,           ///< the worker was terminated before this job was done
 };
 

@@ -343,6 +343,7 @@ void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) c
     constexpr double kSmall = 0.2;  // size of a light, which is 100 times its `least`: see `smooth_points`
     of.lines = shape.table().lines.data();
     of.cells = shape.table().cells();
+    of.first_cell = static_cast<float>(shape.table().first_cell);
     of.cells_of_s = static_cast<float>(shape.table().cells_of_s);
     of.nearest = static_cast<float>(4.0 * shape.nearest() * shape.nearest());
     of.farthest = static_cast<float>(4.0 * shape.farthest() * shape.farthest());

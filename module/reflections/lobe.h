@@ -29,7 +29,9 @@ namespace welkin::reflections {
 /// between two of them. A cell is a 512th of the kernel's scale, so a line errs by 5e-7 of the peak, and by
 /// nothing in the mean.
 struct KernelTable {
-  std::vector<float> lines;  ///< of each cell from s = 0 to 1: the value at its beginning, and what it rises by
+  std::vector<float>
+      lines;           ///< of each cell where the kernel is seen: the value at its beginning, and what it rises by
+  int first_cell = 0;  ///< counted from s = 0
   double cells_of_s = 0.0;
 
   /// Int_0^c (c - x) k(x) dx of a kernel that is 0 below the horizon, by even steps of the cosine c: of each cell from
@@ -83,7 +85,7 @@ class Lobe {
   /// Returns whether it has breaks but for a hemisphere's horizon.
   [[nodiscard]] bool bends() const noexcept { return breaks_.size() > (hemisphere_ ? 1U : 0U); }
   [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
-  [[nodiscard]] const KernelTable& table() const noexcept { return table_; }  ///< empty for GGX
+  [[nodiscard]] const KernelTable& table() const;  ///< made when it is first asked for; empty for GGX
   /// Bands beyond which there is nothing; 0: it has no end.
   [[nodiscard]] int last_band() const noexcept { return static_cast<int>(factors_.size()); }
 
@@ -102,8 +104,9 @@ class Lobe {
   void follow(const std::function<double(double)>& value);
   void normalise();
   void measure();
-  void make_table();
-  void integrate_twice();
+  void find_where_seen();
+  void make_table() const;
+  void integrate_twice() const;
   [[nodiscard]] std::vector<double> find_spectrum(int bands) const;
 
   double alpha_ = 0.0;
@@ -118,7 +121,8 @@ class Lobe {
   double horizon_slope_ = 0.0;
   bool negative_ = false;
   bool hemisphere_ = false;
-  KernelTable table_;
+  mutable std::once_flag table_made_;
+  mutable KernelTable table_;
   mutable std::mutex mutex_;
   mutable std::vector<double> spectrum_;  ///< made when it is asked for
 };

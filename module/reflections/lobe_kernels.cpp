@@ -1,7 +1,7 @@
 // Lobes of single lights, and the quadrature of spectra.
 #include "reflections/lobe_kernels.h"
 
-#include "reflections/narrow_kernels.h"
+#include "reflections/near_kernels.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {
@@ -83,7 +83,8 @@ WELKIN_INLINE auto is_seen(const LobeBlock& texels, Lanes chord) {
 
 /// The kernel of a table.
 WELKIN_INLINE Lanes looked_up(const LobeBlock& texels, Lanes chord) {
-  const Lanes place = Lanes(0.5F * texels.cells_of_s) * xsimd::sqrt(chord);
+  const Lanes from_axis = Lanes(0.5F * texels.cells_of_s) * xsimd::sqrt(chord);
+  const Lanes place = xsimd::max(from_axis - Lanes(texels.first_cell), Lanes(0.0F));
   const simd::Integers cell = xsimd::min(xsimd::to_int(place), simd::Integers(texels.cells - 1));
   const simd::Pairs line = simd::load_pairs(texels.lines, cell);
   return xsimd::select(is_seen(texels, chord), line.first + (place - xsimd::to_float(cell)) * line.second, Lanes(0.0F));

@@ -44,6 +44,7 @@ struct LobeBlock {
   /// A `KernelTable`, by which lights are seen instead; null: GGX.
   const float* lines = nullptr;
   int cells = 0;
+  float first_cell = 0.0F;
   float cells_of_s = 0.0F;
   float nearest = 0.0F;  ///< square of the distance of a light, less and more of which nothing is seen
   float farthest = 4.0F;

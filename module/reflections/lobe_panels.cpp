@@ -195,6 +195,7 @@ void Lobe::measure() {
       before = own;
     }
   }
+  find_where_seen();
   scale_ = peak_ < kPi * steepest ? peak_ / steepest : kPi;
   negative_ = least < -1e-9 * peak_;
   const bool broken =
@@ -202,34 +203,56 @@ void Lobe::measure() {
   hemisphere_ = broken && below == 0.0;
 }
 
-void Lobe::make_table() {
+/// By the ends of what it looks at, so that nothing between them is missed.
+void Lobe::find_where_seen() {
+  constexpr int kSteps = 32;  // of a panel
+  nearest_ = 1.0;
+  farthest_ = 0.0;
+  for (const Panel& panel : panels_) {
+    for (int k = 0; k <= kSteps; ++k) {
+      const auto at = [&](int step) { return panel.begin + (panel.end - panel.begin) * step / kSteps; };
+      if (std::abs(evaluate(panel, at(k))) < kSeen * peak_) continue;
+      nearest_ = std::min(nearest_, at(std::max(0, k - 1)));
+      farthest_ = std::max(farthest_, at(std::min(kSteps, k + 1)));
+    }
+  }
+}
+
+const KernelTable& Lobe::table() const {
+  std::call_once(table_made_, [this] {
+    if (alpha_ == 0.0) make_table();
+  });
+  return table_;
+}
+
+void Lobe::make_table() const {
   const double horizon = std::sqrt(0.5);
   const double wanted = horizon * kCellsOfScale / (0.5 * scale_);
   const int above = std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e9))), 64, kMostCells);
   table_.cells_of_s = above / horizon;
-  const auto cells = static_cast<int>(std::ceil(table_.cells_of_s));
-  double first = 1.0;  // of all cells that are not dark at their ends and in between
-  double last = 0.0;
-  for (int cell = 0; cell < cells; ++cell) {
+  table_.first_cell = static_cast<int>(nearest_ * table_.cells_of_s);
+  const auto end = static_cast<int>(std::ceil(farthest_ * table_.cells_of_s));
+  auto panel = panels_.begin();
+  for (int cell = table_.first_cell; cell < end; ++cell) {
     const double width = std::min(1.0, table_.cells_of_s - cell);  // the last one ends at s = 1
-    const auto at = [&](double share) { return value_at(std::min(1.0, (cell + share * width) / table_.cells_of_s)); };
-    const double begin = at(1e-6);  // within the cell: at a break the kernel jumps
-    const double end = at(1.0 - 1e-6);
+    const auto at = [&](double share) {
+      const double s = std::min(1.0, (cell + share * width) / table_.cells_of_s);
+      while (panel->end <= s && panel + 1 != panels_.end()) ++panel;
+      return evaluate(*panel, s);
+    };
+    const double first = at(1e-6);  // within the cell: at a break the kernel jumps
+    const double middle = at(0.5);
+    const double last = at(1.0 - 1e-6);
     // By that much the line has the cell's mean; but none is negative where the kernel is not.
-    double higher = 2.0 / 3.0 * (at(0.5) - 0.5 * (begin + end));
-    if (std::min(begin, end) >= 0.0 && std::min(begin, end) + higher < 0.0) higher = 0.0;
-    table_.lines.push_back(static_cast<float>(begin + higher));
-    table_.lines.push_back(static_cast<float>((end - begin) / width));
-    if (std::max({std::abs(begin), std::abs(at(0.5)), std::abs(end)}) < kSeen * peak_) continue;
-    first = std::min(first, cell / table_.cells_of_s);
-    last = (cell + 1) / table_.cells_of_s;
+    double higher = 2.0 / 3.0 * (middle - 0.5 * (first + last));
+    if (std::min(first, last) >= 0.0 && std::min(first, last) + higher < 0.0) higher = 0.0;
+    table_.lines.push_back(static_cast<float>(first + higher));
+    table_.lines.push_back(static_cast<float>((last - first) / width));
   }
-  nearest_ = first;
-  farthest_ = std::min(1.0, last);
   if (hemisphere_) integrate_twice();
 }
 
-void Lobe::integrate_twice() {
+void Lobe::integrate_twice() const {
   constexpr double kCosineCellsOfScale = 64.0;
   constexpr int kMostCosineCells = 1 << 14;
   const double end = cosine_of(nearest_);  // beyond it all is dark
@@ -272,14 +295,12 @@ Lobe::Lobe(const std::function<double(double)>& value, std::vector<double> break
   follow(value);
   normalise();
   measure();
-  make_table();
 }
 
 Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
   follow([this](double cosine) { return sum_of_degrees(factors_, cosine); });
   normalise();
   measure();
-  make_table();
 }
 
 double Lobe::width_alpha() const noexcept { return alpha_ > 0.0 ? alpha_ : std::clamp(4.0 / 3.0 * scale_, 1e-4, 1.0); }

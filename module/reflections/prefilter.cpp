@@ -12,6 +12,7 @@
 #include <numbers>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "image/area_resampling.h"
 #include "image/geometry.h"
@@ -32,10 +33,10 @@
 #include "reflections/direct.h"
 #include "reflections/lobe.h"
 #include "reflections/narrow.h"
+#include "reflections/near_sums.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
 #include "reflections/ring_table.h"
-#include "reflections/texel_images.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
 
@@ -151,13 +152,12 @@ double least_of(const CubemapChain& chain, int level, const Control& control) {
 
 /// What narrow mips share.
 struct NarrowSource {
+  NearSplit split;      ///< of the one whose far part has the most bands
   BrightLights bright;  ///< taken out of the spectrum
   int bright_texels = 0;
   double contrast = 0.0;  ///< see `contrast_of`
-  int rings = 0;
   transforms::Spectrum spectrum;
   std::vector<double> energies;  ///< by degrees, see `energies_of`
-  std::unique_ptr<TexelImages> images;
 };
 
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
@@ -235,8 +235,9 @@ class LobeChain {
                     const transforms::Spectrum& spectrum, int rows, const Control& control);
   [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
-  [[nodiscard]] NarrowSplit split_of(int size) const;
-  void narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control);
+  [[nodiscard]] NearSplit split_of(const MipPlan& mip) const;
+  void add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
+  void end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
   void keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
   [[nodiscard]] double seconds_to_integrate(const MipPlan& mip) const;
   [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
@@ -335,9 +336,8 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
 /// `spectral_`.
 bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
   if (plan_.lights == LightsOf::any) {
-    if (choose_bands_by_energy(spectral_, source_on(rows))) return true;
-    spectral_.bands = std::min(transforms::kMaximumSpectrumBands, spectral_.bands + spectral_.bands / 2);
-    return false;
+    const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
+    return std::exchange(spectral_.bands, wanted) == wanted;
   }
   if (spectral_.tightenings == kMostTightenings || !spectral_.near_mips.empty()) return true;
   if (keeps_rms_error(spectral_, source_on(rows), texels)) return true;
@@ -386,20 +386,13 @@ bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
 /// Adds the near part of its lobe to a mip's faces.
 void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const auto sums = NearSums::get(mip.near);
-  const std::size_t face_floats =
-      std::size_t{3} * static_cast<std::size_t>(mip.size) * static_cast<std::size_t>(mip.size);
-  platform::AlignedBuffer<float> near(6 * face_floats);
   const PackedFaces faces = halved(faces_, mip.near.face, control);
-  const std::size_t bytes = near.bytes() + faces.owned.bytes() + sums->working_bytes();
+  const std::size_t bytes = faces.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
-  sums->write(faces.rgb, near.data(), control);
-  const float least = source_.has_negatives() ? -std::numeric_limits<float>::max() : 0.0F;
-  const float* from = near.data();
-  for (float* const face : target.faces()) {
-    for (std::size_t k = 0; k < face_floats; ++k) face[k] = std::max(face[k] + from[k], least);
-    from += face_floats;
-  }
+  std::vector<const float*> rows;
+  for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
+  reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
+  if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
 }
@@ -512,26 +505,21 @@ IrradianceMap LobeChain::irradiance_times(double factor) {
   return map;
 }
 
-NarrowSplit LobeChain::split_of(int size) const {
-  return split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows(), size);
+NearSplit LobeChain::split_of(const MipPlan& mip) const {
+  return narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), mip.size, mip.alpha);
 }
 
 void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
   NarrowSource narrow;
-  const NarrowSplit split = split_of(plan_.narrow_size);
-  double reach = 0.0;
-  for (const MipPlan& mip : plan_.mips) {
-    if (mip.method == MipMethod::narrow) reach = std::max(reach, split_of(mip.size).reach);
-  }
-  const double sharpest = split.sharpest_lobe();
+  narrow.split = narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  const NearSplit& split = narrow.split;
+  const double sharpest = sharpest_lobe(split);
   const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
   narrow.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
   narrow.bright_texels = static_cast<int>(texels.size());
   narrow.contrast = contrast_of(source_);
-  const int rows = source_.cubemap() ? split.rows_for_cubemap() : 0;
-  Rings rings = rings_of(source_, texels, rows, {control.stop, {}});
-  narrow.rings = rings.view.height;
+  Rings rings = rings_of(source_, texels, source_.cubemap() ? far_rows_for_cubemap(split) : 0, {control.stop, {}});
   memory_.take(rings.bytes() + narrow.bright.bytes());
   narrow.spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.2));
   narrow.energies = energies_of(narrow.spectrum);
@@ -540,47 +528,66 @@ void LobeChain::run_narrow(const Control& control) {
   rings = {};
   note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
 
-  const Stopwatch copying;
-  const TexelParts parts =
-      parts_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
-  narrow.images = std::make_unique<TexelImages>(source_, parts, reach, Control{control.stop, {}});
-  memory_.take(narrow.images->bytes());
-  note("narrow: images", std::to_string(narrow.images->columns()) + " columns", copying.milliseconds());
-
   jobs::TaskGraph graph;
+  std::vector<std::size_t> levels;
+  std::vector<NearMip> mips;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (mip.method != MipMethod::narrow) continue;
-    graph.add(static_cast<double>(mip.size) * mip.size,
-              [this, level, &narrow](const Control& part) { narrow_mip(level, narrow, part); });
+    if (plan_.mips[level].method != MipMethod::narrow) continue;
+    levels.push_back(level);
+    mips.push_back({nullptr, target(level).faces()});
   }
-  graph.run(jobs::part_of(control, 0.2, 1.0));
-  memory_.give_back(narrow.spectrum.bytes() + narrow.images->bytes() + narrow.bright.bytes());
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const MipPlan& mip = plan_.mips[levels[k]];
+    graph.add(static_cast<double>(mip.size) * mip.size, [this, k, &mip, &levels, &mips, &narrow](const Control& part) {
+      mips[k].table = NearTable::get(split_of(mip));
+      add_far_part(levels[k], narrow, *mips[k].table, part);
+    });
+  }
+  graph.run(jobs::part_of(control, 0.2, 0.5));
+
+  const Stopwatch near;
+  const CutRows cut(source_, split);
+  std::size_t bytes = cut.owned.bytes();
+  for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
+  memory_.take(bytes);
+  reflections::add_near_sums(cut.rows, mips, jobs::part_of(control, 0.5, 0.95));
+  note("narrow: near sums", std::to_string(split.face) + " columns", near.milliseconds());
+  memory_.give_back(bytes);
+  for (std::size_t k = 0; k < levels.size(); ++k) end_narrow_mip(levels[k], narrow, *mips[k].table, {control.stop, {}});
+  memory_.give_back(narrow.spectrum.bytes() + narrow.bright.bytes());
 }
 
-void LobeChain::narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control) {
+void LobeChain::add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                             const Control& control) {
+  const MipPlan& mip = plan_.mips[level];
+  const NearSplit& split = table.split();
+  const Target target = this->target(level);
+  const std::vector<double> zonal = tapered(table.far(), split.bands);
+  blur(target, zonal, far_grid(split), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.7));
+  narrow.bright.add({*mip.lobe, split.end()}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
+}
+
+void LobeChain::end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                               const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
-  const NarrowSplit split = split_of(mip.size);
   const Target target = this->target(level);
-  const Faces faces = target.faces();
-  const std::vector<double> far = far_part(split, mip.alpha);
-  const std::vector<double> zonal = tapered(far, split.bands);
-  blur(target, zonal, split.grid(), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.2));
-  narrow.bright.add({*mip.lobe, split.end(mip.alpha)}, mip.size, faces, jobs::part_of(control, 0.2, 0.3));
-  const Stopwatch near;
-  add_near_part({*narrow.images, split, 1.0 - far.front(), mip.size, faces}, mip.alpha,
-                jobs::part_of(control, 0.3, 1.0));
-  if (!source_.has_negatives()) make_not_negative(mip.size, faces);
-  note_darkness(target, blurred_rms(narrow.energies, zonal), control);
-  note(target.name + ": near part", std::to_string(split.bands) + " bands beside it", near.milliseconds());
-  record(level).bands = split.bands;
+  const std::vector<double>& far = table.far();
+  const std::vector<double> zonal = tapered(far, table.split().bands);
+  if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
+  const double far_rms = blurred_rms(narrow.energies, zonal);
+  note_darkness(target, far_rms, control);
+  record(level).bands = table.split().bands;
   record(level).bright_texels = narrow.bright_texels;
-  const double rms = rms_of_level(target.chain, target.level, mip.size);
-  record(level).error_estimate = narrow_error(
-      source_,
-      {mip.size, mip.alpha, rms, blurred_rms(narrow.energies, zonal), lost_of_far(far, zonal, narrow.energies)},
-      narrow.contrast);
+  const int rings = source_.cubemap() ? far_rows_for_cubemap(narrow.split) : 0;
+  record(level).error_estimate = narrow_error(source_,
+                                              {.size = mip.size,
+                                               .alpha = mip.alpha,
+                                               .rms = rms_of_level(target.chain, target.level, mip.size),
+                                               .far_rms = far_rms,
+                                               .lost = lost_of_far(far, zonal, narrow.energies, rings),
+                                               .lights = narrow.bright.empty() ? 0.0 : far.front()},
+                                              narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
 }
 
@@ -625,7 +632,7 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (plan.bands == 0) return;
   const PrefilterPlan own = plan.with_near_sums(face_size);
-  for (const MipPlan& mip : own.near_mips) static_cast<void>(NearSums::get(mip.near));
+  for (const MipPlan& mip : own.near_mips) static_cast<void>(NearTable::get(mip.near));
   RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "image/geometry.h"
+#include "math/elementary.h"
 #include "platform/text.h"
 #include "reflections/lobe.h"
 #include "transform/transform_kernels.h"
@@ -39,6 +40,7 @@ constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edge
 constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
+constexpr double kFinerToTheEnd = 2e-5;     ///< the same where the last harmonics count as much as the first
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
 constexpr double kCoarse = 3.0;             ///< more of that where a lobe is narrower than three rings
 
@@ -91,7 +93,7 @@ int known_degrees(const MipPlan& mip, int bands) {
 }  // namespace
 
 MipPlan with_far_part(MipPlan mip) {
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   for (int l = 0; l < mip.near.bands; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] = far[static_cast<std::size_t>(l)] * taper(l, mip.near.bands);
   return mip;
@@ -112,7 +114,7 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
   if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
   const std::vector<double> lobe = mip.lobe->spectrum(degrees);
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   const double tail = tail_of(source.energies);
   double sum = 0.0;
   for (std::size_t l = 0; l < lobe.size(); ++l) {
@@ -129,7 +131,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
   const std::vector<double> lobe =
-      mip.near.face > 0 ? NearSums::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
+      mip.near.face > 0 ? NearTable::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
   const int rings = mip.grid().rings;
   const double tail = tail_of(energies);
   double sum = 0.0;
@@ -158,16 +160,18 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
 
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
-  const std::optional<Rings> rings =
-      source.face_size > 0 ? std::optional(Rings{kPi / source.rings, source.halved}) : std::nullopt;
+  const bool cube = source.face_size > 0;
+  const Rings of_cube{cube ? kPi / source.rings : 0.0, source.halved};
+  const std::optional<Rings> rings = cube ? std::optional(of_cube) : std::nullopt;
   const double square =
       (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
-  double rounding = kRounding + (source.finer ? kFiner : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
-  if (rings) {
-    rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.ring_alpha()) : kTableRounding;
-    rounding += kHalvedEdges * rings->halved * rings->halved;
+  const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
+  double rounding = kRounding + (source.finer ? finer : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  if (cube) {
+    rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
+    rounding += kHalvedEdges * of_cube.halved * of_cube.halved;
   }
-  return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+  return (cube ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
 namespace {
@@ -185,24 +189,58 @@ double error_beyond(const MipPlan& mip, std::span<const double> energies) {
   return std::sqrt(std::max(0.0, left) * tail / (2.0 * static_cast<double>(known.size()) + 1.0) / (4.0 * kPi));
 }
 
+/// Gives a mip its lobe's first `bands` and returns the error that is estimated for them.
+double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
+  mip.bands.zonal = mip.lobe->spectrum(bands);
+  for (int l = 0; l < bands && mip.lobe->last_band() == 0; ++l)
+    mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
+  // what is dark beside lights is to be right too
+  const double rest = blurred_rms(source.energies, mip.bands.zonal);
+  return spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
+}
+
 /// Chooses the bands of one mip: as few as keep its share of the bound. Returns the error that is estimated for them.
 double choose_bands_of_lobe(const PrefilterPlan& plan, const SpectralSource& source, MipPlan& mip) {
   const int last = mip.lobe->last_band();
-  const std::vector<double> spectrum = mip.lobe->spectrum(last > 0 ? last : plan.bands);
   int bands = last > 0 ? last : std::min(kLeastLobeBands, plan.bands);
   for (;; bands = std::min(plan.bands, bands + std::max(kBandStep, bands / 16 / kBandStep * kBandStep))) {
-    mip.bands.zonal.assign(spectrum.begin(), spectrum.begin() + bands);
-    for (int l = 0; l < bands && last == 0; ++l) mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
-    // what is dark beside lights is to be right too
-    const double rest = blurred_rms(source.energies, mip.bands.zonal);
-    const double error = spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
+    const double error = error_of_bands(source, bands, mip);
     if (last > 0 || bands >= plan.bands || error <= kOfLobeBound * plan.bounds.rms) return error;
+  }
+}
+
+/// Returns the energies of `bands` degrees: beyond the known ones they go on as those fall from their third to their
+/// last quarter.
+std::vector<double> continued(std::span<const double> known, int bands) {
+  const std::size_t quarter = std::max<std::size_t>(1, known.size() / 4);
+  const double last = tail_of(known);
+  const double third = tail_of(known.first(known.size() - quarter));
+  constexpr double kQuarters = 0.33647;  // logarithm of 7 / 5, the ratio of their middles
+  const double power =
+      last > 0.0 && third > 0.0 ? std::clamp(math::logarithm(third / last) / kQuarters, -1.0, 3.0) : 0.0;
+  std::vector<double> energies(known.begin(), known.end());
+  const double middle = 0.875 * static_cast<double>(known.size());
+  for (int l = static_cast<int>(known.size()); l < bands; ++l)
+    energies.push_back(last * math::exponential(power * math::logarithm(middle / l)));
+  return energies;
+}
+
+/// Returns the bands that a mip will take, more than the source's energies have, by their continuation.
+int foreseen_bands(const PrefilterPlan& plan, const SpectralSource& source, MipPlan mip) {
+  constexpr int most = transforms::kMaximumSpectrumBands;
+  const std::vector<double> energies = continued(source.energies, most);
+  SpectralSource longer = source;
+  for (int bands = plan.bands + plan.bands / 8;; bands += bands / 16) {
+    bands = std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
+    longer.energies = std::span(energies).first(static_cast<std::size_t>(bands));
+    if (bands == most || error_of_bands(longer, bands, mip) <= kOfLobeBound * plan.bounds.rms) return bands;
   }
 }
 
 }  // namespace
 
-bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+int choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+  int wanted = plan.bands;
   for (std::size_t level = 0; level < plan.spectral_lobes.size(); ++level) {
     MipPlan mip;
     mip.lobe = plan.spectral_lobes[level];
@@ -210,8 +248,9 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
     const double error = choose_bands_of_lobe(plan, source, mip);
     const bool ends = mip.lobe->last_band() > 0;
     if (!ends && error > kOfLobeBound * plan.bounds.rms) {
-      if (plan.bands < transforms::kMaximumSpectrumBands) return false;
-      if (error > plan.bounds.rms) {
+      if (plan.bands < transforms::kMaximumSpectrumBands) {
+        wanted = std::max(wanted, foreseen_bands(plan, source, mip));
+      } else if (error > plan.bounds.rms) {
         throw Error(ErrorCode::limit_exceeded,
                     "the kernel of mip " + std::to_string(level) + " is too narrow or has too sharp an edge: with " +
                         std::to_string(plan.bands) + " harmonic bands the mip errs by an estimated " +
@@ -223,7 +262,7 @@ bool choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
       if (made.lobe == mip.lobe) made.bands = mip.bands;
     }
   }
-  return true;
+  return wanted;
 }
 
 /// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as

@@ -21,9 +21,9 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kLargestSize = 8192;
-constexpr double kLeastAlpha = 1e-6;       ///< below, a lobe is narrower than any texel by far: a copy
-constexpr double kKinkOversampling = 2.0;  ///< of the synthesis' rings: a kink's last bands are not as small as GGX's
-constexpr double kLeastRmsError = 1e-6;    ///< what float arithmetic leaves
+constexpr double kLeastAlpha = 1e-6;      ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kEndOversampling = 2.0;  ///< of the synthesis' rings, for spectra that end without a taper
+constexpr double kLeastRmsError = 1e-6;   ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
 constexpr double kLeastHalved = 64.0;  ///< texels of halved faces at the default bounds
 
@@ -290,8 +290,8 @@ std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
 }
 
 transforms::GridSize MipPlan::grid() const noexcept {
-  return lobe->alpha() > 0.0 ? transforms::grid_for_bands(bands.bands())
-                             : transforms::grid_for_bands(bands.bands(), kKinkOversampling);
+  return lobe->last_band() > 0 ? transforms::grid_for_bands(bands.bands(), kEndOversampling)
+                               : transforms::grid_for_bands(bands.bands());
 }
 
 namespace {
@@ -427,7 +427,6 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   const std::vector<double> lobes = lobes_of(options, roughness);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = mips;
   plan.bounds = bounds_of(options);
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.may_integrate = options.method == PrefilterMethod::automatic;
@@ -456,7 +455,6 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   projection::check_policy(options.pixels);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = static_cast<int>(options.kernels.size());
   plan.bounds = bounds_of({.rms_error = options.rms_error});
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);

@@ -147,7 +147,7 @@ TEST_CASE("No estimate is above the bound that was asked for", "[specular][bands
 
 // Texels of a coarse mip may miss a lamp whose lobe is narrower than they are: what is left is dark beside the lamp's
 // own errors.
-TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands]") {
+TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands][truth]") {
   int integrated = 0;
   for (std::size_t texel = 0; texel < 6144; texel += 61) {
     TestCubemap source = make_cubemap(Content::random, 32, 3, 17);

@@ -106,7 +106,7 @@ Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflection
 
 }  // namespace
 
-TEST_CASE("Lights that are merged give what their texels give", "[specular][bright]") {
+TEST_CASE("Lights that are merged give what their texels give", "[specular][bright][truth]") {
   for (const reflections::PictureShape& shape :
        {reflections::PictureShape{false, 1024, 512}, reflections::PictureShape{true, 256, 256}}) {
     const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
@@ -162,7 +162,7 @@ TEST_CASE("Lights may be left out of texels where they are dim, and of no others
   }
 }
 
-TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright]") {
+TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright][truth]") {
   const reflections::PictureShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
   for (const ZonalKernel& kernel : {ZonalKernel::lambert(), ZonalKernel::charlie(0.3), ZonalKernel::phong(0.5)}) {

@@ -284,7 +284,7 @@ std::vector<int> identity(int count) {
 
 }  // namespace
 
-TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables]") {
+TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slow]") {
   for (const bool midpoint : {false, true}) {
     for (const int bands : {1, 3, 10}) {
       const std::vector<int> place = identity(bands * bands);
