@@ -96,6 +96,21 @@ TEST_CASE("Pictures with more energy than most take more bands", "[specular][ban
   CHECK(*result.mips.front().error_estimate <= 1e-3);
 }
 
+TEST_CASE("Bands that a small cubemap's lobe will take are foreseen within reason", "[kernels][bands]") {
+  const CubemapImage noise = picture(64, [](const glm::dvec3& d) {
+    return static_cast<float>(1.5 + std::sin(9.0 * d.x) +
+                              (std::sin(71.0 * d.x + 53.0 * d.y + 97.0 * d.z) > 0.9 ? 20.0 : 0.0));
+  });
+  const PrefilteredSpecular result =
+      prefilter_specular(noise.view(), {.size = 64, .mips = 3, .lobe = LobeFamily::charlie, .rms_error = 1e-2});
+  int most = 0;
+  for (const PassRecord& pass : result.pixels.passes) {
+    if (pass.name == "analyse") most = std::max(most, std::stoi(pass.reason));
+  }
+  CHECK(most > 112);
+  CHECK(most < 2 * result.mips.front().bands);
+}
+
 // A chain's other mips decide too, so that a mip has the same bits with and without them.
 TEST_CASE("Mips that are left out do not change the bands of the others", "[specular][bands][bits]") {
   const CubemapImage fine = stripes(64, 78.0);
