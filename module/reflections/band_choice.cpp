@@ -22,7 +22,7 @@ constexpr double kLeastReach = 2.0;
 // The kink's error at the dark side of an edge falls like bands^-2.7.
 constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
 constexpr double kKinkPower = 1.0 / 2.7;
-constexpr double kLeastKinkBands = 20.0;
+constexpr double kLeastKinkBands = 20.0;  // fewer hide checkers of few texels from the estimate
 constexpr double kMostKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 

@@ -227,7 +227,8 @@ std::vector<double> continued(std::span<const double> known, int bands) {
 
 /// Returns the bands that a mip will take, more than the source's energies have, by their continuation.
 int foreseen_bands(const PrefilterPlan& plan, const SpectralSource& source, MipPlan mip) {
-  constexpr int most = transforms::kMaximumSpectrumBands;
+  // what rings lose does not end with more bands, so that none would seem to do
+  const int most = std::min(transforms::kMaximumSpectrumBands, 5 * plan.bands / 2);
   const std::vector<double> energies = continued(source.energies, most);
   SpectralSource longer = source;
   for (int bands = plan.bands + plan.bands / 8;; bands += bands / 16) {

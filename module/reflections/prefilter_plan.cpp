@@ -168,11 +168,14 @@ int PrefilterPlan::rows_for_cubemap() const noexcept {
 
 namespace {
 
-/// Returns the bands of a far part times its reach. Its spectrum falls by a factor of 6 for each unit.
+/// Returns the bands of a far part times its reach. Its spectrum falls by a factor of 6 for each unit, what its end
+/// leaves of a picture by 3 to 4.
 double bands_of_reach(double bound) noexcept {
   constexpr double kAtPercent = 7.0;
   constexpr double kOfLogarithm = 0.55;
-  return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound));
+  constexpr double kLessFromThousandth = 0.15;  // up to a percent
+  const double looser = std::clamp(math::logarithm(bound / 1e-3), 0.0, math::logarithm(10.0));
+  return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound)) - kLessFromThousandth * looser;
 }
 
 /// Returns the bound on the root mean square error that both amount to.
@@ -180,7 +183,7 @@ double least_of(const ErrorBounds& bounds) noexcept { return std::min(bounds.rms
 
 /// Returns a GGX lobe's mip with near sums, or without if harmonics alone take no longer.
 MipPlan split_where_cheaper(std::shared_ptr<const Lobe> lobe, int size, int face, const ErrorBounds& bounds) {
-  constexpr double kWorth = 0.9;  // of the harmonics' time alone
+  constexpr double kWorth = 1.0;  // of the harmonics' time alone
   MipPlan mip;
   mip.lobe = std::move(lobe);
   mip.alpha = mip.lobe->alpha();
