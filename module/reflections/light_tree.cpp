@@ -73,20 +73,20 @@ double edge_of(const PictureShape& shape) {
 }
 
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
-bool is_coarse(const PictureShape& shape, LightsOf use) {
+bool is_coarse(const PictureShape& shape, LightsOf of) {
   constexpr double kMostCut = 0.11;  // radians
-  return use == LightsOf::ggx && edge_of(shape) > kMostCut;
+  return of == LightsOf::ggx && edge_of(shape) > kMostCut;
 }
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
-int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::size_t texels) {
+int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
-  const int needed = parts_of(2.0 * least_alpha);  // five points along an edge suffice
-  if (is_coarse(shape, use)) return needed;
-  const int wanted = parts_of(std::min(kOfWidth * 2.0 * least_alpha, kOfSphere));
+  const int needed = parts_of(2.0 * lobes.least_alpha);  // five points along an edge suffice
+  if (is_coarse(shape, lobes.of)) return needed;
+  const int wanted = parts_of(std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
   const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
   return std::max(needed, std::min({wanted, most, 16}));
 }
@@ -173,7 +173,7 @@ void add_parts(const BrightTexel& texel, Directions& directions, int count, Ligh
       samples.push_back(sample_at(directions, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
   }
   share_light(texel, first, samples);
-  if (use == LightsOf::any) return;  // see `centroid_of`
+  if (use == LightsOf::any) return;  // see `centre`
   for (std::size_t k = first; k < samples.size(); ++k)
     samples[k].row += below_middle(directions, samples[k].row, 1.0 / count);
 }
@@ -191,12 +191,13 @@ int smooth_points(double radians, double alpha, double reach, LightsOf use) {
   return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
-/// Parts along an edge: that small that the horizon meets a parallelogram.
-int parts_along(double radians, std::size_t texels) {
+/// Parts along an edge: that small that the horizon and annular lobes meet a parallelogram.
+int parts_along(double radians, std::size_t texels, const LightLobes& lobes) {
   constexpr double kPart = 0.008;
-  constexpr int kMost = 16;
+  constexpr int kMost = 32;
   const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostParts / static_cast<double>(texels)));
-  return std::clamp(static_cast<int>(wanted), radians < kOnePart ? 1 : 2, kMost);
+  const int least = std::max(radians < kOnePart ? 1 : 2, static_cast<int>(std::ceil(radians / lobes.widest_part())));
+  return std::clamp(static_cast<int>(wanted), std::min(least, kMost), kMost);
 }
 
 LobeLight light_of(Directions& directions, const Sample& sample) {
@@ -206,19 +207,31 @@ LobeLight light_of(Directions& directions, const Sample& sample) {
           single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
 }
 
-/// Returns the direction of the centroid of a part with that middle, by four points of Gauss' rule: half the square of
-/// a part's size away from the middle.
-glm::dvec3 centroid_of(Directions& directions, const Sample& sample, double half) {
+/// Gives a light that is a part of a texel, `half` of it to each side of a middle, the part's centroid (half the square
+/// of its size away from the middle) and second moments, by Gauss' rule of 2 x 2 points.
+void centre(Directions& directions, const Sample& middle, double half, CutLight& cut) {
   const double node = half * math::gauss_legendre(2).nodes[1];
   glm::dvec3 sum(0.0);
-  for (const double across : {-node, node}) {
-    for (const double down : {-node, node}) {
-      const double column = sample.column + across;
-      const double row = sample.row + down;
-      sum += directions.density_at(column, row) * directions.at(sample.face, column, row);
+  double density[2]{};
+  for (int j = 0; j < 2; ++j) {
+    const double row = middle.row + (j == 0 ? -node : node);
+    for (const double across : {-node, node}) {
+      const double own = directions.density_at(middle.column + across, row);
+      sum += own * directions.at(middle.face, middle.column + across, row);
+      density[j] += own;
     }
   }
-  return glm::normalize(sum);
+  const glm::dvec3 centroid = glm::normalize(sum);
+  cut.light.x = static_cast<float>(centroid.x);
+  cut.light.y = static_cast<float>(centroid.y);
+  cut.light.z = static_cast<float>(centroid.z);
+  if (directions.shape().cubemap) return;
+  // rows become shorter towards a pole, as their density falls
+  const double lean = (density[1] - density[0]) / (density[1] + density[0]);
+  for (int axis = 0; axis < 3; ++axis) {
+    cut.along[axis] *= static_cast<float>(std::sqrt(1.0 + 3.0 * lean * lean));
+    cut.down[axis] *= static_cast<float>(std::sqrt(1.0 - lean * lean));
+  }
 }
 
 /// One of `parts` along a texel's edge.
@@ -234,12 +247,7 @@ CutLight cut_light_of(Directions& directions, const Sample& sample, int parts, L
     cut.along[axis] = static_cast<float>(along[axis]);
     cut.down[axis] = static_cast<float>(down[axis]);
   }
-  if (use == LightsOf::any) {
-    const glm::dvec3 centroid = centroid_of(directions, sample, half);
-    cut.light.x = static_cast<float>(centroid.x);
-    cut.light.y = static_cast<float>(centroid.y);
-    cut.light.z = static_cast<float>(centroid.z);
-  }
+  if (use == LightsOf::any) centre(directions, sample, half, cut);
   return cut;
 }
 
@@ -260,19 +268,19 @@ class LightTree {
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
-            bool exact, double most_cut_radius, LightsOf use, BrightLights& lights)
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes, double reach,
+            bool exact, double most_cut_radius, BrightLights& lights)
       : shape_(shape),
         directions_(shape),
         lights_(lights),
         rule_(math::gauss_legendre(kOrder)),
         most_cut_radius_(most_cut_radius),
-        use_(use) {
+        use_(lobes.of) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha, reach, use);
+    smooth_ = smooth_points(edge, lobes.least_alpha, reach, lobes.of);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
-    parts_ = exact ? 0 : parts_along(edge, texels.size());
+    parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
     places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
@@ -517,9 +525,17 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
+    double squares = 0.0;
     for (const float excess : texel.excess) {
       const double light = texel.steradians * static_cast<double>(excess);
-      lights_.squares_ += light * light;
+      squares += light * light;
+    }
+    lights_.squares_ += squares;
+    if (use_ == LightsOf::any && !shape_.cubemap) {
+      const double above = directions_.density_at(0.0, texel.row + 0.5 - 0.3 / parts_);
+      const double below = directions_.density_at(0.0, texel.row + 0.5 + 0.3 / parts_);
+      const double lean = (below - above) / (below + above);
+      lights_.leaning_ += squares * lean * lean;
     }
     if (parts_ == 0) {
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
@@ -619,41 +635,41 @@ class LightTree {
   LightsOf use_;
 };
 
-BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
-                           double reach, LightsOf use)
+BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
+                           double reach)
     : far_(kFar * std::sqrt(std::sqrt(math::exponential(std::max(0.0, reach - kDefaultReach))))) {
   if (texels.empty()) return;
-  const int cuts = cuts_of(shape, least_alpha, use, texels.size());
+  const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
-  const bool exact = is_coarse(shape, use);
+  const bool exact = is_coarse(shape, lobes.of);
   if (exact)
     texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
-  const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, use, *this);
+  double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
+  if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
   make_rooms();
 }
 
-std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                      LightsOf use) noexcept {
-  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, 1));
-  const auto needed = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, std::size_t{1} << 30U));
+std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, const LightLobes& lobes) noexcept {
+  const auto cuts = static_cast<std::size_t>(cuts_of(shape, lobes, 1));
+  const auto needed = static_cast<std::size_t>(cuts_of(shape, lobes, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
   const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
   return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
 std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
-                                     double least_alpha, LightsOf use) noexcept {
+                                     const LightLobes& lobes) noexcept {
   if (texels == 0) return 0;
-  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, use, texels);
-  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
-  const std::size_t cut = is_coarse(shape, use) ? 0 : parts + leaves;
+  const double edge = edge_of(shape) / cuts_of(shape, lobes, texels);
+  const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
+  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * along * along);
+  const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0, use)) +
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +
          cut * sizeof(CutLight) + cutting;
 }
 
