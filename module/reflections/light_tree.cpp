@@ -5,14 +5,12 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
-#include <glm/vec3.hpp>
 #include <numbers>
 
 #include "image/geometry.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
-#include "platform/standard_library.h"
-#include "reflections/bright_lights.h"
+#include "reflections/light_parts.h"
 
 namespace welkin::reflections {
 namespace {
@@ -28,45 +26,6 @@ constexpr double kMostCutRadius = 0.012;  ///< of a node that the horizon may cu
 constexpr int kLeastCutTexels = 4;        ///< of such a node
 constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
 constexpr double kOnePart = 0.01;         ///< radians: smaller texels need not be cut for the horizon
-
-/// Places of a picture. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
-class Directions {
- public:
-  explicit Directions(const PictureShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
-
-  [[nodiscard]] const PictureShape& shape() const noexcept { return shape_; }
-  [[nodiscard]] glm::dvec3 at(int face, double column, double row) {
-    if (shape_.cubemap) return image::face_direction(shape_.columns, face, column, row);
-    const math::SineCosine latitude = of_turns(0.25 - row / (2.0 * shape_.rows));
-    const math::SineCosine longitude = of_turns(0.5 - column / shape_.columns);
-    return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
-  }
-  /// Solid angle a texel there, but for a constant.
-  [[nodiscard]] double density_at(double column, double row) {
-    if (!shape_.cubemap) return of_turns(row / (2.0 * shape_.rows)).sine;
-    const double u = 2.0 * column / shape_.columns - 1.0;
-    const double v = 2.0 * row / shape_.columns - 1.0;
-    const double square = 1.0 + u * u + v * v;
-    return 1.0 / (square * std::sqrt(square));
-  }
-  [[nodiscard]] math::SineCosine of_turns(double turns) {
-    const auto bits = platform::bit_cast<std::uint64_t>(turns);
-    Kept& kept = kept_[static_cast<std::size_t>((bits * 0x9E3779B97F4A7C15U) >> (64 - kKeptBits))];
-    if (kept.bits != bits) kept = {bits, math::sine_cosine_of_turns(turns)};
-    return kept.of;
-  }
-
- private:
-  static constexpr int kKeptBits = 10;
-  static constexpr std::size_t kKept = std::size_t{1} << kKeptBits;
-  struct Kept {
-    std::uint64_t bits = ~std::uint64_t{0};  // of no number
-    math::SineCosine of{};
-  };
-
-  PictureShape shape_;
-  std::vector<Kept> kept_;
-};
 
 double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
@@ -91,93 +50,6 @@ int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texe
   return std::max(needed, std::min({wanted, most, 16}));
 }
 
-/// The same light on a picture with `cuts` times as many rows and columns.
-std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape, int cuts) {
-  std::vector<BrightTexel> parts;
-  std::vector<std::int64_t> places;
-  const std::int64_t columns = std::int64_t{cuts} * shape.columns;
-  for (const BrightTexel& texel : texels) {
-    for (int j = 0; j < cuts; ++j) {
-      for (int i = 0; i < cuts; ++i) {
-        BrightTexel part = texel;
-        part.row = texel.row * cuts + j;
-        part.column = texel.column * cuts + i;
-        parts.push_back(part);
-        places.push_back(part.row * columns + part.column);
-      }
-    }
-  }
-  const image::TexelGrid grid = shape.cubemap ? image::TexelGrid::cubemap(cuts * shape.columns)
-                                              : image::TexelGrid::lat_long(cuts * shape.columns, cuts * shape.rows);
-  const std::vector<double> steradians = image::solid_angles_of(grid, places);
-  for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
-  return parts;
-}
-
-/// Light at a place of the picture.
-struct Sample {
-  int face = 0;
-  double column = 0.0;
-  double row = 0.0;
-  std::array<double, 3> light{};
-};
-
-/// Shares its light among the samples from `first` on by the weights that stand there.
-void share_light(const BrightTexel& texel, std::size_t first, std::vector<Sample>& samples) {
-  double whole = 0.0;
-  for (std::size_t k = first; k < samples.size(); ++k) whole += samples[k].light[0];
-  for (std::size_t k = first; k < samples.size(); ++k) {
-    for (std::size_t c = 0; c < 3; ++c)
-      samples[k].light[c] *= texel.steradians * static_cast<double>(texel.excess[c]) / whole;
-  }
-}
-
-Sample sample_at(Directions& directions, const BrightTexel& texel, double across, double down, double weight) {
-  const PictureShape& shape = directions.shape();
-  Sample sample{shape.cubemap ? texel.row / shape.columns : 0,
-                texel.column + across,
-                (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
-                {}};
-  sample.light.fill(weight * directions.density_at(sample.column, sample.row));
-  return sample;
-}
-
-/// Gauss points on a texel, `count` x `count` of them.
-void add_points(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples) {
-  const math::GaussRule rule = math::gauss_legendre(count);
-  const std::size_t first = samples.size();
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(directions, texel, 0.5 + 0.5 * rule.nodes[i], 0.5 + 0.5 * rule.nodes[j],
-                                  rule.weights[i] * rule.weights[j]));
-  }
-  share_light(texel, first, samples);
-}
-
-/// Returns by how many rows the centroid of a part, `high` rows high, lies below its middle. Near a pole rows are
-/// triangles.
-double below_middle(Directions& directions, double row, double high) {
-  constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
-  const PictureShape& shape = directions.shape();
-  if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
-  const math::SineCosine middle = directions.of_turns(row / (2.0 * shape.rows));
-  return high * high * kPi / (12.0 * shape.rows) * middle.cosine / middle.sine;
-}
-
-/// `count` x `count` equal parts of a texel.
-void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use,
-               std::vector<Sample>& samples) {
-  const std::size_t first = samples.size();
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(directions, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
-  }
-  share_light(texel, first, samples);
-  if (use == LightsOf::any) return;  // see `centre`
-  for (std::size_t k = first; k < samples.size(); ++k)
-    samples[k].row += below_middle(directions, samples[k].row, 1.0 / count);
-}
-
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
 /// 1e-3. Through other lobes than GGX, which may be bells (1.65 deviations wide), they lose 1e-5, 7e-5 at the default
 /// bounds: `smooth_table_error`.
@@ -198,57 +70,6 @@ int parts_along(double radians, std::size_t texels, const LightLobes& lobes) {
   const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostParts / static_cast<double>(texels)));
   const int least = std::max(radians < kOnePart ? 1 : 2, static_cast<int>(std::ceil(radians / lobes.widest_part())));
   return std::clamp(static_cast<int>(wanted), std::min(least, kMost), kMost);
-}
-
-LobeLight light_of(Directions& directions, const Sample& sample) {
-  const glm::dvec3 direction = directions.at(sample.face, sample.column, sample.row);
-  const auto single = [](double value) { return static_cast<float>(value); };
-  return {single(direction.x),     single(direction.y),     single(direction.z),
-          single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
-}
-
-/// Gives a light that is a part of a texel, `half` of it to each side of a middle, the part's centroid (half the square
-/// of its size away from the middle) and second moments, by Gauss' rule of 2 x 2 points.
-void centre(Directions& directions, const Sample& middle, double half, CutLight& cut) {
-  const double node = half * math::gauss_legendre(2).nodes[1];
-  glm::dvec3 sum(0.0);
-  double density[2]{};
-  for (int j = 0; j < 2; ++j) {
-    const double row = middle.row + (j == 0 ? -node : node);
-    for (const double across : {-node, node}) {
-      const double own = directions.density_at(middle.column + across, row);
-      sum += own * directions.at(middle.face, middle.column + across, row);
-      density[j] += own;
-    }
-  }
-  const glm::dvec3 centroid = glm::normalize(sum);
-  cut.light.x = static_cast<float>(centroid.x);
-  cut.light.y = static_cast<float>(centroid.y);
-  cut.light.z = static_cast<float>(centroid.z);
-  if (directions.shape().cubemap) return;
-  // rows become shorter towards a pole, as their density falls
-  const double lean = (density[1] - density[0]) / (density[1] + density[0]);
-  for (int axis = 0; axis < 3; ++axis) {
-    cut.along[axis] *= static_cast<float>(std::sqrt(1.0 + 3.0 * lean * lean));
-    cut.down[axis] *= static_cast<float>(std::sqrt(1.0 - lean * lean));
-  }
-}
-
-/// One of `parts` along a texel's edge.
-CutLight cut_light_of(Directions& directions, const Sample& sample, int parts, LightsOf use) {
-  const double half = 0.5 / parts;
-  const glm::dvec3 along = 0.5 * (directions.at(sample.face, sample.column + half, sample.row) -
-                                  directions.at(sample.face, sample.column - half, sample.row));
-  const glm::dvec3 down = 0.5 * (directions.at(sample.face, sample.column, sample.row + half) -
-                                 directions.at(sample.face, sample.column, sample.row - half));
-  CutLight cut{
-      light_of(directions, sample), {}, {}, static_cast<float>(0.01 * (glm::length(along) + glm::length(down)))};
-  for (int axis = 0; axis < 3; ++axis) {
-    cut.along[axis] = static_cast<float>(along[axis]);
-    cut.down[axis] = static_cast<float>(down[axis]);
-  }
-  if (use == LightsOf::any) centre(directions, sample, half, cut);
-  return cut;
 }
 
 }  // namespace
@@ -329,18 +150,6 @@ class LightTree {
     return box;
   }
 
-  /// Distance from its centre to its farthest corner or middle of an edge.
-  [[nodiscard]] double radius_of(const Place& place) const {
-    const Corner corner = corner_of(*place.texel);
-    double most = 0.0;
-    for (const double x : {0.0, 0.5, 1.0}) {
-      for (const double y : {0.0, 0.5, 1.0})
-        most = std::max(most,
-                        glm::length(directions_.at(corner.face, corner.column + x, corner.row + y) - place.direction));
-    }
-    return most;
-  }
-
   void bound(BrightLights::Node& node, std::size_t first, std::size_t end) const {
     glm::dvec3 centre(0.0);
     for (std::size_t k = first; k < end; ++k) centre += places_[k].direction;
@@ -350,7 +159,7 @@ class LightTree {
     for (std::size_t k = first; k < end; ++k) {
       radius = std::max(radius, glm::length(places_[k].direction - centre));
       if (k == first || places_[k].texel->row != places_[k - 1].texel->row)
-        texel = std::max(texel, radius_of(places_[k]));
+        texel = std::max(texel, radius_of(places_[k].direction, box_of(k, k + 1)));
     }
     node.centre = {centre.x, centre.y, centre.z};
     node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
@@ -562,7 +371,7 @@ class LightTree {
     }
     const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMostTurns * shape_.columns;
     if (box.end.face - box.first.face > 1 || many_turns) return;
-    const double radius = std::max(node.radius, radius_of(node, box));
+    const double radius = std::max(node.radius, radius_of({node.centre[0], node.centre[1], node.centre[2]}, box));
     if (radius > kWidest) return;
     node.merged = radius;
     lights_.most_merged_ = std::max(lights_.most_merged_, radius);
@@ -593,10 +402,8 @@ class LightTree {
     node.smooth = {first, kOrder * kOrder};
   }
 
-  /// Distance from its centre to the farthest corner or middle of an edge of the box, which the rule's points fill: its
-  /// light may lie along a diagonal.
-  [[nodiscard]] double radius_of(const BrightLights::Node& node, const Box& box) const {
-    const glm::dvec3 centre(node.centre[0], node.centre[1], node.centre[2]);
+  /// Distance from a centre to the farthest corner or middle of an edge of a box, whose light may lie along a diagonal.
+  [[nodiscard]] double radius_of(const glm::dvec3& centre, const Box& box) const {
     double most = 0.0;
     for (const double x : {0.0, 0.5, 1.0}) {
       for (const double y : {0.0, 0.5, 1.0}) {
