@@ -1,9 +1,7 @@
 # What many public types have alike is explained here once, for scripts/docs.
 s|^  friend .*operator==(.*= default;|  /** Whether all members are equal. */ &|
 s|^  friend .*operator<=>(.*= default;|  /** Orders by the members, the first one first. */ &|
-s|^  \[\[nodiscard\]\] std::size_t hash() const noexcept|  /** Equal requests have equal hashes: the worker shares the result of requests that are equal. */ &|
 s|^  \[\[nodiscard\]\] .* operator()(const Control& control) const;|  /** Computes the result. The worker calls this in a thread of its own. */ &|
-s|^  static constexpr bool kReadsFiles|  /** A file may change, so a new request does not join a run that has begun. */ &|
 # The C header has comments of C: those before a declaration, and those behind one.
 1s|^/\*|/** \\file\n *|
 s|^/\* ---- .* ---- \*/$||

@@ -1,4 +1,4 @@
-#include "bake.h"
+#include "welkin/bake.h"
 
 #include <cmath>
 #include <cstddef>
@@ -8,14 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks.h"
 #include "reflections/brdf_table.h"
 #include "subjects.h"
-#include "welkin/bake.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
 namespace welkin::perf {
+namespace {
 
+/// A lat-long half as high as wide: a sky over ground with clouds of a few sizes, as smooth as photographs are and no
+/// smoother; and a sun of 34 000, one degree across. The last one is kept.
 std::shared_ptr<const LatLongImage> bake_picture(int width, bool sun) {
   static std::shared_ptr<const LatLongImage> made;
   static bool made_with_sun = false;
@@ -50,6 +53,7 @@ std::shared_ptr<const LatLongImage> bake_picture(int width, bool sun) {
   return made = drawn;
 }
 
+/// A chain of `size`, an irradiance cubemap and a BRDF table without sheen.
 BakeOptions bake_options(int size, bool background) {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = size};
@@ -57,8 +61,6 @@ BakeOptions bake_options(int size, bool background) {
   options.brdf = BrdfTableOptions{.sheen = false};
   return options;
 }
-
-namespace {
 
 enum class Memory { fresh, again };
 enum class Table { warm, cold };

@@ -1,4 +1,4 @@
-#include "bc6h.h"
+#include "welkin/bc6h.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,10 @@
 #include <memory>
 #include <span>
 
+#include "benchmarks.h"
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
-#include "sky_picture.h"
 #include "subjects.h"
-#include "welkin/bc6h.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
 #include "welkin/texture_file.h"

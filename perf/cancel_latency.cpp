@@ -1,5 +1,3 @@
-#include "cancel_latency.h"
-
 #include <ImfRgbaFile.h>
 #include <benchmark/benchmark.h>
 
@@ -11,8 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "samples.h"
-#include "scratch_files.h"
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"

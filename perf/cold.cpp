@@ -1,5 +1,3 @@
-#include "cold.h"
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,10 +11,11 @@
 #include <sstream>
 #include <utility>
 
+#include "benchmarks.h"
 #include "perf/report/environment.h"
 #include "perf/report/process.h"
 #include "platform/text.h"
-#include "scratch_files.h"
+#include "subjects.h"
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
 #include "welkin/importance.h"

@@ -1,13 +1,10 @@
-#include "command.h"
-
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <string>
 
-#include "scratch_files.h"
-#include "sky_picture.h"
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
 

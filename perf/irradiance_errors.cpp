@@ -1,5 +1,3 @@
-#include "irradiance_errors.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "benchmarks.h"
 #include "perf/report/error_norms.h"
 #include "welkin/bake.h"
 #include "welkin/directional_light.h"

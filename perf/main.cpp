@@ -6,10 +6,9 @@
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
-//   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
-//   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
+//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/reflections.md
+//   welkin_perf --bounds [--runs=N] LATLONG          docs/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
-//   welkin_perf --schedule                          bakes on 1 to 64 workers, from the tiles of one
 //   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
 #include <benchmark/benchmark.h>
 
@@ -20,38 +19,9 @@
 #include <utility>
 #include <vector>
 
-#include "bake.h"
-#include "bc6h.h"
-#include "cancel_latency.h"
-#include "cold.h"
-#include "command.h"
-#include "estimates.h"
-#include "irradiance_errors.h"
-#include "prefilter.h"
-#include "prefilter_errors.h"
-#include "previews.h"
-#include "probes.h"
-#include "project_cubemap.h"
-#include "project_file.h"
-#include "project_lat_long.h"
+#include "benchmarks.h"
 #include "ratio_reporter.h"
-#include "read_bandwidth.h"
-#include "resampling.h"
-#include "result_cache.h"
-#include "scenes.h"
-#include "schedule.h"
-#include "sky_errors.h"
-#include "sky_harmonics.h"
-#include "sky_tables.h"
-#include "sky_view.h"
-#include "speed_page.h"
-#include "tables.h"
-#include "target_sizes.h"
-#include "transform.h"
 #include "welkin/core.h"
-#include "worker_costs.h"
-#include "worker_latency.h"
-#include "worker_throughput.h"
 
 namespace welkin::perf {
 namespace {
@@ -84,10 +54,6 @@ int main(int argc, char** argv) {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
   if (first == "--block-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::block_error_table);
-  if (first == "--schedule-first") {
-    std::cout << perf::first_schedule(argv[2]);
-    return 0;
-  }
   if (first == "--cold-calls") {
     std::cout << perf::cold_calls({argv + 2, argv + argc});
     return 0;
@@ -102,11 +68,8 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--estimates") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::estimate_table);
   }
-  if (argc > 1 && std::string(argv[1]) == "--scenes") {
-    return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);
-  }
-  if (argc > 1 && std::string(argv[1]) == "--schedule") {
-    return perf::print_tables(1, {}, [&](const auto&) { return perf::schedule_tables(argv[0]); });
+  if (argc > 1 && std::string(argv[1]) == "--bounds") {
+    return perf::print_tables(1, {argv + 2, argv + argc}, perf::bounds_table);
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
@@ -133,8 +96,6 @@ int main(int argc, char** argv) {
   perf::add_transform(thread_counts);
   perf::add_sky_harmonics(thread_counts);
   perf::add_worker_latency(thread_counts);
-  perf::add_worker_throughput(thread_counts);
-  perf::add_worker_costs();
   perf::add_cancel_latency(thread_counts);
   const bool page = argc > 1 && std::string(argv[1]) == "--page";
   if (page) {  // the rest is Google Benchmark's

@@ -1,10 +1,9 @@
-#include "prefilter.h"
-
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "benchmarks.h"
 #include "perf/report/importance_sampling.h"
 #include "subjects.h"
 #include "welkin/image.h"

@@ -1,5 +1,3 @@
-#include "prefilter_errors.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <random>
 #include <sstream>
 
+#include "benchmarks.h"
 #include "perf/report/error_norms.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"

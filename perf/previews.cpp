@@ -1,13 +1,11 @@
-#include "previews.h"
+#include "tools/previews.h"
 
 #include <filesystem>
 #include <functional>
 #include <memory>
 
-#include "scratch_files.h"
-#include "sky_picture.h"
+#include "benchmarks.h"
 #include "subjects.h"
-#include "tools/previews.h"
 #include "welkin/bake.h"
 #include "welkin/exposure.h"
 

@@ -1,4 +1,4 @@
-#include "probes.h"
+#include "welkin/probes.h"
 
 #include <array>
 #include <cmath>
@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "scratch_files.h"
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/probe_file.h"
-#include "welkin/probes.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::perf {

@@ -1,10 +1,9 @@
-#include "project_cubemap.h"
-
 #include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "benchmarks.h"
 #include "reference/reference_projection.h"
 #include "subjects.h"
 #include "welkin/core.h"
@@ -112,6 +111,21 @@ void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& 
     const CubemapView view = noise_cubemap(PixelFormat::rgb32f, 64);
     return [=] { benchmark::DoNotOptimize(reference_projection(view)); };
   });
+}
+
+void add_project_lat_long(const std::vector<int>& thread_counts) {
+  constexpr int width = 4096;
+  constexpr int height = 2048;
+  constexpr double texels = 1.0 * width * height;
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
+    for (const int threads : thread_counts) {
+      add_benchmark("ProjectLatLong", name(format), "4096x2048", threads, texels,
+                    texels * static_cast<double>(bytes_per_texel(format)), [=]() -> std::function<void()> {
+                      const LatLongView view = noise_lat_long(format, width, height);
+                      return [=] { benchmark::DoNotOptimize(project(view)); };
+                    });
+    }
+  }
 }
 
 }  // namespace welkin::perf

@@ -1,5 +1,3 @@
-#include "project_file.h"
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -9,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks.h"
 #include "files/row_source.h"
-#include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
 

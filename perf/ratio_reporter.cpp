@@ -17,12 +17,6 @@ std::string own_name(const std::string& full) {
 /// Latencies: their own counters say what is to be compared.
 bool is_latency(const std::string& full) { return full.find("/manual_time") != std::string::npos; }
 
-/// JobThroughput/HOW/SIZE/THREADS with another HOW.
-std::string done_otherwise(const std::string& name, const std::string& how) {
-  const std::size_t start = name.find('/') + 1;
-  return name.substr(0, start) + how + name.substr(name.find('/', start));
-}
-
 }  // namespace
 
 void RatioReporter::ReportRuns(const std::vector<Run>& runs) {
@@ -57,14 +51,6 @@ void RatioReporter::Finalize() {
     if (copies && copying != largest_rate_.end()) {
       out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(1)
           << 100.0 * largest_rate_[name] / copying->second << " % of CopyBandwidth\n";
-    }
-    if (name.starts_with("JobThroughput/in-flight")) {
-      for (const char* how : {"one-after-another", "side-by-side"}) {
-        const auto calls = fastest_seconds_.find(done_otherwise(name, how));
-        if (calls == fastest_seconds_.end()) continue;
-        out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(2)
-            << calls->second / seconds << " x as fast as synchronous calls " << how << '\n';
-      }
     }
     if (!name.ends_with("/2")) continue;
     const auto single = fastest_seconds_.find(name.substr(0, name.size() - 1) + "1");

@@ -1,11 +1,10 @@
 // The machine's own limit: reading as many bytes as a projection reads, and doing nothing with them.
-#include "read_bandwidth.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "benchmarks.h"
 #include "image/image_kernels.h"
 #include "jobs/tiles.h"
 #include "subjects.h"

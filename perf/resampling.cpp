@@ -1,4 +1,4 @@
-#include "resampling.h"
+#include "welkin/resampling.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks.h"
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "subjects.h"
 #include "welkin/irradiance.h"
-#include "welkin/resampling.h"
 
 namespace welkin::perf {
 namespace {

@@ -1,4 +1,4 @@
-#include "result_cache.h"
+#include "welkin/result_cache.h"
 
 #include <array>
 #include <filesystem>
@@ -6,12 +6,11 @@
 #include <memory>
 #include <string>
 
-#include "scratch_files.h"
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/bake.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
-#include "welkin/result_cache.h"
 
 namespace welkin::perf {
 namespace {

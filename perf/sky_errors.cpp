@@ -1,5 +1,3 @@
-#include "sky_errors.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -13,9 +11,9 @@
 #include <numbers>
 #include <sstream>
 
+#include "benchmarks.h"
 #include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
-#include "sky_method_errors.h"
 #include "welkin/core.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"

@@ -1,12 +1,10 @@
-#include "sky_harmonics.h"
-
 #include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include "benchmarks.h"
 #include "perf/report/passes.h"
-#include "sky_subjects.h"
 #include "subjects.h"
 #include "welkin/sky.h"
 #include "welkin/sky_light.h"

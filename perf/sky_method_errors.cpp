@@ -1,5 +1,3 @@
-#include "sky_method_errors.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "benchmarks.h"
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"

@@ -1,7 +1,6 @@
-#include "sky_tables.h"
-
 #include <string>
 
+#include "benchmarks.h"
 #include "sky/table_sizes.h"
 #include "subjects.h"
 #include "welkin/sky.h"

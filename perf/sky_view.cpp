@@ -1,5 +1,3 @@
-#include "sky_view.h"
-
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -7,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/sky.h"
 #include "welkin/sky_plan.h"

@@ -1,5 +1,3 @@
-#include "speed_page.h"
-
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "benchmarks.h"
 #include "perf/report/process.h"
 #include "platform/text.h"
 

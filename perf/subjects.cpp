@@ -1,8 +1,13 @@
 #include "subjects.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <system_error>
 
+#include "perf/report/process.h"
 #include "platform/memory.h"
 #include "welkin/core.h"
 
@@ -63,6 +68,81 @@ void add_benchmark(const std::string& subject, const std::string& variant, const
     state.counters["s/texel"] =
         benchmark::Counter(texels * iterations, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   })->UseRealTime();
+}
+
+LatLongImage sky_picture(const SkyPictureOptions& options) {
+  constexpr int kWidth = 1024;
+  constexpr int kHeight = 512;
+  LatLongImage image{kWidth, kHeight, {}};
+  std::uint32_t state = 1;
+  for (int row = 0; row < kHeight; ++row) {
+    for (int column = 0; column < kWidth; ++column) {
+      state = state * 1664525U + 1013904223U;
+      const double grain = options.grain * static_cast<double>(state >> 8U) / (1U << 24U);
+      const double clouds =
+          0.3 * std::sin(0.03 * column) * std::sin(0.02 * row) + options.ripples * std::sin(0.4 * column + 0.3 * row);
+      const double light = (row < kHeight / 2 ? 1.0 : 0.3) + clouds;
+      const bool sun = options.sun > 0.0 && std::hypot(column - 300, row - 150) < 4.0;
+      const double tint = 0.5 + 0.4 * std::sin(0.011 * column + 0.017 * row);
+      const std::array<double, 3> shares =
+          options.tinted ? std::array{1.0, tint, 1.0 - 0.5 * tint} : std::array{1.0, 0.9, 0.7};
+      for (const double share : shares) {
+        const double value = light * share + grain * (options.tinted ? 1.0 : share);
+        image.pixels.push_back(static_cast<float>(sun ? options.sun * share : value));
+      }
+    }
+  }
+  return image;
+}
+
+std::shared_ptr<const SkyTables> earth_tables() {
+  static const std::shared_ptr<const SkyTables> tables = [] {
+    SkyTableOptions options;
+    options.orders = 2;
+    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  }();
+  return tables;
+}
+
+namespace {
+
+class Folder {
+ public:
+  Folder() : path_(report::make_temporary_folder()) {}
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+std::filesystem::path scratch_file(const std::string& name,
+                                   const std::function<void(const std::filesystem::path&)>& write) {
+  static const Folder folder;
+  std::filesystem::path path = folder.path() / name;
+  if (!std::filesystem::exists(path)) write(path);
+  return path;
+}
+
+std::chrono::nanoseconds Samples::quantile(double share) const {
+  std::vector<std::chrono::nanoseconds> sorted = times_;
+  std::sort(sorted.begin(), sorted.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+void Samples::report(benchmark::State& state) const {
+  state.counters["median_us"] = microseconds(0.5);
+  state.counters["p99_us"] = microseconds(0.99);
+  state.counters["max_us"] = microseconds(1.0);
 }
 
 }  // namespace welkin::perf

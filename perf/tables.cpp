@@ -1,10 +1,9 @@
-#include "tables.h"
-
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "benchmarks.h"
 #include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"
 #include "subjects.h"

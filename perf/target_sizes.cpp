@@ -1,9 +1,8 @@
-#include "target_sizes.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 
+#include "benchmarks.h"
 #include "image/image_kernels.h"
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"

@@ -1,8 +1,7 @@
-#include "transform.h"
-
 #include <memory>
 #include <string>
 
+#include "benchmarks.h"
 #include "subjects.h"
 #include "transform/ring_fft.h"
 #include "transform/ring_legendre.h"

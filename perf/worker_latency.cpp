@@ -1,11 +1,13 @@
-#include "worker_latency.h"
-
 #include <benchmark/benchmark.h>
 
+#include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "samples.h"
+#include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/projection.h"
 #include "worker_subjects.h"
@@ -72,7 +74,6 @@ struct TimedProjection {
     return projection;
   }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return request.bytes(); }
-  friend bool operator==(const TimedProjection&, const TimedProjection&) = default;
 };
 
 enum class Waiting { future, polling };
@@ -174,6 +175,62 @@ void add_post_to_result(int size, int threads) {
   }
 }
 
+/// Two threads a processor, of normal priority, that rest for one millisecond of twenty, all at the same time. Threads
+/// of the idle class run then, and are put aside in the middle of what they do.
+class BusyProcessors {
+ public:
+  BusyProcessors() {
+    for (int k = 0; k < 2 * available_threads(); ++k) threads_.emplace_back([this] { work(); });
+  }
+  ~BusyProcessors() {
+    released_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  BusyProcessors(const BusyProcessors&) = delete;
+  BusyProcessors& operator=(const BusyProcessors&) = delete;
+
+ private:
+  void work() {
+    constexpr std::chrono::milliseconds kRest{1};
+    while (!released_.load(std::memory_order_relaxed)) {
+      const bool rests = Clock::now().time_since_epoch() % std::chrono::milliseconds(20) < kRest;
+      if (rests) std::this_thread::sleep_for(kRest);
+    }
+  }
+
+  std::atomic<bool> released_{false};
+  std::vector<std::thread> threads_;
+};
+
+/// A request that posts itself again: its thread is always about to start a job or to end one.
+struct Again {
+  Worker* worker;
+
+  void operator()(const Control& control) const {
+    if (!control.stop.stop_requested()) worker->post(Again{worker}, {.priority = TaskPriority::low});
+  }
+};
+
+/// A post takes what the system gives this thread of a processor, but nothing of what it gives those of the worker,
+/// which it may keep from running for seconds, wherever they are: also inside the system's allocator.
+void post_beside_busy_processors(benchmark::State& state) {
+  WorkerOptions options = worker_options(1);
+  options.thread_priority = ThreadPriority::idle;
+  Worker worker(options);
+  worker.post(Again{&worker});
+  const BusyProcessors busy;
+  Samples samples;
+  for (auto _ : state) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    const Clock::time_point start = Clock::now();
+    worker.post(Nothing{}, {.key = "sky"});  // the waiting one of before is replaced
+    const Clock::duration time = Clock::now() - start;
+    samples.add(time);
+    state.SetIterationTime(seconds(time));
+  }
+  samples.report(state);
+}
+
 }  // namespace
 
 void add_worker_latency(const std::vector<int>& thread_counts) {
@@ -181,6 +238,9 @@ void add_worker_latency(const std::vector<int>& thread_counts) {
   for (const int size : {64, 1024}) {
     for (const int threads : thread_counts) add_post_to_result(size, threads);
   }
+  benchmark::RegisterBenchmark("Post/beside-busy-processors/empty-idle-priority/1", post_beside_busy_processors)
+      ->UseManualTime()
+      ->Iterations(20'000);
 }
 
 }  // namespace welkin::perf

@@ -68,9 +68,15 @@ target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/plac
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
+# But for truths that sum over millions of texels and rays.
+file(GLOB stability_sources stability/*_cases.cpp stability/measures.cpp)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set_source_files_properties(${stability_sources} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>
+                                                              SKIP_PRECOMPILE_HEADERS ON)
+endif()
 # A quarter of a test's compile time. (With Catch2 2, main.cpp defines what the header makes of itself.)
 welkin_precompile_headers(welkin_tests support/catch.h ${welkin_standard_headers})
-set_source_files_properties(support/main.cpp support/float_mode.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+set_source_files_properties(support/main.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 # These put functions of theirs in the place of libraries' own, which must see them.
 set_source_files_properties(jobs/races_are_reported_test.cpp support/exception_counts.cpp support/heap.cpp
                             PROPERTIES COMPILE_OPTIONS -fvisibility=default SKIP_PRECOMPILE_HEADERS ON)
@@ -78,21 +84,13 @@ if(WELKIN_TOOLS)
   # Tests of the command run the built programs.
   add_dependencies(welkin_tests welkin_command welkin_report_command)
 endif()
-catch_discover_tests(welkin_tests PROPERTIES TIMEOUT 600)
+catch_discover_tests(welkin_tests TEST_SPEC "~[slow]~[truth]~[.]" PROPERTIES TIMEOUT 600 LABELS quick)
+catch_discover_tests(welkin_tests TEST_SPEC "[slow]~[truth]~[.]" PROPERTIES TIMEOUT 600 LABELS slow)
+catch_discover_tests(welkin_tests TEST_SPEC "[truth]~[.]" PROPERTIES TIMEOUT 600 LABELS truth)
 
 # Nobody reads working memory that nobody wrote: results on record stay the same where it is filled with NaN.
 if(welkin_all_codecs AND NOT WELKIN_TEST_FOLDERS AND NOT CMAKE_CROSSCOMPILING)
   add_test(NAME "results on record, in working memory filled with NaN" COMMAND welkin_tests "[same_as_before]")
   set_tests_properties("results on record, in working memory filled with NaN" PROPERTIES
-                       ENVIRONMENT WELKIN_TEST_FILL_MEMORY=1 TIMEOUT 600)
-endif()
-
-# A call of C that computes with the caller's rounding would differ from the call of C++, which does not
-# (tests/float_environment).
-if(welkin_all_codecs AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT WELKIN_TEST_FOLDERS)
-  foreach(mode IN ITEMS upward flushed)
-    add_test(NAME "float environment: the C interface, ${mode}" COMMAND welkin_tests "C: *C++ call*")
-    set_tests_properties("float environment: the C interface, ${mode}" PROPERTIES
-                         ENVIRONMENT WELKIN_TEST_FLOAT_MODE=${mode} TIMEOUT 600)
-  endforeach()
+                       ENVIRONMENT WELKIN_TEST_FILL_MEMORY=1 TIMEOUT 600 LABELS slow)
 endif()

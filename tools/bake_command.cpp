@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "jobs/control.h"
 #include "platform/text.h"
 #include "tools/bake_cache.h"
@@ -23,78 +24,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kBakeFooter =
-    R"(What it does:
-  Makes the files with which a physically based renderer lights a scene by an
-  environment, in one folder:
-    background.ktx2       the environment as a cubemap, with plain mips
-    specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
-    irradiance.ktx2       what falls on a matte surface, W/m2
-    brdf.ktx2             the BRDF table, the split sum's other half
-    charlie.ktx2          the same by sheen's lobe (--lobe charlie)
-    environment.env       all of it for Babylon.js (--for babylon, --formats env)
-    README.md             code that loads the files (--for ENGINE)
-    sh.json, sh.h         spherical harmonics, also in each engine's form
-    preview_*.png         the environment, balls lit by the result, the mips
-    manifest.json         what is in the folder, how it was made, how good it is
-  The manifest is written last, so a folder with a manifest is complete. Files
-  that an earlier manifest lists are replaced or removed, others stay: where one
-  is in the way the bake is refused. docs/bake_folder.md has more.
-  --for ENGINE without --formats writes what that engine loads instead of these
-  textures: three (BC6H as DDS, halves as KTX2), babylon (.env, DDS), filament
-  (KTX with harmonics), bevy and gltf (KTX2), usd (a stage with a dome light),
-  unity, unreal, blender and godot (a lat-long: the source's own pixels, at the
-  source's size).
-
-Examples:
-  welkin bake --sky -o out                            a built-in, computed sky
-  welkin bake city.hdr                                a photograph, to ./city
-  welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
-  welkin bake city.hdr -o out --for three             what three.js loads
-  welkin bake city.hdr -o out --for unity --formats dds
-  welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
-  welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
-  welkin bake city.hdr -o out --formats env --no-brdf --no-previews
-  welkin bake city.hdr -o out --lobe charlie          and sheen, for glTF
-  welkin bake city.hdr -o out --octahedral 512        and Godot's octahedral map
-  welkin bake city.hdr -o out --take-out-sun          the sun as a separate light
-  welkin bake city.hdr -o out --no-glossy --explain   no reflections; says why
-  welkin bake city.hdr -o out --glossy 0.4,1          no mip sharper than 0.4
-  welkin bake city.hdr -o out --needs scene.json --plan-only
-
-What the scene needs: --needs, --glossy, --no-glossy, --no-background and
-  --no-diffuse say what the scene uses. Passes that it does not need are left
-  out; the other results have the same bits as in a bake of everything. Results
-  that an .env or a KTX2 carries are then used as they are, unless they are to be
-  turned, clamped or written as an .env. --explain prints on standard error which
-  passes run, are reused or left out, why and at what cost, and afterwards
-  compares this with the measured times.
-
-Roughness: --roughness names the engine whose shader looks the mips up, or gives
-  a number a mip. docs/bake_folder.md has the formulas. Where it is not there,
-  --for names the engine, and else it is filament, the library's default too.
-
-Previews: three quarters of what is lit in the surroundings are darker than 0.36,
-  and --exposure EV makes that 2^EV times the radiance instead.
-
-Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
-  axes. --for says after whose axes the cubemaps' faces are named. The .env is
-  always in Babylon.js's axes, and an .env that is read is turned out of them.
-  The previews show what a viewer at that place sees.
-
-Diffuse light of an .env: its pixels end at 255. Up to three bands, the
-  irradiance cubemap and the new .env's polynomial are therefore computed from the
-  polynomial that it stores, but not with --clamp, --gamma, --take-out-sun or
-  --level above 0.
-
-Memory: --memory-limit is checked before the bake. It covers source, results,
-  working memory, the .env's own chain, lat-longs and turned cubemaps. Previews
-  and the buffers of encoders come on top and are not counted.
-
-Units: radiance is in the file's unit; irradiance in even light is pi times
-  that. Roughness is perceptual roughness; GGX's alpha is its square. Values that
-  a format cannot hold are clamped and counted, file by file.)";
 
 // A bake must not write over what it reads.
 
@@ -365,7 +294,7 @@ std::string bake_to_folder(const BakeCommandOptions& asked) {
 
 Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
-  Command command{"bake", "Bake all that a physically based renderer loads", kBakeFooter};
+  Command command{"bake", "Bake all that a physically based renderer loads", embedded_text("help/bake.txt")};
   add_bake_options(command.options, *options);
   command.everyday = {"INPUT",          "--output", "--sky",      "--json",        "--size", "--roughness",
                       "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",

@@ -336,7 +336,7 @@ EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, 
   chain.wanted = true;
   chain.options.rms_error = specular->rms_error;
   chain.options.maximum_error = specular->maximum_error;
-  chain.is_specular = chain.options == *specular && planned.trim.mips == UnusedMips();
+  chain.is_specular = chain.options == *specular;
   return chain;
 }
 

@@ -7,14 +7,9 @@
 #include <system_error>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "platform/text.h"
-#include "tools/batch_inputs.h"
-#include "tools/batch_merge.h"
-#include "tools/batch_plan.h"
-#include "tools/batch_progress.h"
-#include "tools/batch_run.h"
-#include "tools/batch_status.h"
-#include "tools/batch_words.h"
+#include "tools/batch.h"
 #include "tools/commands.h"
 #include "tools/json.h"
 #include "tools/terminal.h"
@@ -23,41 +18,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kBatchFooter =
-    R"(What it does:
-  plan     looks at the headers of all inputs, predicts what their bakes cost,
-           and writes a plan, jobs.json
-  run      bakes what the plan names and is not there yet; with --shard the I-th
-           of N parts, which take about equally long
-  status   says what is done, left and failed
-  merge    checks every file of every result, and writes an index and a page of
-           pictures; with --allow-missing of those that are there
-
-Examples:
-  welkin batch plan hdr/ -o jobs.json --size 256 --for three
-  welkin batch plan 'hdr/**/*.exr' --list more.jsonl -o jobs.json
-  welkin batch run jobs.json
-  welkin batch run jobs.json --shard 3/16 --results /farm/results
-  welkin batch status jobs.json
-  welkin batch merge jobs.json -o index
-
-Plan: inputs are files, folders (all pictures below them) and patterns that the
-  shell did not expand. Options of 'welkin bake' hold for all; each line of a
-  --list is {"input": PATH, "name": NAME, "options": ["--size", "128"]}, and its
-  options take the place of those; files are beside the list. An input that is
-  named here and not there is an error; of a list it is told, and stays in the
-  plan.
-
-Run: a result is a folder, named by the hash of its input's bytes, its options
-  and the version of results. It is written beside and then gets its name, so it
-  is whole or absent. What is there is not made again: a run that was killed goes
-  on, and several share. An input that fails stands in the report, which is in
-  RESULTS/reports, and stops no other. RESULTS/by-name has a link to each result
-  by its job's name, where the system has links.
-
-Exit codes: 1 if an input failed, a result is missing or damaged, or differs.
-docs/batches.md has the files' formats, clusters, and figures.)";
 
 enum class Action { plan, run, status, merge };
 
@@ -101,9 +61,11 @@ std::filesystem::path results_of(const BatchCommandOptions& options, const Batch
   return options.results.empty() ? plan.default_results() : platform::path_of(options.results);
 }
 
-// ---- plan
-
-std::string plan_summary(const BatchPlan& plan) {
+void plan_action(const BatchCommandOptions& options) {
+  if (options.output.empty()) refuse("plan: -o names the plan to write, such as -o jobs.json");
+  const BatchPlan plan =
+      plan_batch({options.inputs, options.list, words_for_jobs(command_words())}, platform::path_of(options.output));
+  write_batch_plan(plan);
   std::uint64_t memory = 0;
   std::string errors;
   std::size_t count = 0;
@@ -114,113 +76,61 @@ std::string plan_summary(const BatchPlan& plan) {
     errors += "error: " + printable(job.error) + '\n';
   }
   constexpr unsigned kMebi = 20;
-  return platform::utf8(plan.file) + ": " + counted(plan.jobs.size(), "job") + ", predicted to take " +
-         long_duration(plan.seconds()) + " of one core, the largest " + std::to_string(memory >> kMebi) + " MiB\n" +
-         errors + (count > 0 ? "note: " + counted(count, "input") + " cannot be read now\n" : "");
+  print_summary(platform::utf8(plan.file) + ": " + counted(plan.jobs.size(), "job") + ", predicted to take " +
+                long_duration(plan.seconds()) + " of one core, the largest " + std::to_string(memory >> kMebi) +
+                " MiB\n" + errors + (count > 0 ? "note: " + counted(count, "input") + " cannot be read now\n" : ""));
 }
 
-void plan_action(const BatchCommandOptions& options) {
-  if (options.output.empty()) refuse("plan: -o names the plan to write, such as -o jobs.json");
-  const BatchPlan plan =
-      plan_batch({options.inputs, options.list, words_for_jobs(command_words())}, platform::path_of(options.output));
-  write_batch_plan(plan);
-  print_summary(plan_summary(plan));
-}
-
-// ---- run
-
-Json outcome_json(const BatchOutcome& outcome) {
-  return {{"jobs", outcome.jobs},         {"computed", outcome.computed},
-          {"present", outcome.present},   {"failed", outcome.failed},
-          {"verified", outcome.verified}, {"differs", outcome.differs},
-          {"seconds", outcome.seconds},   {"report", platform::utf8(outcome.report)}};
-}
-
-std::string outcome_text(const BatchOutcome& outcome) {
-  std::string text = counted(outcome.jobs, "job") + ": " + std::to_string(outcome.computed) + " computed, " +
-                     std::to_string(outcome.present) + " present, " + std::to_string(outcome.failed) + " failed";
-  if (outcome.verified + outcome.differs > 0) {
-    text += ", " + std::to_string(outcome.verified) + " verified, " + std::to_string(outcome.differs) + " differ";
+void show_outcome(BatchOutcome& outcome, bool as_json) {
+  constexpr std::array kStates{JobState::computed, JobState::present, JobState::failed, JobState::verified,
+                               JobState::differs};
+  Json json = {{"jobs", outcome.jobs}};
+  for (const JobState state : kStates) json[name(state)] = outcome.counts[state];
+  json["seconds"] = outcome.seconds;
+  json["report"] = platform::utf8(outcome.report);
+  if (as_json) return print_result(json_text(json));
+  std::string text = counted(outcome.jobs, "job") + ':';
+  const char* separator = " ";
+  for (const JobState state : kStates) {
+    if (outcome.counts[state] == 0 && (state == JobState::verified || state == JobState::differs)) continue;
+    text += separator + std::to_string(outcome.counts[state]) + ' ' + name(state);
+    separator = ", ";
   }
   text += "; " + significant(outcome.seconds, 3) + " s";
-  if (outcome.computed > 0 && outcome.seconds > 0.0) {
-    text += ", " + significant(static_cast<double>(outcome.computed) / outcome.seconds, 3) + " a second";
+  if (outcome.counts[JobState::computed] > 0 && outcome.seconds > 0.0) {
+    text +=
+        ", " + significant(static_cast<double>(outcome.counts[JobState::computed]) / outcome.seconds, 3) + " a second";
   }
-  return text + "\nreport: " + platform::utf8(outcome.report) + '\n';
+  print_summary(text + "\nreport: " + platform::utf8(outcome.report) + '\n');
 }
 
 void run_action(const BatchCommandOptions& options) {
   const BatchPlan plan = plan_named(options, "run");
   const BatchRun run{results_of(options, plan), shard_in(options.shard), thread_count(options.common), options.memory,
                      options.verify};
-  const BatchOutcome outcome = run_batch(plan, run);
-  if (options.common.json) {
-    print_result(json_text(outcome_json(outcome)));
-  } else {
-    print_summary(outcome_text(outcome));
-  }
-  if (outcome.well()) return;
-  std::string message = counted(outcome.failed + outcome.differs, "job") + " of " + std::to_string(outcome.jobs) +
-                        (outcome.failed > 0 ? " failed" : " differ");
+  BatchOutcome outcome = run_batch(plan, run);
+  show_outcome(outcome, options.common.json);
+  if (outcome.troubles.empty()) return;
+  std::string message = counted(outcome.troubles.size(), "job") + " of " + std::to_string(outcome.jobs) +
+                        (outcome.counts[JobState::failed] > 0 ? " failed" : " differ");
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < std::min(kShown, outcome.troubles.size()); ++i) {
-    const JobRecord& record = outcome.troubles[i];
-    message += "\n" + record.name + ": " + record.error;
+    message += "\n" + outcome.troubles[i].name + ": " + outcome.troubles[i].error;
   }
-  if (outcome.troubles.size() > kShown) message += "\n... the report has all of them";
-  throw Error(ErrorCode::corrupt_file, message);
+  throw Error(ErrorCode::corrupt_file,
+              message + (outcome.troubles.size() > kShown ? "\n... the report has all of them" : ""));
 }
-
-// ---- status and merge
 
 void status_action(const BatchCommandOptions& options) {
   const BatchPlan plan = plan_named(options, "status");
-  const BatchStatus status = status_of(plan, results_of(options, plan));
-  print_result(options.common.json ? json_text(status_json(status)) : status_text(status));
-  if (status.troubles.empty()) return;
-  throw Error(ErrorCode::corrupt_file,
-              counted(status.troubles.size(), "job") + " of " + std::to_string(status.jobs) + " failed or differ");
-}
-
-/// Returns a line for each result that is not in order.
-std::string problems_text(const BatchPlan& plan, const MergedBatch& merged) {
-  std::string text;
-  for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
-    const std::string& problem = merged.results[job].problem;
-    if (!problem.empty()) text += '\n' + plan.jobs[job].name + ": " + problem;
-  }
-  return text;
+  show_status(plan, results_of(options, plan), options.common.json);
 }
 
 void merge_action(const BatchCommandOptions& options) {
   if (options.output.empty()) refuse("merge: -o names the folder to write, such as -o index");
   const BatchPlan plan = plan_named(options, "merge");
-  const std::filesystem::path folder = platform::path_of(options.output);
-  require_index_place(folder);
-  MergedBatch merged;
-  {
-    ProgressBar bar;
-    merged = check_batch(plan, results_of(options, plan), thread_count(options.common), bar.control());
-  }
-  if (merged.damaged > 0 || (merged.missing > 0 && !options.allow_missing)) {
-    const std::size_t problems = merged.damaged + merged.missing;
-    throw Error(ErrorCode::corrupt_file, counted(problems, "result") + " of " + std::to_string(plan.jobs.size()) +
-                                             (problems == 1 ? " is" : " are") + " missing or damaged" +
-                                             (merged.damaged == 0 ? "; --allow-missing merges the others" : "") +
-                                             problems_text(plan, merged));
-  }
-  write_batch_index(plan, merged, folder);
-  if (options.common.json) {
-    print_result(json_text({{"jobs", plan.jobs.size()}, {"missing", merged.missing}, {"hash", merged.hash().text()}}));
-  } else {
-    print_summary(counted(plan.jobs.size() - merged.missing, "result") + " in order; the batch's hash is " +
-                  merged.hash().text() +
-                  (merged.missing > 0 ? "\nnote: " + counted(merged.missing, "result") + " missing" +
-                                            printable_lines(problems_text(plan, merged))
-                                      : "") +
-                  "\nindex: " + platform::utf8(folder / "index.json") + ", " + platform::utf8(folder / "index.html") +
-                  '\n');
-  }
+  merge_batch(plan, results_of(options, plan), platform::path_of(options.output), thread_count(options.common),
+              options.allow_missing, options.common.json);
 }
 
 Options batch_options(BatchCommandOptions& options) {
@@ -303,7 +213,7 @@ void refuse_others(Action action, const Given& given) {
 
 Command batch_command() {
   const auto options = std::make_shared<BatchCommandOptions>();
-  Command command{"batch", "Bake many environments, on one machine or on many", kBatchFooter};
+  Command command{"batch", "Bake many environments, on one machine or on many", embedded_text("help/batch.txt")};
   command.options = batch_options(*options);
   command.everyday = {"ACTION",  "INPUT",     "--output",        "--list",    "--results",
                       "--shard", "--verify",  "--allow-missing", "--memory",  "--json",

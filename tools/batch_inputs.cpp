@@ -1,5 +1,3 @@
-#include "tools/batch_inputs.h"
-
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -8,6 +6,7 @@
 #include "platform/text.h"
 #include "tools/arguments.h"
 #include "tools/bake_manifest.h"
+#include "tools/batch.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 

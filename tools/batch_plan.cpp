@@ -1,8 +1,6 @@
-#include "tools/batch_plan.h"
-
+// A batch's plan: which inputs there are, with which options each is baked, what that costs, and how it is cut.
 #include <algorithm>
-#include <cmath>
-#include <map>
+#include <array>
 #include <numeric>
 #include <queue>
 #include <set>
@@ -10,16 +8,13 @@
 #include <system_error>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "platform/text.h"
 #include "tools/baked.h"
-#include "tools/batch_costs.h"
-#include "tools/batch_inputs.h"
-#include "tools/batch_words.h"
-#include "tools/json.h"
+#include "tools/batch.h"
 #include "tools/lines.h"
 #include "tools/text.h"
-#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {
@@ -32,21 +27,71 @@ constexpr std::size_t kMostJobs = 10'000'000;
 constexpr std::uintmax_t kMostPlanBytes = std::uintmax_t{1} << 32U;
 constexpr double kMostSeconds = 1e9;
 constexpr double kMostBytes = 1e15;
-constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
 
-// ---- Options
+// ---- Options as words
 
-bool names_a_file(std::string_view option) { return option == "--needs"; }
+/// An option of the table with its values, or a word that is none.
+struct Group {
+  const Option* option = nullptr;
+  std::vector<std::string> words;
+};
 
-/// The words with `change` called on those that name a file.
+const Option* option_named(const Options& table, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  const auto found = std::ranges::find_if(table, [&](const Option& option) {
+    return (',' + option.names + ',').find(',' + name + ',') != std::string::npos;
+  });
+  return name.starts_with("-") && found != table.end() ? &*found : nullptr;
+}
+
+/// Returns how many of the words behind an option are its values.
+std::size_t values_of(const Option& option, const std::vector<std::string>& words, std::size_t at) {
+  const bool is_flag = std::holds_alternative<bool*>(option.target) || std::holds_alternative<OnFlag>(option.target);
+  if (is_flag || words[at].find('=') != std::string::npos) return 0;
+  if (option.list != List::commas_or_spaces) return 1;
+  std::size_t values = 1;
+  while (at + 1 + values < words.size() && static_cast<int>(values) < option.count &&
+         number_in(words[at + 1 + values])) {
+    ++values;
+  }
+  return values;
+}
+
+std::vector<Group> groups_in(const std::vector<std::string>& words, const Options& table) {
+  std::vector<Group> groups;
+  for (std::size_t at = 0; at < words.size();) {
+    Group group{option_named(table, words[at]), {}};
+    const std::size_t values = group.option != nullptr ? values_of(*group.option, words, at) : 0;
+    const std::size_t end = std::min(words.size(), at + 1 + values);
+    for (; at < end; ++at) group.words.push_back(words[at]);
+    groups.push_back(group);
+  }
+  return groups;
+}
+
+/// Returns `all`, less the options that stand in `own`, and then `own`.
+std::vector<std::string> with_own(const std::vector<std::string>& all, const std::vector<std::string>& own) {
+  if (own.empty()) return all;
+  BakeCommandOptions unused;
+  const Options table = job_options(unused);
+  std::set<const Option*> named;
+  for (const Group& group : groups_in(own, table)) named.insert(group.option);
+  std::vector<std::string> joined;
+  for (const Group& group : groups_in(all, table)) {
+    if (!named.contains(group.option)) joined.insert(joined.end(), group.words.begin(), group.words.end());
+  }
+  joined.insert(joined.end(), own.begin(), own.end());
+  return joined;
+}
+
+/// Returns the words with `change` called on those that name a file, which are the values of --needs.
 template <class Change>
 std::vector<std::string> with_files(std::vector<std::string> words, const Change& change) {
+  constexpr std::string_view kOption = "--needs";
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::size_t equal = words[i].find('=');
-    if (!names_a_file(std::string_view(words[i]).substr(0, equal))) continue;
-    if (equal != std::string::npos) {
-      words[i] = words[i].substr(0, equal + 1) + change(words[i].substr(equal + 1));
-    } else if (i + 1 < words.size()) {
+    if (words[i].starts_with(std::string(kOption) + '=')) {
+      words[i] = words[i].substr(0, kOption.size() + 1) + change(words[i].substr(kOption.size() + 1));
+    } else if (words[i] == kOption && i + 1 < words.size()) {
       ++i;
       words[i] = change(words[i]);
     }
@@ -54,7 +99,9 @@ std::vector<std::string> with_files(std::vector<std::string> words, const Change
   return words;
 }
 
-/// The file as `folder` sees it. Links in its own name stay, for what it is called may tell its layout.
+// ---- Planning
+
+/// Returns the file as `folder` sees it. Links in its own name stay, because its name may tell its layout.
 std::string relative_to(const fs::path& folder, const fs::path& file) {
   std::error_code unknown;
   const fs::path parent = fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown);
@@ -68,134 +115,135 @@ BatchPlan plan_at(const fs::path& named) {
   return {file, fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown), {}};
 }
 
-// ---- Planning
-
-/// One line of the plan to come.
-struct Wish {
-  std::string input;  ///< as it was named
-  std::string name;   ///< empty: by the input
-  std::vector<std::string> options;
-  bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
-  bool typed = false;  ///< on the command line: what no run could read is refused
-};
-
-void add_input(const std::string& word, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
-  std::error_code unknown;
-  const fs::path path = platform::path_of(word);
-  const bool is_there = fs::exists(path, unknown);
-  const auto add = [&](const std::vector<fs::path>& files, const fs::path& below) {
-    if (files.empty()) {
-      throw Error(ErrorCode::invalid_argument, printable(word) + ": there are no pictures that Welkin reads");
-    }
-    for (const fs::path& file : files) {
-      const fs::path name = below.empty() ? file.filename() : file.lexically_relative(below);
-      wishes.push_back(
-          {.input = platform::utf8(file), .name = platform::utf8(name), .options = options, .found = true});
-    }
-  };
-  if (is_there && fs::is_directory(path, unknown)) {
-    add(pictures_below(path), path);
-  } else if (!is_there && is_pattern(word)) {
-    add(files_that_fit(word), {});
-  } else {
-    wishes.push_back({.input = word, .name = "", .options = options, .typed = true});
+/// Seconds of one core, measured with bakes of photographs of 1024 x 512 with `--size 256` and more on one thread of
+/// Zen 4. They only decide what is a fair share.
+double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
+  constexpr double kSecondsOfAJob = 0.02;         // opening, hashing and naming eight files
+  constexpr double kSecondsOfATexel = 60e-9;      // reading one, and transforming it
+  constexpr double kSecondsOfAByte = 10e-9;       // of the results in memory: making it, and encoding it
+  constexpr double kSecondsOfZlibByte = 40e-9;    // the same where files are compressed by zlib
+  constexpr double kSecondsOfBlockByte = 160e-9;  // or have ASTC blocks
+  constexpr double kSecondsOfPreviews = 0.12;     // of spheres of the default size
+  double seconds_of_a_byte = kSecondsOfAByte;
+  for (const OutputFile& file : options.files) {
+    const bool has_blocks = file.format == TexelFormat::astc_4x4_hdr || file.format == TexelFormat::astc_6x6_hdr;
+    if (file.supercompression == Supercompression::zlib)
+      seconds_of_a_byte = std::max(seconds_of_a_byte, kSecondsOfZlibByte);
+    if (has_blocks) seconds_of_a_byte = kSecondsOfBlockByte;
   }
+  const double sphere = static_cast<double>(options.preview_size) / BakeCommandOptions().preview_size;
+  return kSecondsOfAJob + kSecondsOfATexel * static_cast<double>(prediction.texels) +
+         seconds_of_a_byte * static_cast<double>(prediction.result_bytes) +
+         (options.previews ? kSecondsOfPreviews * sphere * sphere : 0.0);
 }
 
-/// The options of all jobs with those of a line, which most lines share.
-class LineOptions {
- public:
-  explicit LineOptions(const std::vector<std::string>& all) : all_(all) {}
-
-  /// Throws `Error` (invalid_argument) for what no bake could be asked.
-  const std::vector<std::string>& with(const std::vector<std::string>& own) {
-    const auto found = known_.find(own);
-    if (found != known_.end()) return found->second;
-    std::vector<std::string> words = with_own(all_, own);
-    static_cast<void>(bake_options_of({}, words));
-    return known_.emplace(own, std::move(words)).first->second;
-  }
-
- private:
-  const std::vector<std::string>& all_;
-  std::map<std::vector<std::string>, std::vector<std::string>> known_;
-};
-
-/// C++ strings go on behind it, and names of files end there.
+/// C++ strings go on behind a NUL, and names of files end there.
 void refuse_nul(const std::string& text, const std::string& where) {
   if (text.find('\0') != std::string::npos) throw Flaw{where + " has a character NUL"};
 }
 
-Wish wish_in(const std::string& line, const fs::path& list, LineOptions& options) {
-  Wish wish;
-  std::vector<std::string> own;
-  const auto add_word = [&](const Json& value, const std::string& where) {
-    text("", own.emplace_back()).read(value, where);
-  };
-  read_object(parse_json(line), "the line",
-              {text("input", wish.input),
-               text("name", wish.name),
-               {"options", [&](const Json& value, const std::string& where) { read_list(value, where, add_word); }}});
-  if (wish.input.empty()) throw Flaw{"there is no \"input\""};
-  refuse_nul(wish.input, "\"input\"");
-  refuse_nul(wish.name, "\"name\"");
-  // What a list names lies beside it.
-  const auto beside = [&](const std::string& path) {
-    return platform::utf8(list.parent_path() / platform::path_of(path));
-  };
-  wish.options = options.with(with_files(own, beside));
-  wish.input = beside(wish.input);
-  return wish;
+Member words(const char* name, std::vector<std::string>& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            read_list(value, where, [&](const Json& word, const std::string& place) {
+              text("", target.emplace_back()).read(word, place);
+            });
+          }};
 }
 
-void add_list(const fs::path& list, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
-  LineOptions known(options);
-  for_each_line(list, [&](std::size_t number, const std::string& line) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) return;
-    const std::string where = platform::utf8(list) + ": line " + std::to_string(number) + ": ";
-    try {
-      wishes.push_back(wish_in(line, list, known));
-    } catch (const Flaw& flaw) {
-      throw Error(ErrorCode::invalid_argument, where + flaw.message +
-                                                   "; a line is {\"input\": PATH, \"name\": NAME, \"options\": "
-                                                   "[\"--size\", \"128\"]}");
-    } catch (const Error& error) {
-      throw Error(error.code(), where + error.what());
-    }
-  });
-}
-
-/// Returns the name, with a number where it is taken. `taken`: of each name the number that is to be tried next.
-std::string numbered(const std::string& name, std::map<std::string, int>& taken) {
-  if (taken.emplace(name, 2).second) return name;
-  std::string unique;
-  do unique = name + '-' + std::to_string(taken.at(name)++);
-  while (!taken.emplace(unique, 2).second);
-  return unique;
-}
-
-/// Returns the name without its ending, with a number where another job has it.
-std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
-  std::string name = wish.name;
-  if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());
-  const bool said = !wish.found && !wish.name.empty();
-  if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
-  return numbered(name.empty() ? "input" : name, taken);
-}
-
-/// Plans wishes one by one.
+/// Adds jobs to a plan one by one.
 class Planner {
  public:
-  explicit Planner(BatchPlan& plan) : plan_(plan) {}
+  Planner(BatchPlan& plan, const std::vector<std::string>& options) : plan_(plan), options_(options) {}
 
-  void add(const Wish& wish) {
-    const BakeCommandOptions& whole = options_of(wish.options);
-    BatchJob job;
-    job.input = relative_to(plan_.folder, platform::path_of(wish.input));
-    job.options = with_files(
-        wish.options, [&](const std::string& file) { return relative_to(plan_.folder, platform::path_of(file)); });
-    BakeCommandOptions options = whole;
+  void add_input(const std::string& word) {
+    std::error_code unknown;
+    const fs::path path = platform::path_of(word);
+    const bool is_there = fs::exists(path, unknown);
+    const bool is_folder = is_there && fs::is_directory(path, unknown);
+    if (!is_folder && (is_there || !is_pattern(word))) return add({.input = word, .options = options_, .typed = true});
+    const std::vector<fs::path> files = is_folder ? pictures_below(path) : files_that_fit(word);
+    if (files.empty()) {
+      throw Error(ErrorCode::invalid_argument, printable(word) + ": there are no pictures that Welkin reads");
+    }
+    for (const fs::path& file : files) {
+      const fs::path name = is_folder ? file.lexically_relative(path) : file.filename();
+      add({.input = platform::utf8(file), .name = platform::utf8(name), .options = options_, .found = true});
+    }
+  }
+
+  void add_list(const fs::path& list) {
+    for_each_line(list, [&](std::size_t number, const std::string& line) {
+      if (line.find_first_not_of(" \t\r") == std::string::npos) return;
+      const std::string where = platform::utf8(list) + ": line " + std::to_string(number) + ": ";
+      try {
+        wishes_.push_back(wish_in(line, list));
+      } catch (const Flaw& flaw) {
+        throw Error(ErrorCode::invalid_argument, where + flaw.message +
+                                                     "; a line is {\"input\": PATH, \"name\": NAME, \"options\": "
+                                                     "[\"--size\", \"128\"]}");
+      } catch (const Error& error) {
+        throw Error(error.code(), where + error.what());
+      }
+    });
+  }
+
+  /// Throws `Error` (file_access) for inputs of the command line that are not there or that no run could read: most
+  /// often their names are mistyped.
+  void plan() {
+    if (wishes_.empty()) {
+      throw Error(ErrorCode::invalid_argument,
+                  "batch plan: there is nothing to do; name pictures, folders of them, or a --list");
+    }
+    require_own(plan_.file, kSchema, "batch plan");
+    std::error_code unknown;
+    if (!fs::is_directory(plan_.folder, unknown)) {
+      throw Error(ErrorCode::file_access, platform::utf8(plan_.file) + ": there is no such folder to write it to");
+    }
+    for (const Wish& wish : wishes_) plan_job(wish);
+    if (refused_.empty()) return;
+    constexpr std::size_t kShown = 10;
+    std::string message =
+        "batch plan: " + counted(refused_.size(), "input") + " cannot be read, so no plan was written";
+    for (std::size_t i = 0; i < std::min(kShown, refused_.size()); ++i) message += '\n' + refused_[i];
+    throw Error(ErrorCode::file_access, message + (refused_.size() > kShown ? "\n..." : ""));
+  }
+
+ private:
+  struct Wish {
+    std::string input{};  ///< as it was named
+    std::string name{};   ///< empty: by the input
+    std::vector<std::string> options{};
+    bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
+    bool typed = false;  ///< on the command line: what no run could read is refused
+  };
+
+  void add(Wish wish) { wishes_.push_back(std::move(wish)); }
+
+  [[nodiscard]] Wish wish_in(const std::string& line, const fs::path& list) const {
+    Wish wish;
+    std::vector<std::string> own;
+    read_object(parse_json(line), "the line",
+                {text("input", wish.input), text("name", wish.name), words("options", own)});
+    if (wish.input.empty()) throw Flaw{"there is no \"input\""};
+    refuse_nul(wish.input, "\"input\"");
+    refuse_nul(wish.name, "\"name\"");
+    // What a list names lies beside it.
+    const auto beside = [&](const std::string& path) {
+      return platform::utf8(list.parent_path() / platform::path_of(path));
+    };
+    wish.options = with_own(options_, with_files(own, beside));
+    static_cast<void>(bake_options_of({}, wish.options));
+    wish.input = beside(wish.input);
+    return wish;
+  }
+
+  void plan_job(const Wish& wish) {
+    BakeCommandOptions options = bake_options_of({}, wish.options);
     options.input = wish.input;
+    const auto placed = [&](const std::string& file) { return relative_to(plan_.folder, platform::path_of(file)); };
+    BatchJob job;
+    job.input = placed(wish.input);
+    job.options = with_files(wish.options, placed);
     try {
       if (is_stream(wish.input)) {
         throw Error(ErrorCode::unsupported_file,
@@ -205,9 +253,10 @@ class Planner {
         throw Error(ErrorCode::unsupported_file,
                     printable(wish.input) + ": a plan names no file whose name is not UTF-8");
       }
+      constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
       const Prediction prediction = predict(options);
       if (wish.found && is_known_face(wish, prediction.info)) return;
-      job.seconds = seconds_of_job(prediction, options);
+      job.seconds = seconds_of(prediction, options);
       job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
       std::error_code unknown;
       const auto size = fs::file_size(platform::path_of(wish.input), unknown);
@@ -217,31 +266,22 @@ class Planner {
       const bool is_hopeless = error.code() == ErrorCode::file_access || error.code() == ErrorCode::unsupported_file;
       if (wish.typed && is_hopeless) refused_.push_back(job.error);
     }
-    job.name = unique_name(wish, names_);
+    job.name = unique_name(wish);
     plan_.jobs.push_back(std::move(job));
   }
 
-  /// After all are added. Throws `Error` (file_access) for inputs of the command line that are not there or that no run
-  /// could read: most often their names are mistyped.
-  void refuse_hopeless() const {
-    if (refused_.empty()) return;
-    std::string message =
-        "batch plan: " + counted(refused_.size(), "input") + " cannot be read, so no plan was written";
-    constexpr std::size_t kShown = 10;
-    for (std::size_t i = 0; i < std::min(kShown, refused_.size()); ++i) message += '\n' + refused_[i];
-    if (refused_.size() > kShown) message += "\n...";
-    throw Error(ErrorCode::file_access, message);
+  /// Returns the name, of a picture without its ending, with a number where another job has it.
+  std::string unique_name(const Wish& wish) {
+    const bool said = !wish.found && !wish.name.empty();
+    std::string name = wish.name.empty() ? platform::utf8(platform::path_of(wish.input).filename()) : wish.name;
+    if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
+    if (name.empty()) name = "input";
+    std::string unique = name;
+    while (!names_.emplace(unique, 2).second) unique = name + '-' + std::to_string(names_.at(name)++);
+    return unique;
   }
 
- private:
-  /// Read once for many jobs. Here files that options name are where the command runs.
-  const BakeCommandOptions& options_of(const std::vector<std::string>& words) {
-    const auto found = known_.find(words);
-    if (found != known_.end()) return found->second;
-    return known_.emplace(words, bake_options_of({}, words)).first->second;
-  }
-
-  /// Whether this is one of six files that another job reads as a whole.
+  /// Returns whether this is one of six files that another job reads as a whole.
   bool is_known_face(const Wish& wish, const EnvironmentInfo& info) {
     if (info.layout != Layout::six_files) return false;
     std::string all;
@@ -251,20 +291,14 @@ class Planner {
   }
 
   BatchPlan& plan_;
+  const std::vector<std::string>& options_;
+  std::vector<Wish> wishes_;
   std::vector<std::string> refused_;
-  std::map<std::string, int> names_;
+  std::map<std::string, int> names_;  ///< of each name the number that is to be tried next
   std::set<std::string> faces_;
-  std::map<std::vector<std::string>, BakeCommandOptions> known_;
 };
 
 // ---- The file
-
-Json job_json(const BatchJob& job) {
-  Json json = {{"name", job.name},       {"input", job.input}, {"options", job.options},
-               {"seconds", job.seconds}, {"size", job.size},   {"memory", job.memory}};
-  if (!job.error.empty()) json["error"] = job.error;
-  return json;
-}
 
 std::uint64_t bytes_in(double value, const std::string& where) {
   if (!(value >= 0.0 && value <= kMostBytes)) throw Flaw{where + " has a number of bytes that cannot be"};
@@ -275,17 +309,10 @@ BatchJob job_in(const Json& value, const std::string& where) {
   BatchJob job;
   double size = 0.0;
   double memory = 0.0;
-  const auto add_word = [&](const Json& word, const std::string& place) {
-    text("", job.options.emplace_back()).read(word, place);
-  };
-  read_object(value, where,
-              {text("name", job.name),
-               text("input", job.input),
-               {"options", [&](const Json& list, const std::string& place) { read_list(list, place, add_word); }},
-               number("seconds", job.seconds),
-               number("size", size),
-               number("memory", memory),
-               text("error", job.error)});
+  read_object(
+      value, where,
+      {text("name", job.name), text("input", job.input), words("options", job.options), number("seconds", job.seconds),
+       number("size", size), number("memory", memory), text("error", job.error)});
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
   refuse_nul(job.name, where + ".name");
   refuse_nul(job.input, where + ".input");
@@ -295,26 +322,6 @@ BatchJob job_in(const Json& value, const std::string& where) {
   return job;
 }
 
-/// Throws `Flaw`.
-void check_head(const std::string& schema, int version) {
-  if (schema != kSchema) throw Flaw{"is no plan that 'welkin batch plan' has written"};
-  if (version != kVersion) {
-    throw Flaw{"has version " + std::to_string(version) + ", and this Welkin reads " + std::to_string(kVersion) +
-               "; plan again"};
-  }
-}
-
-/// Nothing of anybody else's is lost, and no header is read for a plan that cannot be written.
-void require_place(const BatchPlan& plan) {
-  std::error_code unknown;
-  require_own(plan.file, kSchema, "batch plan");
-  if (fs::is_directory(plan.folder, unknown)) return;
-  throw Error(ErrorCode::file_access, platform::utf8(plan.file) + ": there is no such folder to write it to");
-}
-
-void ignore(const Json& /*value*/, const std::string& /*where*/) {}
-
-/// Throws `Flaw`.
 std::vector<BatchJob> jobs_in(const Json& json) {
   std::string schema;
   int version = 0;
@@ -325,8 +332,12 @@ std::vector<BatchJob> jobs_in(const Json& json) {
                whole_number("version", version),
                text("welkin", welkin),
                {"jobs", [&](const Json& value, const std::string& /*where*/) { list = &value; }},
-               {"totals", ignore}});
-  check_head(schema, version);
+               {"totals", [](const Json& /*value*/, const std::string& /*where*/) {}}});
+  if (schema != kSchema) throw Flaw{"is no plan that 'welkin batch plan' has written"};
+  if (version != kVersion) {
+    throw Flaw{"has version " + std::to_string(version) + ", and this Welkin reads " + std::to_string(kVersion) +
+               "; plan again"};
+  }
   if (list == nullptr) throw Flaw{"has no jobs"};
   std::vector<BatchJob> jobs;
   std::set<std::string> names;
@@ -341,8 +352,9 @@ std::vector<BatchJob> jobs_in(const Json& json) {
 }  // namespace
 
 double BatchPlan::seconds() const noexcept {
-  return std::accumulate(jobs.begin(), jobs.end(), 0.0,
-                         [](double sum, const BatchJob& job) { return sum + job.seconds; });
+  double sum = 0.0;
+  for (const BatchJob& job : jobs) sum += job.seconds;
+  return sum;
 }
 
 fs::path BatchPlan::place(const std::string& path) const {
@@ -354,38 +366,35 @@ fs::path BatchPlan::default_results() const {
   return results.replace_extension(".results");
 }
 
-BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
-  static_cast<void>(bake_options_of({}, request.options));  // which are wrong even if there is no input
-  std::vector<Wish> wishes;
-  for (const std::string& word : request.inputs) add_input(word, request.options, wishes);
-  if (request.list) add_list(platform::path_of(*request.list), request.options, wishes);
-  if (wishes.empty()) {
-    throw Error(ErrorCode::invalid_argument,
-                "batch plan: there is nothing to do; name pictures, folders of them, or a "
-                "--list");
-  }
-  BatchPlan plan = plan_at(file);
-  require_place(plan);
-  Planner planner(plan);
-  for (const Wish& wish : wishes) planner.add(wish);
-  planner.refuse_hopeless();
-  return plan;
+Options job_options(BakeCommandOptions& bake) {
+  constexpr std::array<std::string_view, 9> kOthers = {
+      "INPUT", "--sky", "-o,--output", "--json", "--threads", "--cache", "--memory-limit", "--explain", "--plan-only"};
+  Options table;
+  add_bake_options(table, bake);
+  std::erase_if(table, [&](const Option& option) { return std::ranges::find(kOthers, option.names) != kOthers.end(); });
+  for (Option& option : table) std::erase(option.needs, "INPUT");
+  return table;
 }
 
-std::vector<std::string> file_names_of(const BatchPlan& plan) {
-  constexpr std::string_view kElsewhere = "/\\:*?\"<>|";
-  constexpr unsigned char kFirstPrintable = 0x20;
-  std::vector<std::string> names;
-  std::map<std::string, int> taken;
-  for (const BatchJob& job : plan.jobs) {
-    std::string name = job.name;
-    for (char& c : name) {
-      if (static_cast<unsigned char>(c) < kFirstPrintable || kElsewhere.find(c) != std::string_view::npos) c = '_';
-    }
-    if (name.empty() || name.front() == '.') name.insert(0, 1, '_');
-    names.push_back(numbered(name, taken));
+std::vector<std::string> words_for_jobs(const std::vector<std::string>& words) {
+  BakeCommandOptions unused;
+  const Options table = job_options(unused);
+  std::vector<std::string> kept;
+  for (const Group& group : groups_in(words, table)) {
+    if (group.words.front() == "--") break;  // inputs alone follow
+    if (group.option != nullptr) kept.insert(kept.end(), group.words.begin(), group.words.end());
   }
-  return names;
+  return kept;
+}
+
+BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
+  static_cast<void>(bake_options_of({}, request.options));  // which are wrong even if there is no input
+  BatchPlan plan = plan_at(file);
+  Planner planner(plan, request.options);
+  for (const std::string& word : request.inputs) planner.add_input(word);
+  if (request.list) planner.add_list(platform::path_of(*request.list));
+  planner.plan();
+  return plan;
 }
 
 void write_batch_plan(const BatchPlan& plan) {
@@ -393,17 +402,24 @@ void write_batch_plan(const BatchPlan& plan) {
   std::uint64_t size = 0;
   std::size_t errors = 0;
   for (const BatchJob& job : plan.jobs) {
-    jobs.push_back(job_json(job));
+    jobs.push_back({{"name", job.name},
+                    {"input", job.input},
+                    {"options", job.options},
+                    {"seconds", job.seconds},
+                    {"size", job.size},
+                    {"memory", job.memory}});
+    if (!job.error.empty()) jobs.back()["error"] = job.error;
     size += job.size;
     errors += job.error.empty() ? 0 : 1;
   }
-  const Json json = {
-      {"schema", kSchema},
-      {"version", kVersion},
-      {"welkin", WELKIN_VERSION_STRING},
-      {"totals", {{"jobs", plan.jobs.size()}, {"seconds", plan.seconds()}, {"size", size}, {"errors", errors}}},
-      {"jobs", jobs}};
-  write_text_file(plan.file, json_text(json));
+  write_text_file(
+      plan.file,
+      json_text(
+          {{"schema", kSchema},
+           {"version", kVersion},
+           {"welkin", WELKIN_VERSION_STRING},
+           {"totals", {{"jobs", plan.jobs.size()}, {"seconds", plan.seconds()}, {"size", size}, {"errors", errors}}},
+           {"jobs", jobs}}));
 }
 
 BatchPlan read_batch_plan(const fs::path& file) {
@@ -438,8 +454,7 @@ BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std:
 std::vector<std::vector<std::size_t>> cut_batch(const BatchPlan& plan, int shards) {
   std::vector<std::size_t> order(plan.jobs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(
-      order, [&](std::size_t one, std::size_t other) { return plan.jobs[one].seconds > plan.jobs[other].seconds; });
+  std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t job) { return plan.jobs[job].seconds; });
   using Load = std::tuple<double, std::size_t, std::size_t>;  // seconds, jobs, shard
   std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
   std::vector<std::vector<std::size_t>> cut(static_cast<std::size_t>(shards));

@@ -1,26 +1,25 @@
-#include "tools/batch_run.h"
-
+// Carries out a shard of a batch: what is not there is baked, many at a time.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
-#include <map>
-#include <memory>
-#include <mutex>
+#include <iomanip>
+#include <iostream>
+#include <locale>
 #include <new>
+#include <set>
+#include <sstream>
 #include <stop_token>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "platform/file.h"
 #include "platform/text.h"
-#include "tools/batch_progress.h"
-#include "tools/batch_results.h"
-#include "tools/batch_schedule.h"
+#include "tools/batch.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
-#include "welkin/core.h"
+#include "tools/text.h"
 
 namespace welkin::tool {
 namespace {
@@ -29,59 +28,27 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Results that this process computes at the moment: of two jobs with the same result one waits.
-class KeysAtWork {
- public:
-  class Turn {
-   public:
-    Turn(KeysAtWork& keys, const ContentHash& key) : keys_(keys), key_(key) {
-      std::unique_lock lock(keys_.mutex_);
-      keys_.changed_.wait(lock, [&] { return std::ranges::find(keys_.keys_, key_) == keys_.keys_.end(); });
-      keys_.keys_.push_back(key_);
-    }
-    ~Turn() {
-      {
-        const std::scoped_lock lock(keys_.mutex_);
-        std::erase(keys_.keys_, key_);
-      }
-      keys_.changed_.notify_all();
-    }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-
-   private:
-    KeysAtWork& keys_;
-    ContentHash key_;
+/// "2026-11-25T20:45:56.123Z": the time of day everywhere, of the system's clock.
+std::string time_now() {
+  namespace chrono = std::chrono;
+  const auto now = chrono::floor<chrono::milliseconds>(chrono::system_clock::now());
+  const auto today = chrono::floor<chrono::days>(now);
+  const chrono::year_month_day date(today);
+  const chrono::hh_mm_ss time(now - today);
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  const auto add = [&](long number, int width, char behind) {
+    text << std::setw(width) << std::setfill('0') << number << behind;
   };
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<ContentHash> keys_;
-};
-
-/// A bake's options are read once for all jobs that have the same.
-class OptionsByWords {
- public:
-  OptionsByWords(const BatchPlan& plan, std::uint64_t memory) : plan_(plan), memory_(memory) {}
-
-  /// Throws `Error`.
-  [[nodiscard]] BakeCommandOptions of(const BatchJob& job) {
-    const std::scoped_lock lock(mutex_);
-    const auto found = known_.find(job.options);
-    if (found != known_.end()) return found->second;
-    BakeCommandOptions options = bake_options_of(plan_, job.options);
-    options.common.read.memory_limit_bytes = memory_;
-    options.common.memory_option = "--memory";
-    return known_.emplace(job.options, std::move(options)).first->second;
-  }
-
- private:
-  const BatchPlan& plan_;
-  std::uint64_t memory_;
-  std::mutex mutex_;
-  std::map<std::vector<std::string>, BakeCommandOptions> known_;
-};
+  add(static_cast<int>(date.year()), 4, '-');
+  add(static_cast<long>(static_cast<unsigned>(date.month())), 2, '-');
+  add(static_cast<long>(static_cast<unsigned>(date.day())), 2, 'T');
+  add(time.hours().count(), 2, ':');
+  add(time.minutes().count(), 2, ':');
+  add(time.seconds().count(), 2, '.');
+  add(time.subseconds().count(), 3, 'Z');
+  return text.str();
+}
 
 /// What is done with a job.
 struct Task {
@@ -89,8 +56,8 @@ struct Task {
   bool verifies;    ///< a result that is there is computed once more
 };
 
-/// Which shard computes a job's result once more, if any does: another than the one that does the job, where there is
-/// another. By a hash of what the plan says of the job.
+/// Returns which shard computes a job's result once more, if any does: another than the one that does the job, where
+/// there is another. By a hash of what the plan says of the job.
 std::optional<std::size_t> verifier_of(const BatchJob& job, std::size_t shard, std::size_t shards, double share) {
   constexpr double kHashes = 18446744073709551616.0;  // 2^64
   const ContentHash hash = hash_of_job(job);
@@ -99,139 +66,165 @@ std::optional<std::size_t> verifier_of(const BatchJob& job, std::size_t shard, s
   return (shard + 1 + static_cast<std::size_t>(hash.low % (shards - 1))) % shards;
 }
 
-/// The shard's own jobs, and then results of others that it verifies. Each costliest first.
+/// Returns the shard's own jobs, and then results of others that it verifies. Each costliest first.
 std::vector<Task> tasks_of(const BatchPlan& plan, const BatchRun& run) {
   const std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
   const auto own = static_cast<std::size_t>(run.shard.number - 1);
   std::vector<Task> tasks;
   for (const std::size_t job : cut[own]) tasks.push_back({job, false});
-  const std::size_t before = tasks.size();
+  const auto before = static_cast<std::ptrdiff_t>(tasks.size());
   for (std::size_t shard = 0; shard < cut.size() && run.verify > 0.0; ++shard) {
     for (const std::size_t job : cut[shard]) {
       if (verifier_of(plan.jobs[job], shard, cut.size(), run.verify) == own) tasks.push_back({job, true});
     }
   }
-  std::stable_sort(
-      tasks.begin() + static_cast<std::ptrdiff_t>(before), tasks.end(),
-      [&](const Task& one, const Task& other) { return plan.jobs[one.job].seconds > plan.jobs[other.job].seconds; });
+  std::ranges::stable_sort(tasks.begin() + before, tasks.end(), std::ranges::greater{},
+                           [&](const Task& task) { return plan.jobs[task.job].seconds; });
   return tasks;
 }
 
 /// "specular.ktx2, sh.json": files that are not in both lists, or have other bytes.
 std::string differing(const ResultFiles& listed, const ResultFiles& made) {
-  std::map<std::string, ContentHash> others;
-  for (const ResultFile& file : made) others.emplace(file.name, file.hash);
-  std::string names;
-  const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
-  for (const ResultFile& file : listed) {
-    const auto found = others.find(file.name);
-    if (found == others.end() || found->second != file.hash) add(file.name);
-    if (found != others.end()) others.erase(found);
+  std::set<std::string> names;
+  for (const auto& [all, others] : {std::pair(&listed, &made), std::pair(&made, &listed)}) {
+    for (const ResultFile& file : *all) {
+      if (std::ranges::find(*others, file) == others->end()) names.insert(file.name);
+    }
   }
-  for (const auto& [name, hash] : others) add(name);
-  return names;
-}
-
-std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
-/// A shard at work.
+/// A shard at work. Tasks are given out in their order, as long as there are threads and memory for them. Most run on
+/// one thread, side by side, which wastes none. One that is more than its share of all that is left, or beside which no
+/// others have room, gets more, so that no thread is idle at the end.
 class ShardRun {
  public:
   ShardRun(const BatchPlan& plan, const BatchRun& run, std::stop_token stop)
       : plan_(plan),
-        names_(file_names_of(plan)),
+        run_(run),
         tasks_(tasks_of(plan, run)),
         stop_(std::move(stop)),
         store_(run.results),
-        report_(run.results, run.shard, stop_),
-        options_(plan, run.memory),
-        schedule_(sizes(), run.threads, run.memory),
-        progress_(tasks_.size(), seconds()),
-        host_(host_name()) {}
+        report_(run.results, run.shard) {}
 
   /// Throws what stopped it.
-  void run(int threads) {
+  BatchOutcome run() {
     const WithoutStages quiet;
-    const std::stop_callback stopping(stop_, [this] { schedule_.stop(); });
-    std::vector<std::thread> workers;
-    try {
-      for (int i = 1; i < threads; ++i) workers.emplace_back([this] { work(); });
-    } catch (const std::system_error&) {  // there are fewer, then
+    {
+      const std::stop_callback stopping(stop_, [this] { changed_.notify_all(); });
+      std::vector<std::thread> workers;
+      try {
+        for (int i = 1; i < run_.threads; ++i) workers.emplace_back([this] { work(); });
+      } catch (const std::system_error&) {  // there are fewer, then
+      }
+      work();
+      for (std::thread& worker : workers) worker.join();
     }
-    work();
-    for (std::thread& worker : workers) worker.join();
-    try {
-      report_.write();
-    } catch (...) {
-      if (!failure_) failure_ = std::current_exception();
+    if (drawn_) std::cerr << kWipeLine << std::flush;
+    if (stop_.stop_requested()) {
+      throw Error(ErrorCode::cancelled, "stopped; what is done is there, and the same command goes on from there");
     }
-    if (stop_.stop_requested()) throw_cancelled();
     if (failure_) std::rethrow_exception(failure_);
-  }
-
-  /// After `run`.
-  [[nodiscard]] BatchOutcome outcome() {
-    BatchOutcome outcome = outcome_;
-    outcome.jobs = static_cast<std::size_t>(std::ranges::count(tasks_, false, &Task::verifies));
-    outcome.report = report_.file();
-    std::ranges::sort(outcome.troubles, {}, &JobRecord::index);
-    return outcome;
+    outcome_.jobs = static_cast<std::size_t>(std::ranges::count(tasks_, false, &Task::verifies));
+    outcome_.seconds = seconds_since(start_);
+    outcome_.report = report_.file();
+    std::ranges::sort(outcome_.troubles, {}, &JobRecord::index);
+    return outcome_;
   }
 
  private:
-  [[nodiscard]] std::vector<JobSize> sizes() const {
-    std::vector<JobSize> sizes;
-    sizes.reserve(tasks_.size());
-    for (const Task& task : tasks_) sizes.push_back({plan_.jobs[task.job].seconds, plan_.jobs[task.job].memory});
-    return sizes;
-  }
-  [[nodiscard]] double seconds() const {
+  struct Turn {
+    const Task& task;
+    const BatchJob& job;
+    int threads;
+  };
+
+  [[nodiscard]] double predicted_seconds() const {
     double all = 0.0;
     for (const Task& task : tasks_) all += plan_.jobs[task.job].seconds;
     return all;
   }
 
-  [[noreturn]] static void throw_cancelled() {
-    throw Error(ErrorCode::cancelled, "stopped; what is done is there, and the same command goes on from there");
+  [[nodiscard]] int threads_wanted(const BatchJob& job) const {
+    // Its share of what is left to do, itself included.
+    const double share = seconds_left_ > 0.0 ? job.seconds / seconds_left_ : 1.0;
+    const auto by_share = static_cast<int>(std::lround(share * run_.threads));
+    // Of jobs like this so many fit side by side.
+    const std::uint64_t beside = std::max<std::uint64_t>(1, run_.memory / std::max<std::uint64_t>(1, job.memory));
+    const auto by_memory = run_.threads / static_cast<int>(std::min<std::uint64_t>(beside, 1'000'000));
+    return std::clamp(std::max(by_share, by_memory), 1, run_.threads);
+  }
+
+  /// Waits until there are threads and memory for the next task. One that is alone may take more memory than there
+  /// should be: its bake refuses that. Nothing when all are given out, or after a stop.
+  std::optional<Turn> next() {
+    std::unique_lock lock(mutex_);
+    const auto over = [this] { return failure_ || stop_.stop_requested() || next_ == tasks_.size(); };
+    const auto fits = [this] {
+      const std::uint64_t memory = plan_.jobs[tasks_[next_].job].memory;
+      return running_ == 0 ||
+             (threads_busy_ < run_.threads && memory_busy_ <= run_.memory && memory <= run_.memory - memory_busy_);
+    };
+    // A signal may come between the look at it and the wait.
+    while (!over() && !fits()) changed_.wait_for(lock, std::chrono::milliseconds(100));
+    if (over()) return std::nullopt;
+    const Task& task = tasks_[next_++];
+    const BatchJob& job = plan_.jobs[task.job];
+    const Turn turn{task, job, std::min(threads_wanted(job), std::max(1, run_.threads - threads_busy_))};
+    ++running_;
+    threads_busy_ += turn.threads;
+    memory_busy_ += job.memory;
+    seconds_left_ = std::max(0.0, seconds_left_ - job.seconds);
+    return turn;
+  }
+
+  void finished(const Turn& turn, std::exception_ptr failure) {
+    {
+      const std::scoped_lock lock(mutex_);
+      --running_;
+      threads_busy_ -= turn.threads;
+      memory_busy_ -= turn.job.memory;
+      if (!failure_) failure_ = std::move(failure);
+    }
+    changed_.notify_all();
   }
 
   /// Of one thread, until there is nothing left. What is wrong with a job is in the report; what is wrong with the
   /// folder of results ends the run.
   void work() {
-    while (const auto turn = schedule_.next()) {
+    while (const std::optional<Turn> turn = next()) {
+      std::exception_ptr failure;
       try {
-        run_with_threads(turn->threads, [&] { do_task(tasks_[turn->job], turn->threads); });
+        run_with_threads(turn->threads, [&] { do_task(*turn); });
       } catch (...) {
-        {
-          const std::scoped_lock lock(mutex_);
-          if (!failure_) failure_ = std::current_exception();
-        }
-        schedule_.stop();
+        failure = std::current_exception();
       }
-      schedule_.finished(*turn);
+      finished(*turn, failure);
     }
   }
 
-  void do_task(const Task& task, int threads) {
-    const BatchJob& job = plan_.jobs[task.job];
+  void do_task(const Turn& turn) {
     JobRecord record;
-    record.job = hash_of_job(job).text();
-    record.index = task.job;
-    record.name = job.name;
-    record.threads = threads;
-    record.host = host_;
+    record.job = hash_of_job(turn.job).text();
+    record.index = turn.task.job;
+    record.name = turn.job.name;
+    record.threads = turn.threads;
+    record.host = host_name();
     record.process = platform::process_number();
     record.start = time_now();
     const Clock::time_point start = Clock::now();
+    bool is_told = true;
     try {
-      if (task.verifies) {
-        if (!verify_result(job, record)) return progress_.add(job.seconds, false);
+      BakeCommandOptions options = bake_options_of(plan_, turn.job.options);
+      options.common.read.memory_limit_bytes = run_.memory;
+      options.common.memory_option = "--memory";
+      options.input = platform::utf8(plan_.place(turn.job.input));
+      if (turn.task.verifies) {
+        is_told = verify_result(turn.job, options, record);
       } else {
-        make_result(task.job, record);
+        make_result(turn.job, options, record);
       }
     } catch (const ResultStoreError&) {  // which is not the job's fault
       throw;
@@ -243,90 +236,97 @@ class ShardRun {
       record.error_code = name(ErrorCode::limit_exceeded);
       record.error = "there was not enough memory; a lower --memory or fewer --threads take less";
     }
-    if (!record.error_code.empty()) {
-      record.state = JobState::failed;
-      if (!task.verifies) store_.remove_name(names_[task.job]);  // a result of what the input was before
-    }
+    if (!record.error_code.empty()) record.state = JobState::failed;
     record.seconds = seconds_since(start);
     record.end = time_now();
-    note(std::move(record), job.seconds);
+    if (is_told) report_.add(record);
+    note(turn.job, record, is_told);
   }
 
-  void make_result(std::size_t index, JobRecord& record) {
-    const BatchJob& job = plan_.jobs[index];
-    BakeCommandOptions options = options_.of(job);
-    options.input = platform::utf8(plan_.place(job.input));
-    const ContentHash key = result_key_of(options, job.options);
+  void make_result(const BatchJob& job, BakeCommandOptions& options, JobRecord& record) {
+    const ContentHash key = result_key_of(options, job);
     record.result = key.text();
-    const KeysAtWork::Turn turn(keys_, key);
     record.state = JobState::present;
-    if (store_.is_whole(key)) return store_.add_name(key, names_[index]);
+    if (is_whole(store_.place(key))) return;
     const auto make = [&](const std::filesystem::path& folder) {
       options.directory = platform::utf8(folder);
       bake_files(options, {stop_, {}});
       // What was hashed before must be what was baked.
-      if (result_key_of(options, job.options) == key) return;
+      if (result_key_of(options, job) == key) return;
       throw Error(ErrorCode::file_access, *options.input + ": changed while it was baked; run again");
     };
     if (store_.add(key, make)) record.state = JobState::computed;
-    store_.add_name(key, names_[index]);
   }
 
-  /// False if there is no result, and so nothing to verify.
-  bool verify_result(const BatchJob& job, JobRecord& record) {
-    BakeCommandOptions options = options_.of(job);
-    options.input = platform::utf8(plan_.place(job.input));
-    std::optional<ContentHash> key;
+  /// Returns false if there is no result, and so nothing to verify.
+  bool verify_result(const BatchJob& job, BakeCommandOptions& options, JobRecord& record) {
+    std::filesystem::path result;
     try {
-      key = result_key_of(options, job.options);
+      result = store_.place(result_key_of(options, job));
     } catch (const Error&) {  // which the shard tells that does the job
       return false;
     }
-    const KeysAtWork::Turn turn(keys_, *key);
-    const std::optional<ResultFiles> listed = listed_in(store_.place(*key));
+    const std::optional<ResultFiles> listed = listed_in(result);
     if (!listed) return false;
-    record.result = key->text();
-    const ResultFiles made = store_.trial(*key, [&](const std::filesystem::path& folder) {
+    record.result = platform::utf8(result.filename());
+    const ResultFiles made = store_.trial([&](const std::filesystem::path& folder) {
       options.directory = platform::utf8(folder);
       bake_files(options, {stop_, {}});
     });
     // The bytes that are there count, and not what is said of them.
     std::string names = differing(*listed, made);
-    if (names.empty()) names = joined(damaged_files(store_.place(*key), *listed));
+    if (names.empty()) names = damaged_files(result, *listed);
     record.state = names.empty() ? JobState::verified : JobState::differs;
     if (!names.empty()) record.error = "differs when it is computed once more: " + names;
     return true;
   }
 
-  void note(JobRecord record, double predicted) {
-    const bool failed = record.state == JobState::failed;
-    {
-      const std::scoped_lock lock(mutex_);
-      switch (record.state) {
-        case JobState::computed: ++outcome_.computed; break;
-        case JobState::present: ++outcome_.present; break;
-        case JobState::failed: ++outcome_.failed; break;
-        case JobState::verified: ++outcome_.verified; break;
-        case JobState::differs: ++outcome_.differs; break;
-      }
-      if (failed || record.state == JobState::differs) outcome_.troubles.push_back(record);
+  void note(const BatchJob& job, const JobRecord& record, bool is_told) {
+    const std::scoped_lock lock(mutex_);
+    ++done_;
+    seconds_done_ += job.seconds;
+    if (is_told) {
+      ++outcome_.counts[record.state];
+      if (record.state == JobState::failed || record.state == JobState::differs) outcome_.troubles.push_back(record);
     }
-    progress_.add(predicted, failed);
-    report_.add(std::move(record));
+    if (shows_progress_ && Clock::now() >= next_drawing_) draw();
+  }
+
+  void draw() {
+    next_drawing_ = Clock::now() + std::chrono::milliseconds(100);
+    drawn_ = true;
+    const double passed = seconds_since(start_);
+    std::string text = std::to_string(done_) + " of " + counted(tasks_.size(), "file");
+    if (outcome_.counts.contains(JobState::failed)) {
+      text += ", " + std::to_string(outcome_.counts[JobState::failed]) + " failed";
+    }
+    text += ", " + significant(static_cast<double>(done_) / passed, 3) + " a second";
+    const double share = all_seconds_ > 0.0 ? seconds_done_ / all_seconds_ : 0.0;
+    if (share > 0.01 && share < 1.0) text += ", " + long_duration(passed * (1.0 - share) / share) + " left";
+    std::cerr << kWipeLine << "  " << text << std::flush;
   }
 
   const BatchPlan& plan_;
-  std::vector<std::string> names_;  ///< of the jobs, for links to their results
-  std::vector<Task> tasks_;
-  std::stop_token stop_;
+  const BatchRun& run_;
+  const std::vector<Task> tasks_;
+  const std::stop_token stop_;
   ResultStore store_;
-  ShardReport report_;
-  OptionsByWords options_;
-  BatchSchedule schedule_;
-  BatchProgress progress_;
-  KeysAtWork keys_;
-  std::string host_;
-  std::mutex mutex_;
+  RunReport report_;
+  const double all_seconds_ = predicted_seconds();
+  const Clock::time_point start_ = Clock::now();
+  const bool shows_progress_ = is_terminal(Stream::error) && verbosity() != Verbosity::quiet;
+
+  std::mutex mutex_;  // of all that follows
+  std::condition_variable changed_;
+  std::size_t next_ = 0;
+  std::size_t done_ = 0;
+  int running_ = 0;
+  int threads_busy_ = 0;
+  std::uint64_t memory_busy_ = 0;
+  double seconds_left_ = all_seconds_;  ///< of tasks that are not given out
+  double seconds_done_ = 0.0;
+  Clock::time_point next_drawing_ = start_ + std::chrono::milliseconds(100);
+  bool drawn_ = false;
   BatchOutcome outcome_;
   std::exception_ptr failure_;
 };
@@ -334,12 +334,16 @@ class ShardRun {
 }  // namespace
 
 BatchOutcome run_batch(const BatchPlan& plan, const BatchRun& run) {
-  const Clock::time_point start = Clock::now();
-  ShardRun shard(plan, run, stop_on_signals());
-  shard.run(run.threads);
-  BatchOutcome outcome = shard.outcome();
-  outcome.seconds = seconds_since(start);
-  return outcome;
+  return ShardRun(plan, run, stop_on_signals()).run();
+}
+
+std::string long_duration(double seconds) {
+  constexpr long kMinute = 60;
+  constexpr long kHour = 60 * kMinute;
+  const auto whole = static_cast<long>(std::ceil(seconds));
+  if (whole < kMinute) return std::to_string(whole) + " s";
+  if (whole < kHour) return std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s";
+  return std::to_string(whole / kHour) + " h " + std::to_string(whole % kHour / kMinute) + " min";
 }
 
 }  // namespace welkin::tool

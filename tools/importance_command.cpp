@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "platform/text.h"
 #include "tools/bake_manifest.h"
 #include "tools/commands.h"
@@ -29,28 +30,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kImportanceFooter =
-    R"(What it does:
-  Makes the tables by which a path tracer picks directions of an environment in
-  proportion to the light that comes from there, in a folder:
-    function.npy          [height][width], the integral of the weight over a texel
-    row_cdf.npy           [height + 1], probability of the rows above
-    column_cdf.npy        [height][width + 1], within a row of the columns before
-    alias_rows.npy, alias_columns.npy      with --alias: share and other index
-    pyramid_0.npy, pyramid_1.npy, ...      with --pyramid: probabilities of blocks
-    importance.json       sizes, integral, what is gained; it is written last
-  They are laid out as pbrt's PiecewiseConstant2D has them. A cubemap becomes a
-  lat-long of four times its width first.
-
-Examples:
-  welkin importance city.hdr                          to ./city_importance
-  welkin importance city.hdr -o tables --width 512 --height 256
-  welkin importance city.hdr -o tables --mis-compensation --alias
-  welkin importance city.hdr -o tables --json
-
-Units: the function is in the file's unit times steradians; divided by integral
-  it is a texel's probability. docs/importance.md has more.)";
 
 constexpr const char* kTableName = "importance.json";
 
@@ -241,7 +220,7 @@ void run(const ImportanceCommandOptions& options) {
 Command importance_command() {
   const auto options = std::make_shared<ImportanceCommandOptions>();
   constexpr int kLargest = 65536;
-  Command command{"importance", "Tables by which a path tracer picks directions", kImportanceFooter};
+  Command command{"importance", "Tables by which a path tracer picks directions", embedded_text("help/importance.txt")};
   Options& table = command.options;
   table.push_back(
       {.names = "INPUT",

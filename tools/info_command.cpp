@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "embedded_texts.h"
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
@@ -14,22 +15,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kInfoFooter =
-    R"(What it does:
-  Prints what is in a file, without replacing or clamping anything: its size,
-  its layout and how that was recognised, channels, compression, parts, layers
-  and mip levels; the smallest, largest and mean value; the number of NaN,
-  infinite and negative values; the total radiance; the brightest texel.
-
-Examples:
-  welkin info city.hdr                        for a person
-  welkin info city.exr --json                 for a program
-  welkin info faces.exr --layout vertical-strip
-
-Units: values are those of the file. The mean is weighted by solid angle; the
-  total radiance is the integral over the sphere, 4 pi times the mean. Rows count
-  from the top and columns from the left, both from 0.)";
 
 /// What was found, before it is put into words or JSON.
 struct InfoReport {
@@ -209,7 +194,7 @@ void run(const InfoOptions& options) {
 
 Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
-  Command command{"info", "Tell what is in an environment file", kInfoFooter};
+  Command command{"info", "Tell what is in an environment file", embedded_text("help/info.txt")};
   command.options.push_back(
       {.names = "FILE",
        .target = &options->file,

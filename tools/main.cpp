@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "tools/arguments.h"
 #include "tools/commands.h"
 #include "tools/completion.h"
@@ -13,37 +14,6 @@ namespace welkin::tool {
 namespace {
 
 constexpr const char* kReport = "report";
-
-constexpr const char* kProgramFooter =
-    R"(Examples:
-  welkin bake --sky -o out           all that a renderer loads, of a computed sky
-  welkin bake studio.hdr -o out      the same of a photograph
-  welkin sample -o studio.hdr        a computed room, where there is no photograph
-  welkin batch plan hdr/ -o jobs.json
-                                     bakes of a folder of them; batch run does it
-  welkin sh studio.hdr               spherical harmonics, as a table
-  welkin sh studio.hdr --for three   the same as three.js wants them
-  welkin sky --sun-elevation 20      those of a computed sky
-  welkin info studio.hdr             what is in the file
-  welkin report --quick              how good each setting is, and how fast
-  welkin convert studio.hdr faces.exr --layout vertical-strip
-                                     a lat-long to the faces of a cube
-  welkin importance studio.hdr -o tables
-                                     tables for path tracers
-  welkin testmap -o labels.exr       an environment that shows how it is turned
-  welkin sh --help                   all about one command
-
-Files: OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS, Babylon.js .env. An
-environment is a lat-long picture, or six faces in a strip, a cross or six files;
-its header, shape or name tell which.
-
-Units: radiance has the unit of the file, for example W/(m2 sr); irradiance and
-total radiance are then in W/m2. Skies are computed in W/(m2 sr nm) or cd/m2.
-Directions: y is up, and a lat-long's centre looks along +z.
-
-Results go to standard output, everything else to standard error.
-The same input gives the same bits on every machine and number of threads;
-WELKIN_ISA=sse2|avx2|avx512|neon in the environment picks an instruction set.)";
 
 /// In the list of commands; what follows its name is for the program that it is.
 Command report_command() {
@@ -78,7 +48,7 @@ Command completion_command() {
 
 Program welkin_program() {
   return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
-          kProgramFooter,
+          embedded_text("help/welkin.txt"),
           {bake_command(), batch_command(), sh_command(), sky_command(), info_command(), convert_command(),
            testmap_command(), sample_command(), importance_command(), report_command(), completion_command()}};
 }

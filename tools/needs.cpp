@@ -33,7 +33,6 @@ SceneNeeds needs_of(const Json& json) {
                flag("background_mips", needs.background_mips),
                flag("brdf_table", needs.brdf_table),
                flag("stored_results", needs.stored_results),
-               flag("same_bits", needs.same_bits),
                flag("sun_moves", needs.sun_moves)});
   if (needs.diffuse_bands < 0 || needs.diffuse_bands > kMaximumBands) {
     throw Flaw{"needs.diffuse_bands is " + std::to_string(needs.diffuse_bands) + "; it must be from 0 to " +
@@ -111,7 +110,6 @@ Json needs_json(const SceneNeeds& needs) {
           {"background_mips", needs.background_mips},
           {"brdf_table", needs.brdf_table},
           {"stored_results", needs.stored_results},
-          {"same_bits", needs.same_bits},
           {"sun_moves", needs.sun_moves}};
 }
 

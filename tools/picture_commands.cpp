@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "files/write_environment.h"
 #include "platform/text.h"
 #include "tools/commands.h"
@@ -29,75 +30,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kConvertFooter =
-    R"(What it does:
-  Reads an environment and writes it in the format that OUT's name ends with:
-  .exr, .hdr, .pfm or .png. Every texel keeps its value if neither layout nor
-  size change and the turn only moves whole texels (a cube by quarter turns, a
-  mirror). Otherwise each new texel is the mean over its area.
-
-Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
-  axes: right-handed, y up; a lat-long's centre looks along +z, and +x lies to
-  its left. --from and --for say after whose axes the faces of IN and OUT are
-  named; a lat-long is the same picture for all engines. 'welkin testmap' makes a
-  picture that shows what was done.
-
-PNG: a .png keeps values from 0 to 1 and cuts off what is brighter, as data wants
-  it. With --tone-map it becomes a picture to look at, exposed and tone mapped as
-  the previews of 'welkin bake' are; --exposure EV chooses the exposure.
-
-Examples:
-  welkin convert sky.hdr sky.exr                        half, lat-long as it was
-  welkin convert sky.hdr sky.png --tone-map             a picture to look at
-  welkin convert sky.hdr sky.exr --type float           every bit
-  welkin convert sky.exr cube.exr --layout vertical-strip --size 512
-  welkin convert sky.exr face.png --layout six-files    face_px.png, face_nx.png..
-  welkin convert cross.png sky.exr --in-layout vertical-cross --layout lat-long
-  welkin convert sky.exr turned.exr --yaw 90            a quarter to the left
-  welkin convert sky.exr cube.png --layout horizontal-cross --for three
-  welkin convert sky.exr small.exr --size 1024          1024 x 512
-  welkin convert sky.exr rest.exr --take-out-sun        and a directional light
-
-Units: values are those of the file, linear; a PNG is sRGB. Values that a format
-  cannot hold are clamped and counted: .exr half ends at 65504, .hdr holds no
-  negative values, .png holds 0 to 1.)";
-
-constexpr const char* kTestmapFooter =
-    R"(What it does:
-  Draws an environment whose six sides have a colour each, with their axes
-  written on them, to be read from inside the sphere: LEFT +X (red), RIGHT -X
-  (cyan), UP +Y (green), DOWN -Y (magenta), FRONT +Z (blue), BACK -Z (yellow).
-  With --for they bear the axes of that engine: FRONT is +X in Unity.
-  Arrows point up; lines are 15 degrees apart. Mirrored letters in an engine mean
-  that the environment is mirrored; letters in the wrong place mean that it is
-  turned. UP and DOWN are readable for a viewer who faces +Z and looks up or down.
-
-  A cubemap's faces, looked at as pictures, show their letters mirrored: cube
-  faces are laid out for left-handed axes, and Welkin's are right-handed. With
-  'welkin convert --for babylon' they read upright. docs/orientation.md shows it.
-
-Examples:
-  welkin testmap                                        2048 x 1024, testmap.exr
-  welkin testmap -o test.png --size 1024
-  welkin testmap -o cube.exr --layout vertical-strip --size 256
-  welkin testmap -o unity.exr --for unity --layout vertical-strip
-  welkin testmap -o face.png --layout six-files         face_px.png, face_nx.png..
-
-Units: linear values from 0 to 1; a PNG is sRGB.)";
-
-constexpr const char* kSampleFooter =
-    R"(What it does:
-  Computes an environment to try Welkin with where no photograph is at hand: a
-  living room in the evening sun, with a window, a floor lamp and three bulbs.
-  It is a lat-long, and takes about three seconds of processor time.
-
-Examples:
-  welkin sample -o sample.hdr                           1024 x 512
-  welkin sample -o sample.exr --size 4096               4096 x 2048
-  welkin bake sample.hdr -o out                         all that a renderer loads
-
-Units: linear radiance in no particular unit, from 0 to 28000 in the sun.)";
 
 // Shared by these commands.
 
@@ -460,7 +392,8 @@ void run_sample(const SampleOptions& options) {
 
 Command convert_command() {
   const auto options = std::make_shared<ConvertOptions>();
-  Command command{"convert", "Write an environment in another format, layout or size", kConvertFooter};
+  Command command{"convert", "Write an environment in another format, layout or size",
+                  embedded_text("help/convert.txt")};
   Options& table = command.options;
   table.push_back(
       {.names = "IN",
@@ -497,7 +430,7 @@ Command convert_command() {
 
 Command testmap_command() {
   const auto options = std::make_shared<TestmapOptions>();
-  Command command{"testmap", "Make an environment that shows how it is turned", kTestmapFooter};
+  Command command{"testmap", "Make an environment that shows how it is turned", embedded_text("help/testmap.txt")};
   Options& table = command.options;
   table.push_back({.names = "-o,--output",
                    .target = &options->output.path,
@@ -521,7 +454,7 @@ Command testmap_command() {
 
 Command sample_command() {
   const auto options = std::make_shared<SampleOptions>();
-  Command command{"sample", "Make an environment to try the other commands with", kSampleFooter};
+  Command command{"sample", "Make an environment to try the other commands with", embedded_text("help/sample.txt")};
   Options& table = command.options;
   table.push_back({.names = "-o,--output",
                    .target = &options->output.path,

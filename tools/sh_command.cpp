@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "embedded_texts.h"
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
@@ -15,60 +16,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kShFooter =
-    R"(What it does:
-  Describes in a few numbers how much light comes from where. Nine numbers for
-  each colour are enough to light matte surfaces. They are the weights of waves
-  over the sphere (spherical harmonics), the coarsest first. The first number is
-  the mean colour; the next three say from which side most light comes; the next
-  five say how it is spread.
-
-  The command integrates the environment's radiance against the harmonics. It
-  prints the coefficients of radiance and irradiance, the same light in the form
-  of an engine, the average colour, the dominant light, and the error of all this.
-  The table names the convention and the formulas of the numbers.
-
-Examples:
-  welkin sh city.hdr                          a table for a person
-  welkin sh --sky                             the same of a computed sky
-  welkin sh city.hdr --json > city.json       for a program, every digit
-  welkin sh city.hdr --format glsl            nine numbers and a shader function
-  welkin sh city.hdr --for unity --format cs  a SphericalHarmonicsL2 for Unity
-  welkin sh faces/ --from babylon --for babylon
-                                              cube faces made for Babylon.js
-  welkin sh city.hdr --yaw 90 --mirror        turned and mirrored first
-  welkin sh city.hdr --take-out-sun           the sun as a directional light
-  welkin sh city.hdr --window min-laplacian   no negative irradiance
-  welkin sh city.hdr --bands 1 --json         the ambient colour alone
-  welkin sh city.hdr --clamp 100              cut the sun off; says what it cost
-  welkin sh city.hdr --quadrature midpoint --clamp 4096
-                                              what Babylon.js computes
-  welkin sh city.hdr --nan reject             fail on a NaN, and name its place
-
-Units: radiance coefficients are (file unit) x sr; irradiance (file unit) x sr.
-
-Forms (--for): U is the radiance coefficient (l, m) at l (l + 1) + m: real,
-  orthonormal, no Condon-Shortley phase, Y(1, -1..1) ~ y, z, x, turned to the
-  engine's axes; R is U with the signs of odd m turned, (+ - + - + - + - +).
-  A = (pi, 2pi/3, pi/4) by band; K = the basis functions' constants.
-    babylon   polynomial of the normal: A/pi R, folded into x .. xy, times 1/pi
-    three     U, for LightProbe.sh (the shader multiplies by A and Y)
-    filament  A/pi K U: value times albedo, so E/pi; nine float3 for its shader
-    unity     A/pi K U: SphericalHarmonicsL2, and its seven shader vectors
-    unreal    R in z-up axes: FSHVectorRGB3, and its sky light's seven vectors
-    gltf      A R: irradianceCoefficients of EXT_lights_image_based
-    godot     U/pi: lightmap probes
-    welkin    A/pi K U: what --format glsl evaluates, in the axes of --for
-  Each is printed with its formula; docs/engines.md has where that comes from.
-  blender, bevy, usd and openexr take no harmonics: of these Welkin's is printed.
-
-JSON: {"source": {path, layout, width, height, format, notes}, "axes", "bands",
-       "radiance": [[r,g,b], ...], "irradiance": [[r,g,b], ...],
-       "babylon": {x, y, z, xx, yy, zz, yz, zx, xy}, "engine": {name, form,
-       formula, terms, vectors (unity, unreal)} or null, "window",
-       "dominant_light", "sun", "irradiance_errors", "diagnostics": {...}};
-  coefficient (l, m) is element l (l + 1) + m. All are in the same axes.)";
 
 constexpr int kLargestTargetSize = 16384;
 
@@ -299,7 +246,7 @@ std::string sh_formatted(const ShReport& report, ShFormat format) {
 
 Command sh_command() {
   const auto options = std::make_shared<ShOptions>();
-  Command command{"sh", "Project an environment to spherical harmonics", kShFooter};
+  Command command{"sh", "Project an environment to spherical harmonics", embedded_text("help/sh.txt")};
   add_sh_options(command.options, *options);
   command.everyday = {"INPUT",          "--sky",    "--json",  "--format",  "--for",   "--yaw",  "--bands",
                       "--take-out-sun", "--window", "--clamp", "--threads", "--cache", "--quiet"};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "tools/bake_options.h"
 #include "tools/baked.h"
 #include "tools/commands.h"
@@ -18,48 +19,6 @@
 
 namespace welkin::tool {
 namespace {
-
-constexpr const char* kSkyFooter =
-    R"(What it does:
-  Computes a clear sky from the physics of a planet's air: sunlight scattered by
-  its gases (Rayleigh) and aerosol (Mie), absorbed by ozone, reflected by the
-  ground, and scattered again, as often as --orders says. It computes tables of
-  this light, or loads them from a file. Then it does one of three things for a
-  sun and a height: it prints the sky's spherical harmonics, as 'welkin sh' does
-  for a photograph, and the sun as a directional light; it bakes the sky to a
-  folder, as 'welkin bake' does; or it draws a day.
-
-Examples:
-  welkin sky --sun-elevation 20              a table for a person
-  welkin sky --sun-elevation 20 --json       for a program, every digit
-  welkin sky --sun-elevation 5 --sun-azimuth 90 --for unity --format c
-  welkin sky --sun-elevation -4 --altitude 10000
-  welkin sky --sun-elevation 20 --orders 1 --ground-albedo 0
-                                             singly scattered light alone
-  welkin sky --sun-elevation 20 --tables earth.sky
-                                             make the tables once, then load them
-  welkin sky --sun-elevation 20 -o out       cubemaps, .env, harmonics, sky.exr
-  welkin sky --sun-elevation 20 -o out --sun-disc --size 128
-  welkin sky --sweep day.png                 noon to night, and day.txt
-  welkin sky --preset mars --sweep mars.png --sun-elevation 60
-  welkin sky --print-atmosphere > air.json   Earth's air as data, to be changed
-  welkin sky --atmosphere air.json --sun-elevation 20
-  welkin sky --wavelengths 615,535,445 --sun-elevation 20
-
-Directions: y is up; at azimuth 0 the sun stands towards +z, at 90 towards +x.
-  The ground fills the view below the horizon; sun and sky light it.
-
-Units: radiance W/(m2 sr nm) at the wavelengths that stand for r, g and b;
-  irradiance W/(m2 nm). With --colour srgb luminance, cd/m2, in linear sRGB, and
-  illuminance, lux. Lengths are metres.
-
-JSON: as 'welkin sh --json' prints it, the sun always in "sun" {direction,
-  irradiance, radiance, solid_angle, angular_radius_degrees,
-  total_radiance_after (of the sky), total_radiance_before (with the sun)}, and
-  "sky" {atmosphere, unit, colour, sun_elevation_degrees, sun_azimuth_degrees,
-  altitude_m, orders, last_change, ground, sky_irradiance, quadrature, tables,
-  parameters}. error_estimate is that of the quadrature alone; docs/sky.md has
-  the tables' errors.)";
 
 constexpr double kFullTurns = 1e6;
 constexpr double kHighest = 1e9;
@@ -390,7 +349,7 @@ void run(SkyOptions& options, const Given& given) {
 
 Command sky_command() {
   const auto options = std::make_shared<SkyOptions>();
-  Command command{"sky", "The light of a computed sky", kSkyFooter};
+  Command command{"sky", "The light of a computed sky", embedded_text("help/sky.txt")};
   add_sky_options(command.options, *options);
   command.everyday = {"--sun-elevation", "--sun-azimuth", "--altitude", "--preset", "--ground-albedo",
                       "--colour",        "--json",        "--for",      "--tables", "--sweep",

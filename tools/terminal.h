@@ -114,6 +114,9 @@ class ProgressBar {
 /// Why files cannot be made in a folder that is there; empty: they can.
 [[nodiscard]] std::string reason_not_to_write_in(const std::filesystem::path& folder);
 
+/// Returns the folder of this program's file; empty where the system does not say.
+[[nodiscard]] std::filesystem::path own_folder();
+
 /// Runs another program of Welkin's in the place of this one: the file of that name beside this program's own, or else
 /// on the PATH. Returns only by throwing: `Error` (file_access) if there is none or it cannot be run.
 [[noreturn]] void become(const std::string& program, const std::vector<std::string>& arguments);

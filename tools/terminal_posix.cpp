@@ -76,13 +76,12 @@ void watch_signals(const std::stop_source& source) {
   }
 }
 
-/// Empty where the system does not say.
+}  // namespace
+
 std::filesystem::path own_folder() {
   std::error_code unknown;
   return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
 }
-
-}  // namespace
 
 std::stop_token stop_on_signals() {
   static const auto& source = *[] {

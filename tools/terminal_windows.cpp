@@ -74,16 +74,6 @@ class PipeEnd {
   HANDLE handle_;
 };
 
-/// The folder of this program.
-std::filesystem::path own_folder() {
-  std::wstring name(MAX_PATH, L'\0');
-  for (;;) {
-    const DWORD length = GetModuleFileNameW(nullptr, name.data(), static_cast<DWORD>(name.size()));
-    if (length < name.size()) return std::filesystem::path(name.substr(0, length)).parent_path();
-    name.resize(2 * name.size());
-  }
-}
-
 /// The words of a command line as the C library takes them apart: backslashes are themselves, but before a quotation
 /// mark two of them are one, and one more makes the mark a character; a doubled mark within quotation is a character
 /// too. (CommandLineToArgvW would load the system's windows and desktop, which a command does without.)
@@ -128,6 +118,15 @@ std::wstring quoted(const std::wstring& word) {
 }
 
 }  // namespace
+
+std::filesystem::path own_folder() {
+  std::wstring name(MAX_PATH, L'\0');
+  for (;;) {
+    const DWORD length = GetModuleFileNameW(nullptr, name.data(), static_cast<DWORD>(name.size()));
+    if (length < name.size()) return std::filesystem::path(name.substr(0, length)).parent_path();
+    name.resize(2 * name.size());
+  }
+}
 
 bool is_terminal(Stream stream) {
   DWORD mode = 0;

@@ -69,8 +69,9 @@ struct BakeOptions {
   std::optional<IrradianceOptions> irradiance = IrradianceOptions{};  ///< none: no irradiance cubemap
 
   /// Harmonic bands that are returned, and that an irradiance cubemap from harmonics is made from: 0 to kMaximumBands.
-  /// With 0 bands one is projected all the same, for the diagnostics' total radiance.
   int bands = 3;
+  bool total_radiance =
+      true;  ///< with 0 bands, still projects one, for the diagnostics' total radiance; else that is 0
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 

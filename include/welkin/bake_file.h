@@ -75,11 +75,8 @@ struct StoredEnvironment {
 // Each reads a file by its path, or from bytes that it shares (`memory`), which count against the worker's memory
 // limit; the path is then their name.
 
-/// `project_file`. Equal are the same path, options and bytes in memory (of these the same vector); as the file may
-/// change, only those that still wait share a run.
+/// `project_file`.
 struct ProjectFile {
-  static constexpr bool kReadsFiles = true;
-
   std::filesystem::path path;                              ///< the file, or one of six
   ReadOptions read_options{};                              ///< how it is read
   ProjectionOptions options{};                             ///< how it is projected
@@ -88,11 +85,9 @@ struct ProjectFile {
   [[nodiscard]] Projection operator()(const Control& control) const;
   /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
 };
 
-/// `read_environment`. Its result cannot be copied, so it is not shared.
+/// `read_environment`.
 struct ReadFile {
   std::filesystem::path path;                              ///< the file, or one of six
   ReadOptions read_options{};                              ///< how it is read
@@ -103,10 +98,8 @@ struct ReadFile {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
 };
 
-/// `measure_environment`. Shared as `ProjectFile`.
+/// `measure_environment`.
 struct MeasureFile {
-  static constexpr bool kReadsFiles = true;
-
   std::filesystem::path path;                              ///< the file, or one of six
   ReadOptions read_options{};                              ///< how it is read
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
@@ -114,14 +107,10 @@ struct MeasureFile {
   [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
   /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
 };
 
-/// `bake_file`. Shared as `ProjectFile`.
+/// `bake_file`.
 struct BakeFile {
-  static constexpr bool kReadsFiles = true;
-
   std::filesystem::path path;                              ///< the file, or one of six
   ReadOptions read_options{};                              ///< how it is read
   BakeOptions options{};                                   ///< what is made of it
@@ -130,8 +119,6 @@ struct BakeFile {
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
 
 // ---- Files of a sky's tables, so that they are computed once

@@ -72,7 +72,7 @@ enum class ErrorCode {
   limit_exceeded,    ///< a file or request that would need more memory than the stated limit
   cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
   replaced,          ///< a newer request with the same key took this job's place
-  queue_full,        ///< a worker at its limits refused this job, or dropped it for another
+  queue_full,        ///< a worker at its limits refused this job
   stopped,           ///< the worker was terminated before this job was done
 };
 
@@ -136,9 +136,9 @@ void run_with_threads(int threads, const std::function<void()>& work);
 
 // ---- Working memory
 
-// A call takes its buffers of 64 KiB and more from blocks that earlier calls left, so that a warm call clears no pages
-// but its result's. On Linux they lie in huge pages of 2 MiB: blocks of 1 MiB and more in whole ones, smaller blocks
-// share pages. Any thread may call these functions at any time. They change no result.
+// Buffers of 64 KiB and more, and default chains of 1 MiB and more, come from blocks that earlier ones left, so that a
+// warm call clears no pages. On Linux they lie in huge pages of 2 MiB: blocks of 1 MiB and more in whole ones, smaller
+// blocks share pages. Any thread may call these functions at any time. They change no result.
 
 /// Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
 /// beyond that. 0 keeps none. Under an address sanitizer and in WebAssembly the default is 0.

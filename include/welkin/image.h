@@ -132,9 +132,9 @@ class CubemapChain {
   /// No levels.
   CubemapChain() = default;
 
-  /// The pixels are not initialised; they start on a cache line. `memory` must outlive the chain; null:
-  /// `std::pmr::get_default_resource()`. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and
-  /// 1 <= levels <= full_chain_levels(size), and what `memory` throws.
+  /// The pixels are not initialised; they start on a cache line. `memory` must outlive the chain; null: the default
+  /// resource, where large chains are `keep_working_memory`'s. Throws `Error` (invalid_argument) unless
+  /// 1 <= size <= 16384 and 1 <= levels <= full_chain_levels(size), and what `memory` throws.
   CubemapChain(int size, int levels, memory_resource* memory = nullptr);
 
   /// Texels along an edge of level 0; 0 if there are no levels.

@@ -45,23 +45,22 @@ class JobHandle {
 
   /// The share of the work that is done, 0 to 1. It never falls, and is 1 once there is a result.
   [[nodiscard]] double progress() const noexcept {
-    return record_ ? record_->progress.load(std::memory_order_acquire)->load(std::memory_order_relaxed) : 0.0;
+    return record_ ? record_->computation->progress.load(std::memory_order_relaxed) : 0.0;
   }
 
   /// Why the job failed; nothing while it runs and if it went well. It takes some microseconds for a job that failed.
   [[nodiscard]] std::optional<JobError> error() const;
 
-  /// Gives the job up: it ends with an `Error` (cancelled). A job that waits, or whose computation others share, ends
-  /// at once. Else the computation stops before its next tile, and the job is ready when nothing reads the pixels any
-  /// more. A continuation that is given up gives up the job that it follows. True if this call did it, false if the job
-  /// was done, or given up before.
+  /// Cancels the job, which ends with an `Error` (cancelled). A waiting job ends at once. A running one stops before
+  /// its next tile, and is ready when nothing reads the pixels any more. Cancelling a continuation cancels the job that
+  /// it follows. Returns true if this call did it, false if the job was done or cancelled before.
   bool cancel() const;
 
   /// The job's priority; `normal` for no job.
   [[nodiscard]] TaskPriority priority() const;
 
-  /// A waiting job goes to the end of those of its new priority; if that is the old one, it stays where it is. A
-  /// computation that several jobs share has the highest of their priorities. A running job goes on as it is.
+  /// Changes the job's priority. A waiting job goes to the end of those of its new priority; if that is the old one, it
+  /// stays where it is. A running job goes on as it is.
   void set_priority(TaskPriority priority) const;
 
  protected:
@@ -103,9 +102,9 @@ class Job : public JobHandle {
   }
 
   /// Waits and moves the result out, or throws the job's error. It looks for 0.15 ms before it sleeps. On a thread of
-  /// the worker it runs a job that has not started instead of waiting for another thread. Throws `Error`
-  /// (invalid_argument) if the result was taken before, if there is no job, and for a wait that would never end:
-  /// docs/threading.md says which are found.
+  /// the worker it runs a job that has not started instead of waiting for another thread. A request must not wait for
+  /// itself, directly or through other jobs: that wait never ends. Throws `Error` (invalid_argument) if the result was
+  /// taken before, and if there is no job.
   Result get() {
     if (!valid()) detail::throw_taken();
     detail::wait(record_);
@@ -175,9 +174,7 @@ struct JobAccess {
     auto computation =
         make_shared_in_job_memory<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
     auto record = make_shared_in_job_memory<TypedJobRecord<ResultOf<Request>>>();
-    record->progress = &computation->progress;
-    record->computation = computation;
-    record->posted = std::move(computation);
+    record->computation = std::move(computation);
     return Job<ResultOf<Request>>(std::move(record));
   }
 
@@ -282,7 +279,7 @@ auto Job<Result>::then(FollowUp follow_up) && {
   using Request = detail::Continuation<Result, FollowUp>;
   auto job = detail::JobAccess::make<Request>(Request{take_over(), std::move(follow_up)});
   const std::shared_ptr<detail::JobRecord>& record = detail::JobAccess::record(job);
-  detail::attach(record_, record->posted, record);
+  detail::attach(record_, record->computation, record);
   return job;
 }
 

@@ -40,11 +40,6 @@ struct SceneNeeds {
   /// a KTX2. Off: it is computed from the pixels.
   bool stored_results = true;
 
-  /// What is left is the very bits of a bake of everything (an irradiance cubemap from harmonics: of a bake with so
-  /// many bands, `diffuse_bands` being all that it is evaluated from). Off: a chain of mips is planned for the
-  /// roughness that there is alone, within the same bounds of error; of a cubemap that may be several times faster.
-  bool same_bits = true;
-
   bool sun_moves = true;  ///< of a computed sky: a curve over the sun's elevation; else the light of one sun
 
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
@@ -97,34 +92,12 @@ struct PlannedPass {
 //   log(welkin::plan_text(plan));
 //   const welkin::BakeResult light = welkin::bake(panorama, plan);
 
-/// Mips at the ends of a prefiltered chain that no lookup touches, so that they are not made. The others have the bits
-/// that they have in the whole chain. (A smaller chain of the same roughness would have others within the bounds.)
-struct UnusedMips {
-  int sharp = 0;  ///< so many at the sharp end: level 0 of the result has size >> sharp texels along an edge
-  int rough = 0;  ///< so many at the rough end; one mip at least stays
-
-  friend bool operator==(const UnusedMips&, const UnusedMips&) = default;
-};
-
-/// What a plan does other than its options say, so that results have the bits of the whole bake.
-struct PlanTrim {
-  UnusedMips mips{};  ///< of the chain that `options.specular` describes
-
-  /// If above `options.bands`: so many bands are projected, and the first `options.bands` of them are returned. A
-  /// projection of fewer bands rounds otherwise. 0: where no bands are returned nothing is projected either, and the
-  /// diagnostics' total radiance is 0.
-  int projected_bands = 1;
-
-  friend bool operator==(const PlanTrim&, const PlanTrim&) = default;
-};
-
 /// What a bake would do, before it does it.
 struct Plan {
   std::string source;               ///< "lat-long 1024 x 512"; of files with their name
   std::vector<PlannedPass> passes;  ///< in the order of the records that come out; of files "read" first
 
-  BakeOptions options;         ///< that do it: what the scene does not need is left out of them
-  PlanTrim trim{};             ///< and what else is left out
+  BakeOptions options;         ///< the whole bake's, without the parts that the scene does not use
   bool take_specular = false;  ///< the file's chain is the result's
   bool take_levels = false;    ///< the file's levels are the background's mips
   int first_stored_mip = 0;    ///< of that chain: the first that is used,
@@ -139,9 +112,9 @@ struct Plan {
   [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
 };
 
-/// Plans. `whole`: the bake of everything, with its sizes and bounds; what the needs do not use is taken from it. What
-/// is left comes out with the bits of that bake (if `needs.same_bits`; an irradiance cubemap from harmonics with those
-/// of a bake of as many bands as are needed). Throws `Error` (invalid_argument, limit_exceeded) as `bake` and `check`.
+/// Plans a bake. `whole` describes the bake of everything, with its sizes and bounds; the parts that `needs` does not
+/// use are removed from it. The reflections become a chain of the mips that are left, and the light has as many bands
+/// as are used. Throws `Error` (invalid_argument, limit_exceeded) as `bake` and `check`.
 [[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole = {});
 [[nodiscard]] Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
 [[nodiscard]] Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole = {});

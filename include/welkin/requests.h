@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <variant>
@@ -30,8 +29,7 @@ struct Environment;  // environment_file.h
 
 // ---- Pixels of a request
 
-/// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels. Two are equal if they
-/// are the same pixels in memory with the same owner: values are not compared.
+/// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels.
 class CubemapSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.
@@ -52,18 +50,13 @@ class CubemapSource {
   [[nodiscard]] const CubemapView& view() const noexcept { return mips_.front(); }
   /// Memory of the pixels in bytes, padding of rows included.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
-  /// Of the pixels' addresses, not of their values.
-  [[nodiscard]] std::size_t hash() const noexcept;
-
-  friend bool operator==(const CubemapSource&, const CubemapSource&) = default;
 
  private:
   std::vector<CubemapView> mips_;
   std::shared_ptr<const void> owner_;
 };
 
-/// A lat-long for a request, together with what keeps its pixels alive. Copies and comparison are as of
-/// `CubemapSource`.
+/// A lat-long for a request, together with what keeps its pixels alive. Copies share the pixels.
 class LatLongSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.
@@ -80,10 +73,6 @@ class LatLongSource {
   [[nodiscard]] const LatLongView& view() const noexcept { return view_; }
   /// Memory of the pixels in bytes, padding of rows included.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
-  /// Of the pixels' address, not of their values.
-  [[nodiscard]] std::size_t hash() const noexcept;
-
-  friend bool operator==(const LatLongSource&, const LatLongSource&) = default;
 
  private:
   LatLongView view_;
@@ -100,8 +89,6 @@ struct ProjectCubemap {
   [[nodiscard]] Projection operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const ProjectCubemap&, const ProjectCubemap&) = default;
 };
 
 /// `project` of a lat-long.
@@ -112,8 +99,6 @@ struct ProjectLatLong {
   [[nodiscard]] Projection operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const ProjectLatLong&, const ProjectLatLong&) = default;
 };
 
 /// `to_cubemap` of a lat-long.
@@ -125,8 +110,6 @@ struct LatLongToCubemap {
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const LatLongToCubemap&, const LatLongToCubemap&) = default;
 };
 
 /// `to_cubemap` of a cubemap.
@@ -138,8 +121,6 @@ struct CubemapToCubemap {
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const CubemapToCubemap&, const CubemapToCubemap&) = default;
 };
 
 /// `to_lat_long` of a cubemap.
@@ -152,11 +133,9 @@ struct CubemapToLatLong {
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const CubemapToLatLong&, const CubemapToLatLong&) = default;
 };
 
-/// `bake`. Its result is handed out by pointer: equal requests share it, and it is large.
+/// `bake`. Its result is handed out by pointer, because it is large.
 struct Bake {
   std::variant<CubemapSource, LatLongSource> source;  ///< the pixels that are baked
   BakeOptions options{};                              ///< what is made, and how
@@ -164,15 +143,13 @@ struct Bake {
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
-  [[nodiscard]] std::size_t hash() const noexcept;
-  friend bool operator==(const Bake&, const Bake&) = default;
 };
 
 /// `bake_to`: bakes into the caller's memory, such as a mapped upload buffer. The worker's threads read the source in
 /// its format and write the targets in theirs, so the thread that posts converts no texel.
 ///
 /// The memory of the targets must stay until the job is ready, or be kept alive by `owner`. Once the job is ready,
-/// nothing writes to them unless an equal request still runs. A job with a result has written every texel of its
+/// nothing writes to them. A job with a result has written every texel of its
 /// targets. A job that never started, or whose targets were refused, has written nothing. Any other job without a
 /// result (cancelled, replaced, failed) may have written any part of the texels.
 ///
@@ -186,13 +163,10 @@ struct BakeTo {
   /// goes right after the job is ready.
   std::shared_ptr<const void> owner{};
 
-  /// Returns what `bake_to` returns, by pointer: equal requests share it.
+  /// Returns what `bake_to` returns.
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
-  [[nodiscard]] std::size_t hash() const noexcept;
-  /// Compares sources, options and owners, and of targets the addresses and layouts.
-  [[nodiscard]] bool operator==(const BakeTo& other) const;
 };
 
 // ---- Requests about skies
@@ -203,18 +177,15 @@ struct PrecomputeSky {
   SkyTableOptions options{};  ///< sizes and orders of the tables
 
   [[nodiscard]] std::shared_ptr<const SkyTables> operator()(const Control& control) const;
-  friend bool operator==(const PrecomputeSky&, const PrecomputeSky&) = default;
 };
 
-/// `SkyCurve` of a height. Equal are the same tables in memory: values are not compared.
+/// `SkyCurve` of a height.
 struct BakeSkyCurve {
   std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
   double altitude_m = 0.0;                  ///< the observer's, above the ground
   SkyCurveOptions options{};                ///< nodes of the curve
 
   [[nodiscard]] SkyCurve operator()(const Control& control) const;
-  [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }
-  friend bool operator==(const BakeSkyCurve&, const BakeSkyCurve&) = default;
 };
 
 /// `sky_specular`, without the sun's disc. Handed out by pointer.
@@ -225,8 +196,6 @@ struct SkySpecular {
   PrefilterOptions options{.size = 32};     ///< of the chain
 
   [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;
-  [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }
-  friend bool operator==(const SkySpecular&, const SkySpecular&) = default;
 };
 
 }  // namespace welkin

@@ -119,10 +119,10 @@ struct LightChange {
 /// all in which its bits are the same: same source and policies for its pixels, same size and roughness, same method,
 /// and
 /// - copied (roughness below 0.001), narrow and reference mips: nothing else;
-/// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain, those that are
-///   left out too. It decides which bright texels are taken out, and which rings a cubemap goes through.
-/// So a mip can be added or removed at the rough end, or changed there, and ends can be left out: only what is missing
-/// is made, from the first such mip to the last. What cannot be served: the spectral mips of a chain whose narrowest
+/// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain. It decides
+///   which bright texels are taken out, and which rings a cubemap goes through.
+/// So a mip can be added, removed or changed at the rough end: only what is missing is made, from the first such mip to
+/// the last. What cannot be served: the spectral mips of a chain whose narrowest
 /// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear,
 /// filament, the default, and unreal), as every roughness changes with it. By babylon, unity or a list none does.
 ///

@@ -120,8 +120,8 @@ class SkyLight {
   SkyLight(const SkyLight&) = delete;
   SkyLight& operator=(const SkyLight&) = delete;
 
-  // These look and compare; they post a request (which allocates, and waits if the worker is full and its options say
-  // so) only if there is something to make and nothing is being made. All throw `Error` (invalid_argument).
+  // These look and compare; they post a request (which allocates) only if there is something to make and nothing is
+  // being made. All throw `Error` (invalid_argument).
 
   /// Degrees; azimuth from +z towards +x.
   void set_sun(double elevation_degrees, double azimuth_degrees);

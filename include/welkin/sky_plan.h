@@ -48,7 +48,7 @@ struct SkyPlan {
   std::string source;               ///< for a person
   std::vector<PlannedPass> passes;  ///< of the tables as `SkyTables::passes` names them, and what follows
   SkyBakeOptions options;           ///< what the scene does not need is left out of them
-  UnusedMips unused_mips{};         ///< of the chain that `options.specular` describes: they are not made
+  int specular_source = 0;          ///< texels along an edge of the sky that the reflections are prefiltered from
   bool tables = true;               ///< whether anything looks into them
   bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
   std::uint64_t result_bytes = 0;   ///< memory of the results

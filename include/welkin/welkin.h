@@ -18,8 +18,7 @@
  *     if (welkin_job_projection(job, &light) == WELKIN_OK) ...
  *   }
  *
- * It is a thin layer over the C++ interface, whose headers say more of what each thing means; results are the same
- * bits.
+ * It is a thin layer over the C++ interface; results are the same bits.
  *
  * Structures. Each begins with `struct_size`, its `sizeof` in the caller's program, and in each of those that are read,
  * zero means the default: fill a structure with zeros, set `struct_size`, then what you want (WELKIN_INIT does the
@@ -68,11 +67,11 @@
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added. Nothing is taken away or changed, with one
- * exception: the value 0 of `welkin_thread_priority` has another meaning since version 3. A program runs with every
- * library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as it leaves
- * what is new alone. */
-#define WELKIN_C_VERSION 3
+/* The version of this interface. It rises when something is added or taken away. Fields and functions were taken away
+ * in version 4, so programs that were compiled with an older header must be compiled again. A program runs with every
+ * later library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones, from version 4
+ * on, as long as it leaves what is new alone. */
+#define WELKIN_C_VERSION 4
 
 /* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
 WELKIN_API uint32_t welkin_c_version(void);
@@ -95,7 +94,7 @@ enum {
   WELKIN_LIMIT_EXCEEDED = 6,   /* would need more memory than the stated limit */
   WELKIN_CANCELLED = 7,        /* the caller asked for it */
   WELKIN_REPLACED = 8,         /* a newer request with the same key took this job's place */
-  WELKIN_QUEUE_FULL = 9,       /* a worker at its limits refused this job, or dropped it for another */
+  WELKIN_QUEUE_FULL = 9,       /* a worker at its limits refused this job */
   WELKIN_STOPPED = 10,         /* the worker was terminated before this job was done */
   WELKIN_OUT_OF_MEMORY = 100,
   WELKIN_NOT_READY = 101, /* the job is not done yet; no error, and no message */
@@ -110,8 +109,8 @@ WELKIN_API const char* welkin_status_name(welkin_status status);
 WELKIN_API const char* welkin_last_error(void);
 
 /* ---- Working memory ----
- * Calls take their large buffers from blocks that earlier calls left, so that a warm call clears no pages but its
- * result's. These functions change no result. */
+ * Calls take their large buffers and chains from blocks that earlier ones left, so that a warm call clears no pages
+ * once results are freed. These functions change no result. */
 
 /* Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
  * beyond that. 0 keeps none. */
@@ -139,8 +138,8 @@ enum {
   WELKIN_FORMAT_RG_F16 = 9  /* likewise */
 };
 
-/* The caller's pixels, read in place: six square faces, +X -X +Y -Y +Z -Z, row 0 on top; image.h has their axes.
- */
+/* The caller's pixels, read in place: six square faces, +X -X +Y -Y +Z -Z, row 0 on top. Columns and rows run along
+ * -z -y, +z -y, +x +z, +x -z, +x -y and -x -y. */
 typedef struct welkin_cubemap {
   uint32_t struct_size;
   welkin_format format;     /* of all six faces */
@@ -160,16 +159,16 @@ typedef struct welkin_lat_long {
   int32_t height;           /* texels, 1 to 32768 */
 } welkin_lat_long;
 
-/* How a picture file holds a sphere; environment_file.h has the faces' places. */
+/* How a picture file holds a sphere, with faces of N x N texels. */
 typedef int32_t welkin_layout;
 enum {
   WELKIN_LAYOUT_AUTOMATIC = 0, /* told from the file's header, its shape or its name */
   WELKIN_LAYOUT_LAT_LONG = 1,
-  WELKIN_LAYOUT_VERTICAL_STRIP = 2,
-  WELKIN_LAYOUT_HORIZONTAL_STRIP = 3,
-  WELKIN_LAYOUT_HORIZONTAL_CROSS = 4,
-  WELKIN_LAYOUT_VERTICAL_CROSS = 5,
-  WELKIN_LAYOUT_SIX_FILES = 6
+  WELKIN_LAYOUT_VERTICAL_STRIP = 2,   /* N x 6N: +X -X +Y -Y +Z -Z from top to bottom */
+  WELKIN_LAYOUT_HORIZONTAL_STRIP = 3, /* 6N x N: the same from left to right */
+  WELKIN_LAYOUT_HORIZONTAL_CROSS = 4, /* 4N x 3N: -X +Z +X -Z in the middle row, +Y above +Z, -Y below it */
+  WELKIN_LAYOUT_VERTICAL_CROSS = 5,   /* 3N x 4N: +Y; -X +Z +X; -Y; and -Z below that, turned by half a turn */
+  WELKIN_LAYOUT_SIX_FILES = 6         /* one picture per face, told apart by the ends of their names */
 };
 
 /* What the numbers in a PNG mean. */
@@ -228,7 +227,7 @@ enum {
   WELKIN_NEGATIVE_REJECT = 2   /* the call returns WELKIN_REJECTED_PIXEL */
 };
 
-/* projection.h says more of each. */
+/* How an environment is projected. */
 typedef struct welkin_projection_options {
   uint32_t struct_size;
   int32_t bands;                 /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
@@ -315,13 +314,13 @@ WELKIN_API welkin_status welkin_turn_by_quaternion(int32_t bands, const double* 
 WELKIN_API welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, const double* matrix,
                                                double* turned);
 
-/* By what band l is multiplied against ringing; spherical_harmonics.h has the formulas. */
+/* Factor of band l against ringing, with w = pi l / width. */
 typedef int32_t welkin_window;
 enum {
-  WELKIN_WINDOW_NONE = 0,
-  WELKIN_WINDOW_HANNING = 1,
-  WELKIN_WINDOW_LANCZOS = 2,
-  WELKIN_WINDOW_MIN_LAPLACIAN = 3 /* the weakest that leaves no irradiance negative */
+  WELKIN_WINDOW_NONE = 0,         /* 1 */
+  WELKIN_WINDOW_HANNING = 1,      /* (1 + cos w) / 2, 0 from l = width on */
+  WELKIN_WINDOW_LANCZOS = 2,      /* sin(w) / w, 0 from l = width on */
+  WELKIN_WINDOW_MIN_LAPLACIAN = 3 /* 1 / (1 + c l^2 (l + 1)^2), smallest c that leaves no irradiance negative */
 };
 
 /* What a window did. */
@@ -385,7 +384,7 @@ enum {
   WELKIN_ENGINE_USD = 11
 };
 
-/* How an engine's axes lie to Welkin's; engines.h says more. The strings are constants. */
+/* How an engine's axes lie to Welkin's. The strings are constants. */
 typedef struct welkin_convention {
   uint32_t struct_size;
   welkin_engine engine;  /* whose it is */
@@ -422,13 +421,6 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
 /* The same without the turn: `radiance` is in the engine's axes already. */
 WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                                       welkin_engine_light* light);
-
-/* Babylon.js's polynomial of a single ambient colour: r, g, b for every normal. */
-WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
-
-/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a normal: `value` gets r, g, b. */
-WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
-                                                 double* value);
 
 /* ---- Results in the caller's memory ---- */
 
@@ -499,24 +491,24 @@ typedef struct welkin_pixel_policy {
   welkin_negative_policy negative;   /* what becomes of a finite value below zero */
 } welkin_pixel_policy;
 
-/* How a mip is made; reflections.h says more. */
+/* How a mip is made. */
 typedef int32_t welkin_prefilter_method;
 enum {
   WELKIN_PREFILTER_AUTOMATIC = 0, /* for each mip the fastest within both bounds */
-  WELKIN_PREFILTER_SPECTRAL = 1,
+  WELKIN_PREFILTER_SPECTRAL = 1,  /* by harmonics, the brightest texels each by its own lobe */
   WELKIN_PREFILTER_REFERENCE = 2, /* the integral, texel by texel: slow */
   WELKIN_PREFILTER_COPY = 4,      /* of a mip that was made: roughness 0 */
   WELKIN_PREFILTER_NARROW = 5     /* of a mip that was made: texels near by as areas, the far part by harmonics */
 };
 
-/* Ways to spread roughness over a chain; reflections.h has the formulas. */
+/* Ways to spread roughness over a chain, with t = mip / (mips - 1). */
 typedef int32_t welkin_roughness_schedule;
 enum {
-  WELKIN_ROUGHNESS_LINEAR = 0,
-  WELKIN_ROUGHNESS_FILAMENT = 1, /* three.js too */
-  WELKIN_ROUGHNESS_BABYLON = 2,
-  WELKIN_ROUGHNESS_UNITY = 3,
-  WELKIN_ROUGHNESS_UNREAL = 4
+  WELKIN_ROUGHNESS_LINEAR = 0,   /* t */
+  WELKIN_ROUGHNESS_FILAMENT = 1, /* 1 - sqrt(1 - t); three.js too */
+  WELKIN_ROUGHNESS_BABYLON = 2,  /* 0 at mip 0, else the square root of 2^(mip / 0.8) / size, at most 1 */
+  WELKIN_ROUGHNESS_UNITY = 3,    /* r with mip = 6 r (1.7 - 0.7 r), whatever the number of mips */
+  WELKIN_ROUGHNESS_UNREAL = 4    /* 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1 */
 };
 
 /* The perceptual roughness of each mip: `roughness` has room for `mips` doubles, 1 to 16. `size`: of mip 0. */
@@ -528,18 +520,19 @@ WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule sche
 WELKIN_API welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                                          double* roughness);
 
-/* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
+/* The default number of mips for a schedule. LINEAR and FILAMENT: down to 4 texels, but five where `size` has five;
+ * UNITY: at most seven; BABYLON and UNREAL: down to 1 texel. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
-/* Lobes of a chain whose mips have a roughness each; reflections.h has the formulas. */
+/* Lobes of a chain whose mips have a roughness r each; docs/reflections.md has their formulas. */
 typedef int32_t welkin_lobe_family;
 enum {
   WELKIN_LOBE_FAMILY_GGX = 0,
-  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen */
-  WELKIN_LOBE_FAMILY_LAMBERT = 2, /* one mip unless `mips` says more */
-  WELKIN_LOBE_FAMILY_PHONG = 3,
-  WELKIN_LOBE_FAMILY_BLINN = 4,
-  WELKIN_LOBE_FAMILY_SPECTRA = 5 /* `spectra` has the numbers */
+  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen; r below 0.05 is raised to it */
+  WELKIN_LOBE_FAMILY_LAMBERT = 2, /* irradiance over pi, at any r; one mip unless `mips` says more */
+  WELKIN_LOBE_FAMILY_PHONG = 3,   /* of power max(1, 2 / r^4 - 2); r below 0.12 is raised to it */
+  WELKIN_LOBE_FAMILY_BLINN = 4,   /* of power 2 / r^4 - 2; r below 0.12 is raised to it */
+  WELKIN_LOBE_FAMILY_SPECTRA = 5  /* `spectra` has the numbers */
 };
 
 /* Presets of how exact reflections and irradiance are. */
@@ -550,15 +543,14 @@ enum {
   WELKIN_QUALITY_REFERENCE = 2 /* the integrals themselves, in double; takes minutes */
 };
 
-/* reflections.h says more of each. */
+/* Sizes, lobes and bounds of a chain. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
   int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;                      /* 0: as many as `roughness_count` says, else as reflections.h has it */
+  int32_t mips;                      /* 0: `roughness_count`; without roughness `welkin_mips_of_chain` of FILAMENT
+                                        (of CHARLIE, LINEAR), of LAMBERT and SPECTRA 1 */
   int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
-  int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
-  int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
   welkin_prefilter_method method;    /* of all mips */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: by `quality` */
   double maximum_error;              /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */
@@ -600,47 +592,11 @@ WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_lo
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
 
-/* Lobes beside GGX; zonal_kernel.h has their formulas. */
-typedef int32_t welkin_lobe;
-enum {
-  WELKIN_LOBE_CHARLIE = 0, /* sheen; a mip's number is its roughness */
-  WELKIN_LOBE_LAMBERT = 1, /* no numbers */
-  WELKIN_LOBE_PHONG = 2,   /* a mip's number is its power */
-  WELKIN_LOBE_BLINN = 3,   /* the same */
-  WELKIN_LOBE_SPECTRUM =
-      4 /* a mip's numbers are what harmonics of degree 0, 1, ... are multiplied by, over the first */
-};
-
-/* A chain by such a lobe; zonal_kernel.h says more. */
-typedef struct welkin_kernel_options {
-  uint32_t struct_size;
-  int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256 */
-  int32_t mips;                      /* 1 to 16 */
-  welkin_lobe lobe;                  /* of all mips */
-  const double* numbers;             /* of each mip: one, or as many as `bands`; copied */
-  int32_t bands;                     /* of a spectrum, 1 to 1536 */
-  welkin_prefilter_method method;    /* AUTOMATIC, SPECTRAL or REFERENCE */
-  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
-  const welkin_pixel_policy* pixels; /* null: the defaults */
-} welkin_kernel_options;
-
-/* Prefilters by a kernel a mip. Also WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED (a kernel too narrow or too sharp),
- * WELKIN_CANCELLED, WELKIN_OUT_OF_MEMORY. */
-WELKIN_API welkin_status welkin_prefilter_cubemap_by_kernels(const welkin_cubemap* cubemap,
-                                                             const welkin_kernel_options* options,
-                                                             const welkin_control* control,
-                                                             welkin_cubemap_chain** chain);
-
-/* The same of a lat-long. */
-WELKIN_API welkin_status welkin_prefilter_lat_long_by_kernels(const welkin_lat_long* lat_long,
-                                                              const welkin_kernel_options* options,
-                                                              const welkin_control* control,
-                                                              welkin_cubemap_chain** chain);
-
 /* The roughness of each mip of a sheen chain of glTF: `roughness` has room for `mips` doubles, 1 to 16. */
 WELKIN_API welkin_status welkin_charlie_roughness_of_mips(int32_t mips, int32_t size, double* roughness);
 
-/* What the first two channels of a BRDF table hold; reflections.h has the integrals. */
+/* Contents of the first two channels of a BRDF table, with E = f0 scale + bias the reflectance in even light.
+ * SPLIT_SUM: scale and bias. MULTIPLE_SCATTERING: bias and scale + bias, so that E = (1 - f0) red + f0 green. */
 typedef int32_t welkin_brdf_model;
 enum { WELKIN_BRDF_SPLIT_SUM = 0, WELKIN_BRDF_MULTIPLE_SCATTERING = 1 };
 
@@ -662,13 +618,14 @@ WELKIN_API welkin_status welkin_brdf_table(const welkin_brdf_options* options, c
 typedef int32_t welkin_importance_weight;
 enum { WELKIN_IMPORTANCE_LUMINANCE = 0, WELKIN_IMPORTANCE_MEAN = 1, WELKIN_IMPORTANCE_LARGEST = 2 };
 
-/* How a table by which a path tracer picks directions is made; importance.h says more. */
+/* How a table by which a path tracer picks directions is made. */
 typedef struct welkin_importance_options {
   uint32_t struct_size;
   int32_t width;                     /* of the table, 1 to the source's; 0: the source's */
   int32_t height;                    /* the same */
   welkin_importance_weight weight;   /* what of a texel counts */
-  int32_t mis_compensation;          /* 1: what lies below the mean counts as 0; 0: all counts */
+  int32_t mis_compensation;          /* 1: weights less their mean, at least 0, for estimators that combine the table
+                                        with samples of the material by the balance heuristic; 0: all counts */
   const welkin_pixel_policy* pixels; /* null: the defaults */
 } welkin_importance_options;
 
@@ -714,7 +671,7 @@ enum {
   WELKIN_IRRADIANCE_HARMONICS = 2  /* from `bands` of the harmonics, as shaders show that read so many */
 };
 
-/* bake.h says more of each. */
+/* Parts, sizes and bounds of a bake. */
 typedef struct welkin_bake_options {
   uint32_t struct_size;
   welkin_parts leave_out;                     /* parts that are not made; 0: all are */
@@ -730,7 +687,7 @@ typedef struct welkin_bake_options {
   uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
   double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: by `quality` */
   int32_t octahedral_size;                    /* texels along an edge, borders included; 0: no map is made */
-  int32_t octahedral_levels;                  /* 0: 1; octahedral.h says which go with a size and a border */
+  int32_t octahedral_levels;                  /* 0: 1. Size and border must be multiples of 2^(levels - 1) */
   int32_t octahedral_border;                  /* texels on each side of level 0; 0: 2^(octahedral_levels - 1) */
   welkin_quality quality;                     /* of irradiance, and of reflections whose own quality is normal */
 } welkin_bake_options;
@@ -739,7 +696,8 @@ typedef struct welkin_bake_options {
  * memory of the caller's. `targets`, also of one `struct_size`, RGBA_F16 or RGBA_F32: one for each mip of the first
  * probe's chain, then of the second's, and so on; `target_count` is the number of mips times `probe_count`.
  * `coefficients` gets 3 bands^2 doubles of each probe; with 0 bands it may be null. `totals` as `welkin_project_many`,
- * `values_clamped` (may be null too) of all targets. Errors name the number of the probe. bake.h says more. */
+ * `values_clamped` (may be null too) of all targets. Errors name the number of the probe. Arguments are checked before
+ * anything is written; after other errors any part of the targets may be written. */
 WELKIN_API welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count,
                                           const welkin_prefilter_options* options, const welkin_control* control,
                                           const welkin_cubemap_target* targets, int64_t target_count, int32_t bands,
@@ -835,7 +793,8 @@ typedef struct welkin_constituent {
   uint32_t struct_size;
   int32_t layer_count; /* 0: there is nothing of it */
   /* Five doubles a layer, from the ground up: thickness_m, exponential_term, exponential_scale_per_m,
-   * linear_term_per_m, constant_term; atmosphere.h (`DensityLayer`) has the formula. */
+   * linear_term_per_m, constant_term. Density at altitude h, relative to that of the coefficients: exponential_term
+   * exp(exponential_scale_per_m h) + linear_term_per_m h + constant_term, clamped to [0, 1]. */
   const double* layers;
   const double* scattering_per_m; /* one for each wavelength; null: none */
   const double* absorption_per_m; /* likewise */
@@ -850,7 +809,8 @@ enum {
 };
 
 /* Replaces the aerosol by one of this vertical optical depth at 550 nm (0 to 100), Angstrom exponent (-4 to 8), single
- * scattering albedo (0 to 1) and asymmetry, of scale height 1200 m; atmosphere.h (`AerosolModel`) says more. */
+ * scattering albedo (0 to 1) and asymmetry (mean cosine, -0.8 to 0.999), of scale height 1200 m. Extinction follows
+ * (wavelength / 550 nm)^-exponent; small particles have exponents of 1 to 2, dust about 0.2. */
 WELKIN_API welkin_status welkin_atmosphere_set_aerosol(welkin_atmosphere* atmosphere, double optical_depth,
                                                        double angstrom_exponent, double single_scattering_albedo,
                                                        double asymmetry);
@@ -873,7 +833,7 @@ WELKIN_API welkin_status welkin_atmosphere_set_aerosol_asymmetries(welkin_atmosp
                                                                    const double* asymmetries, int32_t count);
 
 /* Airglow and stars, by day and night: luminance of the zenith as seen from the ground, 0 (none, the default) to 1
- * cd/m2. A dark place without a moon has 2e-4. atmosphere.h says more. */
+ * cd/m2. A dark place without a moon has 2e-4. */
 WELKIN_API welkin_status welkin_atmosphere_set_night(welkin_atmosphere* atmosphere, double zenith_luminance);
 
 /* Sets the radii of the ground, 1 to 1e9 m, and of the top of the air, above it and at most 11 times it. */
@@ -893,7 +853,8 @@ WELKIN_API welkin_status welkin_atmosphere_check(const welkin_atmosphere* atmosp
 /* Unit direction towards a sun. */
 WELKIN_API welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction);
 
-/* How many dimensions the table of scattered light has; sky.h says more. */
+/* Dimensions of the table of scattered light. FULL: height, zeniths of view and sun, and the azimuth between them.
+ * COMPACT: without the azimuth, with which only the phase functions then vary. */
 typedef int32_t welkin_scattering_layout;
 enum { WELKIN_SCATTERING_FULL = 0, WELKIN_SCATTERING_COMPACT = 1 };
 
@@ -904,19 +865,19 @@ enum {
   WELKIN_SKY_COLOUR_LINEAR_SRGB = 1 /* cd/m2 */
 };
 
-/* sky.h has the ranges. */
+/* Sizes of the tables, and how far scattering is followed. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
   welkin_scattering_layout layout;      /* of the table of scattered light */
-  int32_t heights;                      /* 0: 32 */
-  int32_t view_zeniths;                 /* 0: 64 */
-  int32_t sun_zeniths;                  /* 0: 64 */
-  int32_t sun_angles;                   /* 0: 8 */
-  int32_t transmittance_heights;        /* 0: 64 */
-  int32_t transmittance_zeniths;        /* 0: 256 */
-  int32_t irradiance_heights;           /* 0: 16 */
-  int32_t irradiance_sun_zeniths;       /* 0: 64 */
-  int32_t orders;                       /* of scattering; 0: 4 */
+  int32_t heights;                      /* 2 to 128; 0: 32 */
+  int32_t view_zeniths;                 /* even, 4 to 1024; 0: 64 */
+  int32_t sun_zeniths;                  /* 4 to 256; 0: 64 */
+  int32_t sun_angles;                   /* FULL only, 2 to 128; 0: 8 */
+  int32_t transmittance_heights;        /* 2 to 1024; 0: 64 */
+  int32_t transmittance_zeniths;        /* 2 to 2048; 0: 256 */
+  int32_t irradiance_heights;           /* 2 to 1024; 0: 16 */
+  int32_t irradiance_sun_zeniths;       /* 2 to 1024; 0: 64 */
+  int32_t orders;                       /* of scattering, 1 to 64; 0: 4 */
   welkin_sky_colour colour;             /* what the three channels are */
   double minimum_sun_elevation_degrees; /* that the tables hold, -90 up to below 0; 0: -30 */
   double until_change;                  /* stop before `orders` when one added less than this share; 0: never */
@@ -997,11 +958,13 @@ WELKIN_API welkin_status welkin_sky_view_specular(const welkin_sky_view* view, c
                                                   const welkin_sky_picture_options* picture,
                                                   const welkin_control* control, welkin_cubemap_chain** chain);
 
-/* Directions at which a sky is looked at; sky.h says more. */
+/* Directions at which a sky is sampled. GAUSS: Gauss nodes on either side of the horizon, even azimuths. GAUSS_SPLIT:
+ * azimuths closer together about the sun, and the aerosol's forward lobe integrated in closed form. UNIFORM: even
+ * angles. */
 typedef int32_t welkin_sky_quadrature;
 enum { WELKIN_SKY_QUADRATURE_GAUSS_SPLIT = 0, WELKIN_SKY_QUADRATURE_GAUSS = 1, WELKIN_SKY_QUADRATURE_UNIFORM = 2 };
 
-/* How a sky is projected; sky.h says more. */
+/* How a sky is projected. */
 typedef struct welkin_sky_harmonics_options {
   uint32_t struct_size;
   int32_t bands;                    /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
@@ -1022,9 +985,6 @@ WELKIN_API welkin_status welkin_sky_projector_create(const welkin_sky_view* view
 /* Destroys a projector. */
 WELKIN_API void welkin_sky_projector_destroy(welkin_sky_projector* projector);
 
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector);
-
 /* Radiance of sky and ground, without the sun's disc: `coefficients` gets 3 bands^2 doubles. Allocates nothing. */
 WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
                                                       double* coefficients);
@@ -1040,9 +1000,6 @@ WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
 /* Destroys a curve. */
 WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
 
-/* Bands of its harmonics; 0 for null. */
-WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve);
-
 /* As of a projector; under a microsecond for three bands. `sun_irradiance` (may be null) gets r, g, b of the direct sun
  * on a surface that faces it. Allocates nothing. */
 WELKIN_API welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
@@ -1050,7 +1007,7 @@ WELKIN_API welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, cons
 
 /* ---- Worker ---- */
 
-/* Runs jobs on threads of its own, or on the engine's; worker.h and docs/threading.md say more. */
+/* Runs jobs on threads of its own, or on the engine's (docs/threading.md). */
 typedef struct welkin_worker welkin_worker;
 
 /* A posted job. Handles are counted: a post gives one reference, `welkin_job_release` gives it back. A handle is good
@@ -1066,21 +1023,12 @@ enum {
   WELKIN_THREAD_PRIORITY_IDLE = 3 /* runs only on processors that nothing else wants, if there are any */
 };
 
-/* What a post does when the worker is at its limits. */
-typedef int32_t welkin_overflow_policy;
-enum {
-  WELKIN_OVERFLOW_WAIT = 0,       /* waits until there is room */
-  WELKIN_OVERFLOW_REFUSE = 1,     /* the new job gets WELKIN_QUEUE_FULL */
-  WELKIN_OVERFLOW_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
-};
-
 /* A worker's threads and limits. */
 typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
                       engine runs at the same time; 0: as many as the process may use */
   welkin_thread_priority thread_priority; /* of the worker's own threads */
-  welkin_overflow_policy overflow;        /* what a post does at the limits */
   const char* name;                       /* of the threads; null: "welkin" */
 
   /* Null, or lends the worker the engine's threads: has `task(argument)` called, soon and exactly once, by a thread of
@@ -1091,6 +1039,7 @@ typedef struct welkin_worker_options {
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user; /* what `enqueue` gets as its first argument */
 
+  /* Limits; a job that is posted beyond one ends with WELKIN_QUEUE_FULL. */
   uint64_t max_jobs;  /* in flight; 0: 4096 */
   uint64_t max_bytes; /* in flight, of their pixels; 0: 4 GiB */
 } welkin_worker_options;
@@ -1157,8 +1106,7 @@ typedef struct welkin_post_options {
    * On whichever thread that is, so it must not wait for the worker or one of its jobs. There is one exception: if
    * `struct_size` itself is refused (0, not a multiple of 8, far beyond what this library knows), nothing behind it is
    * read, and nothing is called.
-   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. Equal posts of such pixels
-   * share one run. */
+   * Null: the pixels stay the caller's, and must stay as they are until the job is ready. */
   void (*release)(void* release_user);
   void* release_user; /* what `release` gets */
 
@@ -1280,8 +1228,8 @@ WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
 WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
 
 /* Waits until the job is ready, at most `timeout_nanoseconds`, then returns what `welkin_job_poll` does. On one of the
- * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself, and returns
- * WELKIN_INVALID_ARGUMENT if the wait would never end (docs/threading.md). */
+ * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself. A request must not wait for
+ * itself, directly or through other jobs: that wait never ends. */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Copies the result, any number of times; never waits. What `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if
@@ -1320,8 +1268,9 @@ WELKIN_API void welkin_job_release(welkin_job* job);
 
 /* ---- The dynamic sky of an engine's loop ---- */
 
-/* Set the sun, get the light, every frame; sky_light.h says what a change costs. It posts to a worker, which must
- * outlive it. For one thread at a time. */
+/* Set the sun, get the light, every frame. It posts to a worker, which must outlive it: a new atmosphere makes tables,
+ * a curve and reflections, a new altitude the last two, a new elevation of the sun reflections. Turning the sun about
+ * the vertical posts nothing. For one thread at a time. */
 typedef struct welkin_sky_light welkin_sky_light;
 
 /* What a dynamic sky computes, and from which change on. */
@@ -1363,7 +1312,7 @@ typedef struct welkin_sky_frame {
   double coefficients[3 * WELKIN_MAXIMUM_BANDS * WELKIN_MAXIMUM_BANDS];
 } welkin_sky_frame;
 
-/* What was done and what was not; sky_light.h says more. */
+/* Counts of work that was done and that was spared. */
 typedef struct welkin_sky_light_counters {
   uint32_t struct_size;
   uint64_t frames;          /* calls of `welkin_sky_light_update` */
@@ -1434,13 +1383,13 @@ WELKIN_API welkin_status welkin_post_bake_file(welkin_worker* worker, const char
                                                const welkin_bake_options* options, const welkin_post_options* post,
                                                welkin_job** job);
 
-/* How texels are stored; image.h (`TexelFormat`) says more. */
+/* How texels are stored. Values that a format cannot hold are clamped and counted; NaN becomes 0, but in RGBA32F. */
 typedef int32_t welkin_texel_format;
 enum {
-  WELKIN_TEXEL_RGBA16F = 0,
+  WELKIN_TEXEL_RGBA16F = 0, /* -65504 to 65504 */
   WELKIN_TEXEL_RGBA32F = 1,
-  WELKIN_TEXEL_B10G11R11 = 2, /* not in OpenEXR */
-  WELKIN_TEXEL_E5B9G9R9 = 3,  /* not in OpenEXR */
+  WELKIN_TEXEL_B10G11R11 = 2, /* 0 to 64512, 1 part in 32; not in OpenEXR */
+  WELKIN_TEXEL_E5B9G9R9 = 3,  /* 0 to 65408, 1 part in 512 of the largest channel; not in OpenEXR */
   /* Blocks, for radiance. */
   WELKIN_TEXEL_BC6H_UFLOAT = 4,  /* KTX2, DDS */
   WELKIN_TEXEL_BC6H_SFLOAT = 5,  /* likewise, with negatives */
@@ -1448,7 +1397,7 @@ enum {
   WELKIN_TEXEL_ASTC_6X6_HDR = 7  /* likewise */
 };
 
-/* How long is searched for a block's best numbers; texture_file.h and bc6h.h say more. */
+/* How long is searched for a block's best numbers; docs/textures.md has errors and times. */
 typedef int32_t welkin_bc6h_effort;
 enum {
   WELKIN_BC6H_DEFAULT = 0, /* normal */
@@ -1470,7 +1419,7 @@ enum {
 typedef int32_t welkin_supercompression;
 enum { WELKIN_SUPERCOMPRESSION_NONE = 0, WELKIN_SUPERCOMPRESSION_ZLIB = 1, WELKIN_SUPERCOMPRESSION_ZSTD = 2 };
 
-/* texture_file.h says more. */
+/* How texels are stored in a file. */
 typedef struct welkin_texture_options {
   uint32_t struct_size;
   welkin_texel_format format;               /* of all texels */

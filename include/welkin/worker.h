@@ -59,14 +59,6 @@ class Executor {
 
 // ---- The worker
 
-/// What `post` does when a worker is at its limits.
-enum class OverflowPolicy {
-  wait,         ///< waits until there is room
-  refuse,       ///< the new job ends with an `Error` (queue_full)
-  drop_oldest,  ///< the oldest waiting job of the lowest priority ends with that error; the new one itself, if all that
-                ///< wait have a higher priority or if dropping them would not make room
-};
-
 /// A worker's threads and limits.
 struct WorkerOptions {
   /// 0: one less than the process may use (`available_threads()`, which knows the container's CPU quota), so that one
@@ -87,11 +79,11 @@ struct WorkerOptions {
   /// threads.
   std::shared_ptr<Executor> executor{};
 
-  /// Limit on jobs in flight: posted, and not yet ready.
+  /// Limit on jobs in flight: posted, and not yet ready. A job that is posted at a limit ends with an `Error`
+  /// (queue_full).
   std::size_t max_jobs = 4096;
   /// Limit on the bytes of their requests. (The memory itself comes back right after a job is ready.)
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;
-  OverflowPolicy overflow = OverflowPolicy::wait;  ///< what `post` does at the limits
 };
 
 /// How a job is posted.
@@ -100,8 +92,7 @@ struct PostOptions {
 
   /// Latest wins: a job with the same key that waits or runs is given up for this one, and ends with an `Error`
   /// (replaced). If it ran, it reads its pixels until it is ready. Jobs that take longer than the time between two
-  /// posts of their key never end. A request that equals one in flight joins its run all the same. Empty: no key.
-  /// Copied by `post`.
+  /// posts of their key never end. Empty: no key. Copied by `post`.
   std::string_view key{};
 
   /// What the request counts against `WorkerOptions::max_bytes`; by default what its `bytes()` says, or 0.
@@ -129,17 +120,12 @@ struct WorkerLoad {
 /// arenas of its own: threads that oneTBB makes for them may rank as low as the worker's, for good.) It should look at
 /// the control's stop token, and may report progress. Its results are the bits that a direct call gives.
 ///
-/// - If it has a member `bytes()`, that counts against the worker's memory limit.
-/// - If it is a class with an `operator==` and its result can be copied, equal requests in flight share one
-/// computation.
-///   The comparison must not call the worker, and counts as false if it throws. A member `hash()` (a std::size_t, the
-///   same for equal ones) spares it most comparisons where many are in flight; a static member `kReadsFiles` keeps new
-///   ones from joining a run that has started, as what it read may have changed since.
+/// If it has a member `bytes()`, that counts against the worker's memory limit.
 ///
 /// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
 /// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
 /// leaves all as it is. A fork may make a worker of its own, unless its parent had one or a call of it computed when it
-/// forked, or another thread was inside oneTBB: then the constructor throws (docs/threading.md).
+/// forked: then the constructor throws (docs/threading.md).
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.
@@ -155,12 +141,11 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
 
   /// Takes a request over and returns at once. As long as the worker is below its limits, `post` waits for no lock that
-  /// a thread of the worker holds: what a post does to other jobs (a replaced job's error, a shared run) has happened
-  /// when it returns, or happens as soon as the thread that keeps the books goes on. At the limits it waits if the
-  /// options say so, but never on one of the worker's own threads: there, jobs are let in beyond the limits. Throws
-  /// std::bad_alloc if there is no memory for the job itself, and what moving the request throws; nothing is posted
-  /// then. A request larger than `max_bytes` ends with an `Error` (limit_exceeded), one that comes after `terminate()`
-  /// with `stopped`.
+  /// a thread of the worker holds: what a post does to other jobs (a replaced job's error) has happened when it
+  /// returns, or happens as soon as the thread that keeps the books goes on. At the limits the job ends with an `Error`
+  /// (queue_full), one larger than `max_bytes` with `limit_exceeded`, one that comes after `terminate()` with
+  /// `stopped`. Throws std::bad_alloc if there is no memory for the job itself, and what moving the request throws;
+  /// nothing is posted then.
   template <class Request>
   auto post(Request&& request, const PostOptions& options = {}) -> JobOf<Request> {
     const std::uint64_t bytes = detail::bytes_of(request);

@@ -524,7 +524,7 @@ PrefilteredSpecular Source::take_specular(const Control& /*control*/) { refuse("
 
 void run_bake(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
               const Control& control) {
-  const BakePlan plan = plan_bake(source.shape(), options, {}, source.stored());
+  const BakePlan plan = plan_bake(source.shape(), options, source.stored());
   require_memory(plan, options);
   Baking(source, options, plan, store, nullptr, result).run(control);
 }
@@ -534,7 +534,7 @@ BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, c
     throw Error(ErrorCode::invalid_argument,
                 "the plan is for " + planned.source + ", the source is " + words + "; plan again for this source");
   }
-  BakePlan plan = plan_bake(source.shape(), planned.options, planned.trim, source.stored());
+  BakePlan plan = plan_bake(source.shape(), planned.options, source.stored());
   require_memory(plan, planned.options);
   take_reasons(planned.passes, plan);
   BakeResult result;

@@ -71,39 +71,37 @@ std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
                                                 static_cast<std::uint64_t>(grid.columns + border);
 }
 
-reflections::NarrowSplit split_of(const SourceShape& source, int size) {
-  return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows, size);
+reflections::NearSplit split_of(const SourceShape& source, int size, double alpha) {
+  return reflections::narrow_split(source.columns, source.cubemap ? 0 : source.rows, size, alpha);
 }
 
 reflections::PictureShape picture_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, grids.
+/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, weights, grids.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const reflections::NarrowSplit finest = split_of(source, plan.narrow_size);
-  const int rings = source.cubemap ? finest.rows_for_cubemap() : source.rows;
+  const reflections::NearSplit finest = split_of(source, plan.narrow_size, 0.0);
+  const int rings = source.cubemap ? reflections::far_rows_for_cubemap(finest) : source.rows;
   std::uint64_t bytes = columns_bytes(finest.bands, rings) + squared(finest.bands) * transforms::kHarmonicFloats * 4;
   if (source.cubemap)
     bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, source.columns, rings);
-  const double sharpest = finest.sharpest_lobe();
+  const double sharpest = reflections::sharpest_lobe(finest);
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
   if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
   bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
                                                  {reflections::LightsOf::ggx, reflections::kFarLights * sharpest},
                                                  jobs::worker_count(jobs::Placement::arena));
-  double reach = 0.0;
+  std::uint64_t records = 0;
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method != MipMethod::narrow) continue;
-    const reflections::NarrowSplit split = split_of(source, mip.size);
-    reach = std::max(reach, split.reach);
-    bytes += grid_bytes(split.bands, split.grid());
+    const reflections::NearSplit split = split_of(source, mip.size, mip.alpha);
+    records = std::max<std::uint64_t>(records, reflections::near_sums_bytes(split));
+    bytes += grid_bytes(split.bands, reflections::far_grid(split)) + reflections::NearTable::most_bytes(split);
   }
-  const int rows = source.cubemap ? source.columns : source.rows;
-  const reflections::TexelParts parts = reflections::parts_for(source.cubemap, source.columns, rows);
-  return bytes +
-         reflections::TexelImages::bytes_for(source.cubemap, source.columns * parts.columns, rows * parts.rows, reach);
+  const int cut = finest.face / source.columns;
+  return bytes + records + (cut > 1 ? kTexelBytes * cut * source.texels() : 0);
 }
 
 /// Of the transform that spectral mips share, and of the lights beside it.
@@ -134,7 +132,8 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     const reflections::PrefilterPlan split = first_choice.with_near_sums(source.columns);
     std::uint64_t near = spectral_bytes(source, split);
     for (const reflections::MipPlan& mip : split.near_mips)
-      near += reflections::NearSums::most_bytes(mip.near) + kTexelBytes * 6 * squared(mip.near.face);
+      near += reflections::NearTable::most_bytes(mip.near) + reflections::near_sums_bytes(mip.near) +
+              kTexelBytes * 6 * squared(mip.near.face);
     bytes = std::max(bytes, near);
   }
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
@@ -222,14 +221,12 @@ std::string prefilter_words(const reflections::PrefilterPlan& plan) {
   const int mips = static_cast<int>(plan.mips.size());
   std::string words = mips_from(mips, plan.mips.front().size);
   if (plan.family != LobeFamily::ggx) words += std::string(" by the lobe ") + welkin::name(plan.family);
-  if (mips == plan.chain_mips) return words;
-  return words + "; left out: " + std::to_string(plan.first_mip) + " sharper, " +
-         std::to_string(plan.chain_mips - plan.first_mip - mips) + " rougher";
+  return words;
 }
 
 // The passes.
 
-void check(const BakeOptions& options, const PlanTrim& trim) {
+void check(const BakeOptions& options) {
   if (options.background && options.background->size)
     image::require_range("background.size", *options.background->size, 1, image::kLargestFace);
   if (options.irradiance) {
@@ -237,7 +234,6 @@ void check(const BakeOptions& options, const PlanTrim& trim) {
     reflections::check_irradiance_error(options.irradiance->rms_error);
   }
   image::require_range("bands", options.bands, 0, kMaximumBands);
-  image::require_range("projected_bands", trim.projected_bands, 0, kMaximumBands);
   if (options.irradiance && options.bands == 0 && options.irradiance->method == IrradianceMethod::harmonics) {
     throw Error(ErrorCode::invalid_argument,
                 "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, leave irradiance out, or set "
@@ -249,10 +245,10 @@ void check(const BakeOptions& options, const PlanTrim& trim) {
 /// Puts a plan together: one function a pass.
 class BakePlanner {
  public:
-  BakePlanner(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim, const StoredKinds& stored)
+  BakePlanner(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored)
       : source_(source), options_(options), stored_(stored) {
-    settle_projection(trim);
-    settle_sizes(trim);
+    settle_projection();
+    settle_sizes();
   }
 
   BakePlan run() {
@@ -269,9 +265,8 @@ class BakePlanner {
   }
 
  private:
-  void settle_projection(const PlanTrim& trim) {
-    projected_bands_ =
-        options_.bands > 0 ? std::max(options_.bands, trim.projected_bands) : std::min(1, trim.projected_bands);
+  void settle_projection() {
+    projected_bands_ = options_.bands > 0 || !options_.total_radiance ? options_.bands : 1;
     plan_.projecting.bands = std::max(1, projected_bands_);
     plan_.projecting.pixels = options_.pixels;
     projection::check_options(plan_.projecting);
@@ -282,7 +277,7 @@ class BakePlanner {
       plan_.irradiance = IrradianceMethod::harmonics;
   }
 
-  void settle_sizes(const PlanTrim& trim) {
+  void settle_sizes() {
     plan_.background_size = background_size(source_, options_);
     if (plan_.background_size > 0)
       plan_.background_levels = options_.background->mips ? full_chain_levels(plan_.background_size) : 1;
@@ -294,7 +289,6 @@ class BakePlanner {
         plan_.shares_harmonics = reflections::share_harmonics(*plan_.prefilter, wanted.size, wanted.rms_error);
         if (plan_.shares_harmonics) plan_.irradiance_plan = plan_.prefilter;
       }
-      plan_.prefilter = plan_.prefilter->without(trim.mips.sharp, trim.mips.rough);
       const reflections::MipPlan& first = plan_.prefilter->mips.front();
       plan_.same_level = first.method == MipMethod::copy && plan_.background_size == first.size;
     }
@@ -388,9 +382,8 @@ class BakePlanner {
     if (projected_bands_ == 0) return skip(BakePass::project);
     std::string words = "1 band, for the total radiance: no coefficients were asked for";
     if (options_.bands > 0) {
-      words = std::to_string(options_.bands) + (options_.bands > 1 ? " bands" : " band");
-      if (projected_bands_ > options_.bands) words += " of " + std::to_string(projected_bands_);
-      words += " from the source's own texels";
+      words =
+          std::to_string(options_.bands) + (options_.bands > 1 ? " bands" : " band") + " from the source's own texels";
     }
     add(BakePass::project, PassAction::run, words,
         {source_texels() * (0.4 + 0.01 * projected_bands_ * projected_bands_), 0, 0});
@@ -434,7 +427,7 @@ class BakePlanner {
         {400.0 * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
   }
 
-  /// Of the mips that are there: a plan may leave some out, and a file may carry fewer.
+  /// Of the mips that are there: a file may carry fewer.
   void octahedral() {
     if (!options_.octahedral) return;
     if (!options_.specular) {
@@ -444,7 +437,7 @@ class BakePlanner {
     }
     const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : stored_.specular_mips;
     const int size = plan_.prefilter ? plan_.prefilter->mips.front().size : stored_.specular_size;
-    const int whole = plan_.prefilter ? plan_.prefilter->chain_mips : options_.octahedral->levels;
+    const int whole = plan_.prefilter ? mips : options_.octahedral->levels;
     OctahedralOptions map = *options_.octahedral;
     octahedral::check_options(map, std::min(whole, full_chain_levels(std::clamp(map.size, 1, image::kLargestFace))));
     map.levels = std::min(map.levels, mips);
@@ -494,10 +487,9 @@ int background_size(const SourceShape& source, const BakeOptions& options) {
   return source.cubemap ? source.columns : std::max(1, source.columns / 4);
 }
 
-BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim,
-                   const StoredKinds& stored) {
-  check(options, trim);
-  return BakePlanner(source, options, trim, stored).run();
+BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored) {
+  check(options);
+  return BakePlanner(source, options, stored).run();
 }
 
 PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan) {

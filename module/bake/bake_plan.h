@@ -62,8 +62,7 @@ struct BakePlan {
 };
 
 /// Throws `Error` (invalid_argument) for options that are out of range or do not go together.
-[[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim = {},
-                                 const StoredKinds& stored = {});
+[[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored = {});
 
 /// The background's size; 0: there is none.
 [[nodiscard]] int background_size(const SourceShape& source, const BakeOptions& options);

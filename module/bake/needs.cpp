@@ -36,10 +36,8 @@ constexpr const char* kNotGlossy = "no glossy materials";
 void need_diffuse(const SceneNeeds& needs, NeededOptions& needed) {
   BakeOptions& options = needed.options;
   if (needs.diffuse_bands == 0 && options.bands > 0) {
-    needed.trim.projected_bands = 0;
+    options.total_radiance = false;
     needed.left_out[BakePass::project] = "no diffuse light is used";
-  } else if (needs.same_bits && needs.diffuse_bands < options.bands) {
-    needed.trim.projected_bands = options.bands;
   }
   options.bands = std::min(options.bands, needs.diffuse_bands);
   if (!options.irradiance || (needs.irradiance_cubemap && needs.diffuse_bands > 1)) return;
@@ -60,14 +58,9 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
     return;
   }
   if (options.specular) {
-    const UnusedMips unused = unused_mips(reflections::roughness_of_chain(*options.specular), *needs.glossy);
-    if (needs.same_bits) {
-      needed.trim.mips = unused;
-    } else {
-      options.specular = chain_without(unused, *options.specular);
-      if (options.octahedral)
-        options.octahedral->levels = std::min(options.octahedral->levels, *options.specular->mips);
-    }
+    needed.unused_mips = keep_used_mips(*needs.glossy, *options.specular);
+    if (options.octahedral && !needed.unused_mips.empty())
+      options.octahedral->levels = std::min(options.octahedral->levels, *options.specular->mips);
   }
   if (!needs.brdf_table && options.brdf) {
     needed.left_out[BakePass::brdf] = "the engine has a table of its own";
@@ -92,9 +85,9 @@ void need_background(const SourceShape& source, const SceneNeeds& needs, NeededO
 
 }  // namespace
 
-UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRange& range) {
-  if (!platform::ranges::is_sorted(roughness)) return {};  // who knows where shaders look
+UsedMips used_mips(const std::vector<double>& roughness, const RoughnessRange& range) {
   const auto mips = static_cast<int>(roughness.size());
+  if (!platform::ranges::is_sorted(roughness)) return {0, mips};  // who knows where shaders look
   const auto at = [&](int mip) { return roughness[static_cast<std::size_t>(mip)]; };
   int first = 0;
   while (first + 1 < mips && at(first + 1) <= range.minimum) ++first;
@@ -102,24 +95,26 @@ UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRang
   int last = mips - 1;
   while (last > first && at(last - 1) >= range.maximum) --last;
   while (last + 1 < mips && at(last + 1) == at(last)) ++last;
-  return {first, mips - 1 - last};
+  return {first, last + 1 - first};
 }
 
-PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions& options) {
+std::string keep_used_mips(const RoughnessRange& range, PrefilterOptions& options) {
   const std::vector<double> whole = reflections::roughness_of_chain(options);
-  const auto mips = static_cast<int>(whole.size());
-  image::require_range("the number of sharp mips that are left out", unused.sharp, 0, mips - 1);
-  image::require_range("the number of rough mips that are left out", unused.rough, 0, mips - 1 - unused.sharp);
-  PrefilterOptions rest = options;
-  rest.size = std::max(1, options.size >> unused.sharp);
-  rest.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
-  rest.mips = static_cast<int>(rest.roughness.size());
-  const auto lobes = static_cast<int>(rest.lobe_roughness.size());
-  if (lobes > 0)
-    rest.lobe_roughness.erase(rest.lobe_roughness.begin(), rest.lobe_roughness.begin() + std::min(unused.sharp, lobes));
-  const auto spectra = static_cast<int>(rest.spectra.size());
-  if (spectra > 0) rest.spectra.erase(rest.spectra.begin(), rest.spectra.begin() + std::min(unused.sharp, spectra));
-  return rest;
+  const UsedMips used = used_mips(whole, range);
+  const int rougher = static_cast<int>(whole.size()) - used.first - used.count;
+  if (used.first + rougher == 0) return {};
+  const auto keep = [used](auto& of_mips) {
+    const int given = static_cast<int>(of_mips.size());
+    of_mips.erase(of_mips.begin() + std::min(given, used.first + used.count), of_mips.end());
+    of_mips.erase(of_mips.begin(), of_mips.begin() + std::min(given, used.first));
+  };
+  options.size = std::max(1, options.size >> used.first);
+  options.mips = used.count;
+  options.roughness = whole;
+  keep(options.roughness);
+  keep(options.lobe_roughness);
+  keep(options.spectra);
+  return "; left out: " + std::to_string(used.first) + " sharper, " + std::to_string(rougher) + " rougher";
 }
 
 NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole) {

@@ -15,18 +15,24 @@ namespace welkin::baking {
 
 struct NeededOptions {
   BakeOptions options;
-  PlanTrim trim{};
   std::map<BakePass, std::string> left_out{};  ///< why a pass of the whole bake falls away
+  std::string unused_mips{};                   ///< for the chain's reason: "; left out: 1 sharper, 0 rougher", or empty
+};
+
+/// Consecutive mips of a chain.
+struct UsedMips {
+  int first;
+  int count;
 };
 
 [[nodiscard]] NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs,
                                            const BakeOptions& whole);
 
-/// Mips, of a table of roughness that rises, that no lookup from `range.minimum` to `range.maximum` touches.
-[[nodiscard]] UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRange& range);
+/// Returns the mips that lookups from `range.minimum` to `range.maximum` read: all, unless the roughness of mips rises.
+[[nodiscard]] UsedMips used_mips(const std::vector<double>& roughness, const RoughnessRange& range);
 
-/// The options of a chain of its own that has all mips but those. Throws `Error` (invalid_argument) unless one is left.
-[[nodiscard]] PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions& options);
+/// Reduces a chain to the mips that are used, and returns a text for `NeededOptions::unused_mips`.
+[[nodiscard]] std::string keep_used_mips(const RoughnessRange& range, PrefilterOptions& options);
 
 // Plans put together: what photographs and files have in common.
 

@@ -26,11 +26,10 @@ BakeResult bake_planned(const PixelsView& pixels, const Plan& plan, const Contro
 }  // namespace
 
 Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored) {
-  const BakePlan baking = plan_bake(source, needed.options, needed.trim, stored);
+  const BakePlan baking = plan_bake(source, needed.options, stored);
   Plan plan;
   plan.source = source.words();
   plan.options = needed.options;
-  plan.trim = needed.trim;
   plan.take_specular = baking.stored_specular;
   plan.take_levels = baking.stored_background;
   plan.take_light = baking.stored_harmonics;
@@ -40,6 +39,7 @@ Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const S
     PlannedPass& pass = plan.passes.emplace_back(step.planned);
     const bool skipped = pass.action == PassAction::skip;
     if (skipped && needed.left_out.contains(step.pass)) pass.reason = needed.left_out.at(step.pass);
+    if (step.pass == BakePass::specular && pass.action == PassAction::run) pass.reason += needed.unused_mips;
   }
   return plan;
 }

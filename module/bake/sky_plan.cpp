@@ -73,11 +73,6 @@ SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& who
   return options;
 }
 
-/// Of a plan with reflections.
-reflections::PrefilterPlan prefilter_plan(const SkyPlan& plan) {
-  return reflections::plan_prefilter(*plan.options.specular).without(plan.unused_mips.sharp, plan.unused_mips.rough);
-}
-
 /// Puts the passes together: one function a group of them.
 class SkyPlanner {
  public:
@@ -85,6 +80,7 @@ class SkyPlanner {
       : plan_(plan), needs_(needs), whole_(whole), options_(plan.options) {}
 
   void run() {
+    settle();
     plan_tables();
     plan_matter();
     plan_light();
@@ -109,6 +105,15 @@ class SkyPlanner {
   }
   void skip(SkyPass pass, std::string reason) {
     plan_.passes.push_back({name(pass), PassAction::skip, std::move(reason), 0});
+  }
+  void settle() {
+    PrefilterOptions* const specular = plan_.options.specular ? &*plan_.options.specular : nullptr;
+    if (specular != nullptr) {
+      plan_.specular_source = specular->size;
+      unused_mips_ = baking::keep_used_mips(*needs_.glossy, *specular);
+    }
+    plan_.tables = options_.bands > 0 || specular != nullptr || options_.background_size;
+    plan_.curve = options_.bands > 0 && needs_.sun_moves;
   }
   void plan_tables() {
     if (!plan_.tables) {
@@ -181,10 +186,11 @@ class SkyPlanner {
 
   void plan_reflections() {
     if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not asked for");
-    const int size = options_.specular->size;
+    const int size = plan_.specular_source;
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
-    const PlannedPass pass = baking::plan_prefilter_pass(source, prefilter_plan(plan_));
-    add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's", pass.bytes);
+    const PlannedPass pass = baking::plan_prefilter_pass(source, reflections::plan_prefilter(*options_.specular));
+    add(SkyPass::specular, pass.reason + unused_mips_ + ", for one sun; a turn about the vertical is the shader's",
+        pass.bytes);
   }
 
   void plan_background() {
@@ -198,6 +204,7 @@ class SkyPlanner {
   const SceneNeeds& needs_;
   const SkyBakeOptions& whole_;
   const SkyBakeOptions& options_;
+  std::string unused_mips_{};
 };
 
 }  // namespace
@@ -212,12 +219,6 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
   plan.source = "the sky of " + (atmosphere.name.empty() ? std::string("a planet") : atmosphere.name) + ", " +
                 (needs.sun_moves ? "a moving sun" : "one sun");
   plan.options = needed_options(needs, whole);
-  if (plan.options.specular) {
-    // Whatever `same_bits` says: the sky is drawn at the chain's size, and a smaller chain would blur it.
-    plan.unused_mips = baking::unused_mips(reflections::roughness_of_chain(*plan.options.specular), *needs.glossy);
-  }
-  plan.tables = plan.options.bands > 0 || plan.options.specular || plan.options.background_size;
-  plan.curve = plan.options.bands > 0 && needs.sun_moves;
   SkyPlanner(plan, needs, whole).run();
   return plan;
 }
@@ -235,12 +236,14 @@ std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measur
 
 namespace {
 
-PrefilteredSpecular prefiltered_sky(const SkyView& view, const glm::dvec3& sun, const reflections::PrefilterPlan& plan,
-                                    const PixelPolicy& pixels, const SkyPictureOptions& picture,
+/// `size`: texels along an edge of the sky that is prefiltered.
+PrefilteredSpecular prefiltered_sky(const SkyView& view, const glm::dvec3& sun, int size,
+                                    const PrefilterOptions& options, const SkyPictureOptions& picture,
                                     const Control& control) {
   constexpr double share_of_sky = 0.2;
-  const CubemapImage sky = sky_cubemap(view, sun, plan.size, picture, jobs::part_of(control, 0.0, share_of_sky));
-  return reflections::prefilter(sky.view(), plan, pixels, {}, jobs::part_of(control, share_of_sky, 1.0));
+  const reflections::PrefilterPlan plan = reflections::plan_prefilter(options);
+  const CubemapImage sky = sky_cubemap(view, sun, size, picture, jobs::part_of(control, 0.0, share_of_sky));
+  return reflections::prefilter(sky.view(), plan, options.pixels, {}, jobs::part_of(control, share_of_sky, 1.0));
 }
 
 constexpr double kTables = 0.8;  ///< of the progress
@@ -306,7 +309,7 @@ class SkyBaking {
         break;
       }
       case SkyPass::specular:
-        sky_.specular = prefiltered_sky(*view_, sun_, prefilter_plan(plan_), options.specular->pixels, {}, quiet_);
+        sky_.specular = prefiltered_sky(*view_, sun_, plan_.specular_source, *options.specular, {}, quiet_);
         break;
       case SkyPass::background:
         sky_.background = sky_cubemap(*view_, sun_, *options.background_size, {}, quiet_);
@@ -342,7 +345,7 @@ SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
 PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun, const PrefilterOptions& options,
                                  const SkyPictureOptions& picture, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return prefiltered_sky(view, sun, reflections::plan_prefilter(options), options.pixels, picture, control);
+  return prefiltered_sky(view, sun, options.size, options, picture, control);
 }
 
 }  // namespace welkin

@@ -10,7 +10,6 @@
 #include <variant>
 #include <vector>
 
-#include "bake/needs.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
 #include "image/pixels.h"
@@ -61,7 +60,6 @@ welkin_status welkin_cubemap_chain_share(const welkin_cubemap_chain* chain, welk
     *another = nullptr;
     require(chain, "chain");
     hand_out(another, "another", [&] { return new welkin_cubemap_chain(*chain); });
-    return WELKIN_OK;
   });
 }
 
@@ -73,7 +71,6 @@ welkin_status welkin_cubemap_chain_get_info(const welkin_cubemap_chain* chain, w
     values.prefiltered = chain->mips.empty() ? 0 : 1;
     values.bytes = bytes_of(*chain);
     write_struct(info, values, "info");
-    return WELKIN_OK;
   });
 }
 
@@ -85,7 +82,6 @@ welkin_status welkin_cubemap_chain_get_level(const welkin_cubemap_chain* chain, 
     std::copy(view.faces.begin(), view.faces.end(), values.faces);
     values.size = view.size;
     write_struct(pixels, values, "pixels");
-    return WELKIN_OK;
   });
 }
 
@@ -96,7 +92,6 @@ welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* chain, int32
     const Target checked = cubemap_target(target);
     require_size(checked, view.size, view.size);
     tell(write_faces(checked, view), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -135,7 +130,6 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.lobe_roughness = record.lobe_roughness;
     values.error_between = record.error_between.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(mip, values, "mip");
-    return WELKIN_OK;
   });
 }
 
@@ -157,7 +151,6 @@ welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32
     const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
     const auto table = welkin::roughness_of_mips(wanted, mips, size);
     std::copy(table.begin(), table.end(), roughness);
-    return WELKIN_OK;
   });
 }
 
@@ -168,7 +161,6 @@ welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule
     const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
     const auto table = welkin::fitted_roughness_of_mips(wanted, mips, size);
     std::copy(table.begin(), table.end(), roughness);
-    return WELKIN_OK;
   });
 }
 
@@ -176,7 +168,6 @@ welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t s
   return guarded([&] {
     require(mips, "mips");
     *mips = welkin::mips_of_chain(enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal), size);
-    return WELKIN_OK;
   });
 }
 
@@ -193,7 +184,7 @@ SpecularPointer prefiltered(const View& view, const PrefilterOptions& options, c
   return std::make_shared<const PrefilteredSpecular>(prefilter_specular(view, options, control));
 }
 
-/// `prefilter_specular`, as a request. Equal ones share a run.
+/// `prefilter_specular`, as a request.
 template <class Source>
 struct PrefilterRequest {
   Source source;
@@ -203,8 +194,6 @@ struct PrefilterRequest {
     return prefiltered(source.view(), options, control);
   }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
-  friend bool operator==(const PrefilterRequest&, const PrefilterRequest&) = default;
 };
 
 welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cubemap_chain(std::move(specular)); }
@@ -260,56 +249,56 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   } else if (given.pixels != nullptr) {
     refuse("pixels of the prefilter options is not null; here it must be, as no call would read it");
   }
-  const UnusedMips unused{given.leave_out_sharp, given.leave_out_rough};
-  return unused == UnusedMips() ? wanted : baking::chain_without(unused, wanted);
+  return wanted;
 }
 
 }  // namespace welkin::c_interface
 
+namespace {
+
+template <class Pixels>
+welkin_status prefilter(const Pixels* pixels, const welkin_prefilter_options* options, const welkin_control* control,
+                        welkin_cubemap_chain** chain) {
+  return guarded_making(chain, "chain", [&] {
+    const auto wanted = prefilter_options(options, kDefaultReflections, true);
+    return chain_of(prefiltered(pixels_view(pixels), wanted, control_of(control)));
+  });
+}
+
+template <class Pixels>
+welkin_status post_prefilter(welkin_worker* worker, const Pixels* pixels, const welkin_prefilter_options* options,
+                             const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = pixels_view(pixels);
+    auto wanted = prefilter_options(options, kDefaultReflections, true);
+    auto source = source_of(view, make_owner(std::move(posting.handed_over)));
+    PrefilterRequest<decltype(source)> request{std::move(source), std::move(wanted)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+}  // namespace
+
 welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap, const welkin_prefilter_options* options,
                                        const welkin_control* control, welkin_cubemap_chain** chain) {
-  return guarded([&] {
-    hand_out(chain, "chain", [&] {
-      const auto wanted = prefilter_options(options, kDefaultReflections, true);
-      return chain_of(prefiltered(cubemap_view(cubemap), wanted, control_of(control)));
-    });
-    return WELKIN_OK;
-  });
+  return prefilter(cubemap, options, control, chain);
 }
 
 welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long, const welkin_prefilter_options* options,
                                         const welkin_control* control, welkin_cubemap_chain** chain) {
-  return guarded([&] {
-    hand_out(chain, "chain", [&] {
-      const auto wanted = prefilter_options(options, kDefaultReflections, true);
-      return chain_of(prefiltered(lat_long_view(lat_long), wanted, control_of(control)));
-    });
-    return WELKIN_OK;
-  });
+  return prefilter(lat_long, options, control, chain);
 }
 
 welkin_status welkin_post_prefilter_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
                                             const welkin_prefilter_options* options, const welkin_post_options* post,
                                             welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = cubemap_view(cubemap);
-    auto wanted = prefilter_options(options, kDefaultReflections, true);
-    PrefilterRequest<welkin::CubemapSource> request{{view, make_owner(std::move(posting.handed_over))},
-                                                    std::move(wanted)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
+  return post_prefilter(worker, cubemap, options, post, job);
 }
 
 welkin_status welkin_post_prefilter_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
                                              const welkin_prefilter_options* options, const welkin_post_options* post,
                                              welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = lat_long_view(lat_long);
-    auto wanted = prefilter_options(options, kDefaultReflections, true);
-    PrefilterRequest<welkin::LatLongSource> request{{view, make_owner(std::move(posting.handed_over))},
-                                                    std::move(wanted)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
+  return post_prefilter(worker, lat_long, options, post, job);
 }
 
 welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain** chain) {
@@ -348,7 +337,6 @@ welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin
     const Target checked = image_target(target);
     require_size(checked, wanted.width, wanted.height);
     tell(write_table(checked, *welkin::brdf_table(wanted, control_of(control))), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -359,7 +347,6 @@ welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance,
     const Target checked = cubemap_target(target);
     const auto cubemap = welkin::irradiance_cubemap(harmonics, checked.width, control_of(control));
     tell(write_faces(checked, cubemap.view()), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -459,70 +446,75 @@ welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count
                                          bands, control_of(control));
     if (totals != nullptr) write_diagnostics(totals, baked.diagnostics);
     tell(baked.values_clamped, values_clamped);
-    return WELKIN_OK;
   });
 }
 
+namespace {
+
+template <class Pixels>
+welkin_status bake_now(const Pixels* pixels, const welkin_bake_options* options, const welkin_control* control,
+                       welkin_bake_result** result) {
+  return guarded_making(result, "result", [&] {
+    return handle_of(baked(pixels_view(pixels), bake_options(options), control_of(control)));
+  });
+}
+
+template <class Pixels>
+welkin_status post_bake(welkin_worker* worker, const Pixels* pixels, const welkin_bake_options* options,
+                        const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = pixels_view(pixels);
+    auto wanted = bake_options(options);
+    welkin::Bake request{source_of(view, make_owner(std::move(posting.handed_over))), std::move(wanted)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+template <class Pixels>
+welkin_status post_bake_to(welkin_worker* worker, const Pixels* pixels, const welkin_bake_options* options,
+                           const welkin_bake_targets* targets, const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = pixels_view(pixels);
+    welkin::BakeTo request{source_of(view, nullptr), bake_targets(targets), bake_options(options)};
+    request.owner = make_owner(std::move(posting.handed_over));
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+}  // namespace
+
 welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
                                   const welkin_control* control, welkin_bake_result** result) {
-  return guarded([&] {
-    hand_out(result, "result",
-             [&] { return handle_of(baked(cubemap_view(cubemap), bake_options(options), control_of(control))); });
-    return WELKIN_OK;
-  });
+  return bake_now(cubemap, options, control, result);
 }
 
 welkin_status welkin_bake_lat_long(const welkin_lat_long* lat_long, const welkin_bake_options* options,
                                    const welkin_control* control, welkin_bake_result** result) {
-  return guarded([&] {
-    hand_out(result, "result",
-             [&] { return handle_of(baked(lat_long_view(lat_long), bake_options(options), control_of(control))); });
-    return WELKIN_OK;
-  });
+  return bake_now(lat_long, options, control, result);
 }
 
 welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
                                        const welkin_bake_options* options, const welkin_post_options* post,
                                        welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = cubemap_view(cubemap);
-    auto wanted = bake_options(options);
-    welkin::CubemapSource source(view, make_owner(std::move(posting.handed_over)));
-    welkin::c_interface::post(worker, welkin::Bake{std::move(source), std::move(wanted)}, posting, job);
-  });
+  return post_bake(worker, cubemap, options, post, job);
 }
 
 welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
                                         const welkin_bake_options* options, const welkin_post_options* post,
                                         welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = lat_long_view(lat_long);
-    auto wanted = bake_options(options);
-    welkin::LatLongSource source(view, make_owner(std::move(posting.handed_over)));
-    welkin::c_interface::post(worker, welkin::Bake{std::move(source), std::move(wanted)}, posting, job);
-  });
+  return post_bake(worker, lat_long, options, post, job);
 }
 
 welkin_status welkin_post_bake_cubemap_to(welkin_worker* worker, const welkin_cubemap* cubemap,
                                           const welkin_bake_options* options, const welkin_bake_targets* targets,
                                           const welkin_post_options* post, welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = cubemap_view(cubemap);
-    welkin::BakeTo request{welkin::CubemapSource(view, nullptr), bake_targets(targets), bake_options(options)};
-    request.owner = make_owner(std::move(posting.handed_over));
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
+  return post_bake_to(worker, cubemap, options, targets, post, job);
 }
 
 welkin_status welkin_post_bake_lat_long_to(welkin_worker* worker, const welkin_lat_long* lat_long,
                                            const welkin_bake_options* options, const welkin_bake_targets* targets,
                                            const welkin_post_options* post, welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = lat_long_view(lat_long);
-    welkin::BakeTo request{welkin::LatLongSource(view, nullptr), bake_targets(targets), bake_options(options)};
-    request.owner = make_owner(std::move(posting.handed_over));
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
+  return post_bake_to(worker, lat_long, options, targets, post, job);
 }
 
 welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result) {
@@ -559,7 +551,6 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
     const std::optional<double> error = light.irradiance_record.value_or(welkin::MipRecord{}).error_estimate;
     values.irradiance_error_estimate = error.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(info, values, "info");
-    return WELKIN_OK;
   });
 }
 
@@ -577,7 +568,6 @@ welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result
     const welkin::BakeResult& light = result_of(result);
     if (!light.radiance) refuse("the bake was asked for no harmonics");
     write_projection(projection, *light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -594,7 +584,6 @@ welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* resul
     const Target checked = image_target(target);
     require_size(checked, map.level_size(level), map.level_size(level));
     tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -604,6 +593,5 @@ welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, con
     const welkin::BakeResult& light = result_of(result);
     if (!light.brdf) refuse("the bake was asked for no BRDF table");
     tell(write_table(image_target(target), *light.brdf), values_clamped);
-    return WELKIN_OK;
   });
 }

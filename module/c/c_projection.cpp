@@ -32,7 +32,6 @@ welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_cou
     require_room(projection, wanted.bands);
     const auto light = welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -50,7 +49,6 @@ welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_co
     const auto sum = welkin::project_many(views, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
                                           control_of(control));
     if (totals != nullptr) write_diagnostics(totals, sum);
-    return WELKIN_OK;
   });
 }
 
@@ -61,7 +59,6 @@ welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long, const wel
     require_room(projection, wanted.bands);
     const auto light = welkin::project(lat_long_view(lat_long), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -100,7 +97,6 @@ welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radia
   return guarded([&] {
     require(irradiance, "irradiance");
     write_harmonics(welkin::irradiance_from_radiance(read_harmonics(bands, radiance, "radiance")), irradiance);
-    return WELKIN_OK;
   });
 }
 
@@ -109,7 +105,6 @@ welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const d
     const glm::dvec3 towards = read_triple(direction, "direction");
     require(value, "value");
     write_triple(welkin::evaluate(read_harmonics(bands, coefficients, "coefficients"), towards), value);
-    return WELKIN_OK;
   });
 }
 
@@ -120,7 +115,6 @@ welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficient
     require(turned, "turned");
     const welkin::Quaternion rotation{.w = quaternion[3], .x = quaternion[0], .y = quaternion[1], .z = quaternion[2]};
     write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
-    return WELKIN_OK;
   });
 }
 
@@ -131,7 +125,6 @@ welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, c
     const glm::dmat3 orthogonal(read_triple(matrix, "matrix"), read_triple(matrix + 3, "matrix"),
                                 read_triple(matrix + 6, "matrix"));
     write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
-    return WELKIN_OK;
   });
 }
 
@@ -155,7 +148,6 @@ welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_
       write_struct(report, values, "report");
     }
     write_harmonics(result.radiance, windowed);
-    return WELKIN_OK;
   });
 }
 
@@ -167,7 +159,6 @@ welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* 
     for (int channel = 0; directions != nullptr && channel < 3; ++channel) {
       write_triple(least.direction[channel], directions + 3 * channel);
     }
-    return WELKIN_OK;
   });
 }
 
@@ -175,7 +166,6 @@ welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* 
   return guarded([&] {
     require(exposure, "exposure");
     *exposure = welkin::exposure_of(read_harmonics(bands, radiance, "radiance"));
-    return WELKIN_OK;
   });
 }
 
@@ -190,7 +180,6 @@ welkin_status welkin_dominant_light(int32_t bands, const double* radiance, doubl
     write_triple(values.direction, direction);
     write_triple(values.irradiance, irradiance);
     *found = light ? 1 : 0;
-    return WELKIN_OK;
   });
 }
 
@@ -203,7 +192,6 @@ welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t bands, double*
     light.irradiance = read_triple(given.irradiance, "irradiance");
     light.solid_angle = given.solid_angle;
     write_harmonics(welkin::sun_harmonics(light, bands), coefficients);
-    return WELKIN_OK;
   });
 }
 
@@ -251,7 +239,6 @@ welkin_status write_form(Form form, int32_t bands, const double* radiance, welki
   return guarded([&] {
     const Engine wanted = enumerator("engine", engine, Engine::usd);
     write_struct(light, plain(form(read_harmonics(bands, radiance, "radiance"), wanted)), "light");
-    return WELKIN_OK;
   });
 }
 
@@ -282,52 +269,5 @@ welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* con
     write_matrix(known.from_welkin, values.from_welkin);
     if (known.faces_from_engine) write_matrix(*known.faces_from_engine, values.faces_from_engine);
     write_struct(convention, values, "convention");
-    return WELKIN_OK;
-  });
-}
-
-// Babylon.js's polynomial has the order of `welkin_engine_light::terms`: x y z xx yy zz yz zx xy.
-
-namespace {
-
-constexpr std::size_t kPolynomialTerms = 9;
-static_assert(sizeof(welkin::BabylonPolynomial) == kPolynomialTerms * sizeof(glm::dvec3));
-
-welkin_engine_light plain_polynomial(const welkin::BabylonPolynomial& polynomial) {
-  welkin_engine_light values{};
-  values.engine = WELKIN_ENGINE_BABYLON;
-  values.term_count = kPolynomialTerms;
-  const glm::dvec3 terms[kPolynomialTerms] = {polynomial.x,  polynomial.y,  polynomial.z,  polynomial.xx, polynomial.yy,
-                                              polynomial.zz, polynomial.yz, polynomial.zx, polynomial.xy};
-  for (std::size_t i = 0; i < kPolynomialTerms; ++i) write_triple(terms[i], values.terms[i]);
-  return values;
-}
-
-welkin::BabylonPolynomial polynomial_of(const welkin_engine_light* light) {
-  const auto given = read_known(light, "polynomial");
-  if (given.engine != WELKIN_ENGINE_BABYLON || given.term_count != kPolynomialTerms) {
-    refuse("polynomial is a light of engine " + std::to_string(given.engine) + " with " +
-           std::to_string(given.term_count) + " terms; it must be one of WELKIN_ENGINE_BABYLON with 9");
-  }
-  const auto term = [&](int i) { return read_triple(given.terms[i], "polynomial"); };
-  return {term(0), term(1), term(2), term(3), term(4), term(5), term(6), term(7), term(8)};
-}
-
-}  // namespace
-
-welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial) {
-  return guarded([&] {
-    const auto ambient = welkin::babylon_constant_polynomial(read_triple(colour, "colour"));
-    write_struct(polynomial, plain_polynomial(ambient), "polynomial");
-    return WELKIN_OK;
-  });
-}
-
-welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal, double* value) {
-  return guarded([&] {
-    const glm::dvec3 up = read_triple(normal, "normal");
-    require(value, "value");
-    write_triple(welkin::evaluate(polynomial_of(polynomial), up), value);
-    return WELKIN_OK;
   });
 }

@@ -105,19 +105,13 @@ const Atmosphere& air_of(const welkin_atmosphere* atmosphere) {
 }  // namespace welkin::c_interface
 
 welkin_status welkin_atmosphere_create(welkin_planet planet, welkin_atmosphere** atmosphere) {
-  return guarded([&] {
-    hand_out(atmosphere, "atmosphere", [&] { return new welkin_atmosphere{planet_of(planet)}; });
-    return WELKIN_OK;
-  });
+  return guarded_making(atmosphere, "atmosphere", [&] { return new welkin_atmosphere{planet_of(planet)}; });
 }
 
 welkin_status welkin_atmosphere_create_earth(const double* wavelengths_nm, int32_t count,
                                              welkin_atmosphere** atmosphere) {
-  return guarded([&] {
-    hand_out(atmosphere, "atmosphere", [&] {
-      return new welkin_atmosphere{welkin::earth(read_list(wavelengths_nm, count, kMostWavelengths, "wavelengths_nm"))};
-    });
-    return WELKIN_OK;
+  return guarded_making(atmosphere, "atmosphere", [&] {
+    return new welkin_atmosphere{welkin::earth(read_list(wavelengths_nm, count, kMostWavelengths, "wavelengths_nm"))};
   });
 }
 
@@ -128,7 +122,6 @@ welkin_status welkin_atmosphere_set_wavelengths(welkin_atmosphere* atmosphere, c
   return guarded([&] {
     welkin::Atmosphere& air = air_of(atmosphere);
     air.wavelengths_nm = read_list(wavelengths_nm, count, kMostWavelengths, "wavelengths_nm");
-    return WELKIN_OK;
   });
 }
 
@@ -146,7 +139,6 @@ welkin_status welkin_atmosphere_set_matter(welkin_atmosphere* atmosphere, welkin
       const auto number = static_cast<std::size_t>(matter - WELKIN_MATTER_ABSORBER);
       set_absorber(air, number, constituent != nullptr, std::move(wanted));
     }
-    return WELKIN_OK;
   });
 }
 
@@ -157,7 +149,6 @@ welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere,
     air.aerosol_phase = enumerator("phase", phase, welkin::AerosolPhase::henyey_greenstein);
     air.aerosol_asymmetry = asymmetry;
     air.aerosol_asymmetries.clear();
-    return WELKIN_OK;
   });
 }
 
@@ -167,15 +158,11 @@ welkin_status welkin_atmosphere_set_aerosol_asymmetries(welkin_atmosphere* atmos
     welkin::Atmosphere& air = air_of(atmosphere);
     air.aerosol_asymmetries =
         count == 0 ? std::vector<double>{} : read_list(asymmetries, count, kMostWavelengths, "asymmetries");
-    return WELKIN_OK;
   });
 }
 
 welkin_status welkin_atmosphere_set_night(welkin_atmosphere* atmosphere, double zenith_luminance) {
-  return guarded([&] {
-    air_of(atmosphere).night_zenith_luminance = zenith_luminance;
-    return WELKIN_OK;
-  });
+  return guarded([&] { air_of(atmosphere).night_zenith_luminance = zenith_luminance; });
 }
 
 welkin_status welkin_atmosphere_set_aerosol(welkin_atmosphere* atmosphere, double optical_depth,
@@ -187,7 +174,6 @@ welkin_status welkin_atmosphere_set_aerosol(welkin_atmosphere* atmosphere, doubl
                                      .angstrom_exponent = angstrom_exponent,
                                      .single_scattering_albedo = single_scattering_albedo,
                                      .asymmetry = asymmetry});
-    return WELKIN_OK;
   });
 }
 
@@ -196,7 +182,6 @@ welkin_status welkin_atmosphere_set_radii(welkin_atmosphere* atmosphere, double 
     welkin::Atmosphere& air = air_of(atmosphere);
     air.bottom_radius_m = bottom_m;
     air.top_radius_m = top_m;
-    return WELKIN_OK;
   });
 }
 
@@ -209,7 +194,6 @@ welkin_status welkin_atmosphere_set_ground_albedo(welkin_atmosphere* atmosphere,
     } else {
       air.ground_albedo = std::move(values);
     }
-    return WELKIN_OK;
   });
 }
 
@@ -219,22 +203,17 @@ welkin_status welkin_atmosphere_set_sun(welkin_atmosphere* atmosphere, const dou
     welkin::Atmosphere& air = air_of(atmosphere);
     air.solar_irradiance = read_list(irradiance, count, kMostWavelengths, "irradiance");
     air.sun_angular_radius_degrees = angular_radius_degrees;
-    return WELKIN_OK;
   });
 }
 
 welkin_status welkin_atmosphere_check(const welkin_atmosphere* atmosphere) {
-  return guarded([&] {
-    welkin::check(air_of(atmosphere));
-    return WELKIN_OK;
-  });
+  return guarded([&] { welkin::check(air_of(atmosphere)); });
 }
 
 welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction) {
   return guarded([&] {
     require(direction, "direction");
     write_triple(welkin::sun_direction(elevation_degrees, azimuth_degrees), direction);
-    return WELKIN_OK;
   });
 }
 
@@ -282,12 +261,9 @@ const TablesPointer& tables_of(const welkin_sky_tables* tables) {
 
 welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere, const welkin_sky_table_options* options,
                                        const welkin_control* control, welkin_sky_tables** tables) {
-  return guarded([&] {
-    hand_out(tables, "tables", [&] {
-      const welkin::PrecomputeSky call{air_of(atmosphere), table_options(options)};
-      return handle_of(call(control_of(control)));
-    });
-    return WELKIN_OK;
+  return guarded_making(tables, "tables", [&] {
+    const welkin::PrecomputeSky call{air_of(atmosphere), table_options(options)};
+    return handle_of(call(control_of(control)));
   });
 }
 
@@ -301,7 +277,6 @@ welkin_status welkin_sky_tables_get_info(const welkin_sky_tables* tables, welkin
     values.last_change = made.last_change;
     values.bytes = made.bytes();
     write_struct(info, values, "info");
-    return WELKIN_OK;
   });
 }
 
@@ -340,13 +315,10 @@ const SkyView& view_of(const welkin_sky_view* view) {
 
 welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
                                      const welkin_sky_view_options* options, welkin_sky_view** view) {
-  return guarded([&] {
-    hand_out(view, "view", [&] {
-      const auto given = read_options(options, "view options");
-      const welkin::SkyViewOptions wanted{!flag("without_ground", given.without_ground)};
-      return new welkin_sky_view{welkin::SkyView(tables_of(tables), altitude_m, wanted)};
-    });
-    return WELKIN_OK;
+  return guarded_making(view, "view", [&] {
+    const auto given = read_options(options, "view options");
+    const welkin::SkyViewOptions wanted{!flag("without_ground", given.without_ground)};
+    return new welkin_sky_view{welkin::SkyView(tables_of(tables), altitude_m, wanted)};
   });
 }
 
@@ -357,13 +329,12 @@ welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float*
   return guarded([&] {
     const welkin::SkyView& sky = view_of(view);
     const glm::dvec3 towards_sun = read_sun(sun);
-    if (count == 0) return WELKIN_OK;
+    if (count == 0) return;
     require(directions, "directions");
     require(rgb, "rgb");
     static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && alignof(glm::vec3) == alignof(float));
     sky.radiance(std::span(reinterpret_cast<const glm::vec3*>(directions), count), towards_sun,
                  std::span(reinterpret_cast<glm::vec3*>(rgb), count));
-    return WELKIN_OK;
   });
 }
 
@@ -377,7 +348,6 @@ welkin_status welkin_sky_view_sun(const welkin_sky_view* view, const double* sun
     values.solid_angle = seen.solid_angle;
     values.angular_radius_degrees = seen.angular_radius_degrees;
     write_struct(light, values, "light");
-    return WELKIN_OK;
   });
 }
 
@@ -385,7 +355,6 @@ welkin_status welkin_sky_view_irradiance(const welkin_sky_view* view, const doub
   return guarded([&] {
     require(irradiance, "irradiance");
     write_triple(view_of(view).irradiance(read_sun(sun)), irradiance);
-    return WELKIN_OK;
   });
 }
 
@@ -399,7 +368,6 @@ welkin_status welkin_sky_view_cubemap(const welkin_sky_view* view, const double*
     const Target checked = cubemap_target(target);
     const auto picture = welkin::sky_cubemap(sky, towards_sun, checked.width, wanted, control_of(control));
     tell(write_faces(checked, picture.view()), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -414,7 +382,6 @@ welkin_status welkin_sky_view_lat_long(const welkin_sky_view* view, const double
     require_size(checked, 2 * checked.height, checked.height);
     const auto picture = welkin::sky_lat_long(sky, towards_sun, checked.height, wanted, control_of(control));
     tell(write_picture(checked, 0, picture.pixels.data(), 3), values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -422,13 +389,10 @@ welkin_status welkin_sky_view_specular(const welkin_sky_view* view, const double
                                        const welkin_prefilter_options* options,
                                        const welkin_sky_picture_options* picture, const welkin_control* control,
                                        welkin_cubemap_chain** chain) {
-  return guarded([&] {
-    hand_out(chain, "chain", [&] {
-      const auto wanted = prefilter_options(options, kSkyReflections, false);
-      return new welkin_cubemap_chain(std::make_shared<const welkin::PrefilteredSpecular>(
-          welkin::sky_specular(view_of(view), read_sun(sun), wanted, picture_options(picture), control_of(control))));
-    });
-    return WELKIN_OK;
+  return guarded_making(chain, "chain", [&] {
+    const auto wanted = prefilter_options(options, kSkyReflections, false);
+    return new welkin_cubemap_chain(std::make_shared<const welkin::PrefilteredSpecular>(
+        welkin::sky_specular(view_of(view), read_sun(sun), wanted, picture_options(picture), control_of(control))));
   });
 }
 

@@ -95,18 +95,12 @@ SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options) {
 
 welkin_status welkin_sky_projector_create(const welkin_sky_view* view, const welkin_sky_harmonics_options* options,
                                           welkin_sky_projector** projector) {
-  return guarded([&] {
-    hand_out(projector, "projector",
-             [&] { return new welkin_sky_projector{welkin::SkyProjector(view_of(view), projector_options(options))}; });
-    return WELKIN_OK;
+  return guarded_making(projector, "projector", [&] {
+    return new welkin_sky_projector{welkin::SkyProjector(view_of(view), projector_options(options))};
   });
 }
 
 void welkin_sky_projector_destroy(welkin_sky_projector* projector) { destroy(projector); }
-
-int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector) {
-  return projector == nullptr ? 0 : projector->projector.options().bands;
-}
 
 welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
                                            double* coefficients) {
@@ -114,23 +108,17 @@ welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector
     require(projector, "projector");
     const auto place = triples(coefficients, projector->projector.options().bands);
     projector->projector.project(read_triple(sun, "sun"), place);
-    return WELKIN_OK;
   });
 }
 
 welkin_status welkin_sky_curve_create(const welkin_sky_view* view, const welkin_sky_harmonics_options* options,
                                       const welkin_control* control, welkin_sky_curve** curve) {
-  return guarded([&] {
-    hand_out(curve, "curve", [&] {
-      return new welkin_sky_curve{welkin::SkyCurve(view_of(view), curve_options(options), control_of(control))};
-    });
-    return WELKIN_OK;
+  return guarded_making(curve, "curve", [&] {
+    return new welkin_sky_curve{welkin::SkyCurve(view_of(view), curve_options(options), control_of(control))};
   });
 }
 
 void welkin_sky_curve_destroy(welkin_sky_curve* curve) { destroy(curve); }
-
-int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve) { return curve == nullptr ? 0 : curve->curve.bands(); }
 
 welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
                                   double* sun_irradiance) {
@@ -139,7 +127,6 @@ welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* s
     const glm::dvec3 towards_sun = read_triple(sun, "sun");
     light.at(towards_sun, triples(coefficients, light.bands()));
     if (sun_irradiance != nullptr) write_triple(light.sun_irradiance(towards_sun), sun_irradiance);
-    return WELKIN_OK;
   });
 }
 
@@ -239,54 +226,36 @@ void write_frame(const welkin_sky_light& sky, const SkyLightFrame& light, welkin
 
 welkin_status welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
                                       const welkin_sky_light_options* options, welkin_sky_light** light) {
-  return guarded([&] {
-    hand_out(light, "light", [&] {
-      require(worker, "worker");
-      return new welkin_sky_light(worker->worker, air_of(atmosphere), light_options(options));
-    });
-    return WELKIN_OK;
+  return guarded_making(light, "light", [&] {
+    require(worker, "worker");
+    return new welkin_sky_light(worker->worker, air_of(atmosphere), light_options(options));
   });
 }
 
 welkin_status welkin_sky_light_create_with_tables(welkin_worker* worker, const welkin_sky_tables* tables,
                                                   const welkin_sky_light_options* options, welkin_sky_light** light) {
-  return guarded([&] {
-    hand_out(light, "light", [&] {
-      require(worker, "worker");
-      return new welkin_sky_light(worker->worker, tables_of(tables), light_options(options));
-    });
-    return WELKIN_OK;
+  return guarded_making(light, "light", [&] {
+    require(worker, "worker");
+    return new welkin_sky_light(worker->worker, tables_of(tables), light_options(options));
   });
 }
 
 void welkin_sky_light_destroy(welkin_sky_light* light) { destroy(light); }
 
 welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun) {
-  return guarded([&] {
-    light_of(light).set_sun(read_triple(sun, "sun"));
-    return WELKIN_OK;
-  });
+  return guarded([&] { light_of(light).set_sun(read_triple(sun, "sun")); });
 }
 
 welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity) {
-  return guarded([&] {
-    light_of(light).set_intensity(intensity);
-    return WELKIN_OK;
-  });
+  return guarded([&] { light_of(light).set_intensity(intensity); });
 }
 
 welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m) {
-  return guarded([&] {
-    light_of(light).set_altitude(altitude_m);
-    return WELKIN_OK;
-  });
+  return guarded([&] { light_of(light).set_altitude(altitude_m); });
 }
 
 welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere) {
-  return guarded([&] {
-    light_of(light).set_atmosphere(air_of(atmosphere));
-    return WELKIN_OK;
-  });
+  return guarded([&] { light_of(light).set_atmosphere(air_of(atmosphere)); });
 }
 
 welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame) {
@@ -296,7 +265,6 @@ welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, w
     const auto& now = light_of(light).update(seconds);
     lend(*light, now);
     write_frame(*light, now, frame);
-    return WELKIN_OK;
   });
 }
 
@@ -318,7 +286,6 @@ welkin_status welkin_sky_light_get_counters(const welkin_sky_light* light, welki
     values.given_up = now.given_up;
     values.failures = now.failures;
     write_struct(counters, values, "counters");
-    return WELKIN_OK;
   });
 }
 

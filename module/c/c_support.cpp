@@ -184,7 +184,6 @@ welkin_status welkin_control_report_progress(const welkin_control* control, doub
     if (!(done >= 0.0 && done <= 1.0))
       refuse("done is " + welkin::platform::number_text(done) + "; it must be from 0 to 1");
     if (control->control.progress) control->control.progress(done);
-    return WELKIN_OK;
   });
 }
 

@@ -65,11 +65,16 @@ void clear_last_error() noexcept;
 void require(const void* pointer, const char* name);
 
 /// Around the body of an entry that can fail and that calls the caller's own functions, which keep the caller's
-/// floating-point environment; the body returns a status.
+/// floating-point environment. The body returns a status, or nothing for WELKIN_OK.
 template <class Body>
 welkin_status guarded_as_called(const Body& body) noexcept {
   try {
-    return body();
+    if constexpr (std::is_void_v<std::invoke_result_t<Body>>) {
+      body();
+      return WELKIN_OK;
+    } else {
+      return body();
+    }
   } catch (...) {
     return set_last_error_from_exception();
   }

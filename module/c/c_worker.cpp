@@ -12,9 +12,6 @@
 namespace welkin::c_interface {
 namespace {
 
-static_assert(WELKIN_OVERFLOW_REFUSE == static_cast<int>(OverflowPolicy::refuse));
-static_assert(WELKIN_OVERFLOW_DROP_OLDEST == static_cast<int>(OverflowPolicy::drop_oldest));
-
 ThreadPriority thread_priority_of(welkin_thread_priority priority) {
   switch (priority) {
     case WELKIN_THREAD_PRIORITY_DEFAULT: return WorkerOptions().thread_priority;
@@ -30,7 +27,6 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
   WorkerOptions wanted;
   wanted.threads = given.threads;
   wanted.thread_priority = thread_priority_of(given.thread_priority);
-  wanted.overflow = enumerator("overflow", given.overflow, OverflowPolicy::drop_oldest);
   if (given.name != nullptr) wanted.name = given.name;
   wanted.executor = executor_of(given.enqueue, given.enqueue_user, given.threads);
   if (given.max_jobs != 0) wanted.max_jobs = given.max_jobs;
@@ -53,22 +49,17 @@ welkin_status welkin_worker_create(const welkin_worker_options* options, welkin_
     require(worker, "worker");
     *worker = nullptr;
     *worker = std::make_unique<welkin_worker>(worker_options(options)).release();
-    return WELKIN_OK;
   });
 }
 
 void welkin_worker_destroy(welkin_worker* worker) {
-  guarded([&] {
-    const std::unique_ptr<welkin_worker> gone(worker);
-    return WELKIN_OK;
-  });
+  guarded([&] { const std::unique_ptr<welkin_worker> gone(worker); });
 }
 
 welkin_status welkin_worker_terminate(welkin_worker* worker) {
   return guarded([&] {
     require(worker, "worker");
     worker->worker.terminate();
-    return WELKIN_OK;
   });
 }
 
@@ -76,7 +67,6 @@ welkin_status welkin_worker_wait_until_idle(welkin_worker* worker) {
   return guarded([&] {
     require(worker, "worker");
     worker->worker.wait_until_idle();
-    return WELKIN_OK;
   });
 }
 
@@ -85,7 +75,6 @@ welkin_status welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanosec
     require(worker, "worker");
     const std::size_t count = worker->worker.drain(budget(budget_nanoseconds));
     if (called != nullptr) *called = count;
-    return WELKIN_OK;
   });
 }
 
@@ -102,7 +91,6 @@ welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_
     values.bytes = now.bytes;
     values.oldest_wait_nanoseconds = static_cast<std::uint64_t>(now.oldest_wait.count());
     write_struct(load, values, "load");
-    return WELKIN_OK;
   });
 }
 
@@ -212,7 +200,6 @@ welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up) {
     require(job, "job");
     const bool by_this_call = job->handle().cancel();
     if (given_up != nullptr) *given_up = by_this_call ? 1 : 0;
-    return WELKIN_OK;
   });
 }
 
@@ -221,7 +208,6 @@ welkin_status welkin_job_get_priority(const welkin_job* job, welkin_priority* pr
     require(job, "job");
     require(priority, "priority");
     *priority = number_of(job->handle().priority());
-    return WELKIN_OK;
   });
 }
 
@@ -229,7 +215,6 @@ welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority)
   return guarded([&] {
     require(job, "job");
     job->handle().set_priority(priority_of(priority));
-    return WELKIN_OK;
   });
 }
 

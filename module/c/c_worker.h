@@ -157,6 +157,12 @@ void hand_out(Handle** made, const char* name, const Make& make) {
   *made = make();
 }
 
+/// Around the body of an entry that makes a handle.
+template <class Handle, class Make>
+welkin_status guarded_making(Handle** made, const char* name, const Make& make) noexcept {
+  return guarded([&] { hand_out(made, name, make); });
+}
+
 /// The same of a job's result.
 template <class Result, class Handle, class Make>
 welkin_status hand_out_result(const welkin_job* job, Handle** made, const char* what, const Make& make) noexcept {
@@ -168,10 +174,7 @@ welkin_status hand_out_result(const welkin_job* job, Handle** made, const char* 
 /// Memory of a destroyed handle comes back here; nothing is thrown.
 template <class Handle>
 void destroy(Handle* handle) noexcept {
-  static_cast<void>(guarded([&] {
-    const std::unique_ptr<Handle> gone(handle);
-    return WELKIN_OK;
-  }));
+  static_cast<void>(guarded([&] { const std::unique_ptr<Handle> gone(handle); }));
 }
 
 // What is asked of a prefilter, a bake and a sky. These throw `Error` (invalid_argument), for null handles too.
@@ -200,6 +203,17 @@ inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's
 /// As `WorkerOptions` wants it, for so many tasks at once; null if `enqueue` is null.
 [[nodiscard]] std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user,
                                                     int concurrency);
+
+// Pixels of either kind, by overloads.
+
+[[nodiscard]] inline CubemapView pixels_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap); }
+[[nodiscard]] inline LatLongView pixels_view(const welkin_lat_long* lat_long) { return lat_long_view(lat_long); }
+[[nodiscard]] inline CubemapSource source_of(const CubemapView& view, std::shared_ptr<const void> owner) {
+  return {view, std::move(owner)};
+}
+[[nodiscard]] inline LatLongSource source_of(const LatLongView& view, std::shared_ptr<const void> owner) {
+  return {view, std::move(owner)};
+}
 
 // Posting: what is handed over is given back whatever happens, and nothing fails any more once a job is posted.
 
@@ -267,7 +281,6 @@ template <class Body>
     Posting posting(options);
     require(worker, "worker");
     body(posting);
-    return WELKIN_OK;
   });
 }
 

@@ -27,7 +27,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   writer.put(name(mip.method));
   if (plan.family != LobeFamily::ggx) {
     // All lobes of a chain decide together which texels are taken out and how many bands there are.
-    writer.put(1);  // the version of its bits
     writer.put(plan.family);
     writer.put(plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
@@ -35,7 +34,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   } else if (mip.method == MipMethod::spectral) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(4);  // the version of its bits
     writer.put(plan.bounds.rms);
     writer.put(plan.bounds.maximum);
     writer.put(plan.may_integrate);
@@ -47,7 +45,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     }
   }
   if (mip.method == MipMethod::narrow) {
-    writer.put(3);  // the version of its bits
     // All narrow mips of a chain share a transform; the reach decides which lights near by are merged.
     writer.put(reflections::narrow_reach(plan));
     writer.put(plan.narrow_size);
@@ -226,12 +223,10 @@ class BakeEntries final : public baking::ArtefactStore {
       background_ = {EntryKind::cubemap, cache::result_key("bake background", {source_, pixels, background})};
     }
     if (options.irradiance) {
-      // From harmonics its bits are those of the first of all bands that are projected.
       const bool pixels_alone = plan.convolves();
       const double error = plan.irradiance == IrradianceMethod::automatic ? options.irradiance->rms_error : 0.0;
       const ContentHash irradiance =
-          hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands,
-                  pixels_alone ? 0 : plan.projecting.bands, error);
+          hash_of(options.irradiance->size, plan.irradiance, pixels_alone ? 0 : options.bands, error);
       irradiance_ = {EntryKind::specular_mip,
                      cache::result_key("bake irradiance", {source_, pixels, irradiance, shared_key(plan)})};
     }

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "reflections/prefilter_plan.h"
-#include "sky/table_sizes.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::cache {
@@ -241,35 +240,6 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
   return if_complete(loader, std::shared_ptr<const projection::FaceSums>(std::move(sums)));
 }
 
-Bytes encode(const SkyTables& tables) {
-  Saver saver(tables.bytes());
-  saver(tables.orders, tables.last_change);
-  saver.list(tables.passes);
-  for (const auto* values : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
-    saver.floats(*values);
-  }
-  return saver.writer.take();
-}
-
-std::optional<SkyTables> decode_sky_tables(ByteSpan bytes, const Atmosphere& atmosphere,
-                                           const SkyTableOptions& options) {
-  Loader loader(bytes);
-  SkyTables tables;
-  tables.atmosphere = atmosphere;
-  tables.options = options;
-  loader(tables.orders, tables.last_change);
-  loader.list(tables.passes);
-  for (auto* values : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
-    loader.floats(*values);
-  }
-  const bool as_asked = tables.transmittance.size() == sky::transmittance_floats(options) &&
-                        tables.scattering.size() == 4 * sky::scattering_texels(options) &&
-                        tables.single_mie.size() == sky::single_mie_floats(atmosphere, options) &&
-                        tables.irradiance.size() == sky::irradiance_floats(options);
-  if (!as_asked) return std::nullopt;
-  return if_complete(loader, std::move(tables));
-}
-
 }  // namespace welkin::cache
 
 namespace welkin {
@@ -349,15 +319,9 @@ ContentHash hash_options(const PrefilterOptions& options) {
   const reflections::ErrorBounds bounds = reflections::bounds_of(options);
   static_cast<void>(rms_error);
   static_cast<void>(maximum_error);
-  // Stand where options stood once, so that recorded hashes stay the same.
-  constexpr int removed = 0;
-  constexpr int removed_samples = 1024;
   OptionWriter writer("prefilter");
-  writer.all(size, mips.value_or(0), roughness, removed, removed, method, bounds.rms, bounds.maximum, removed_samples,
+  writer.all(size, mips.value_or(0), roughness, lobe_roughness, lobe, spectra, method, bounds.rms, bounds.maximum,
              cache::pixel_key(pixels));
-  if (!lobe_roughness.empty()) writer.all(lobe_roughness);
-  if (lobe != LobeFamily::ggx) writer.all(lobe);
-  for (const std::vector<double>& spectrum : spectra) writer.all(spectrum);
   return writer.hash();
 }
 
@@ -369,7 +333,8 @@ ContentHash hash_options(const BrdfTableOptions& options) {
 }
 
 ContentHash hash_options(const BakeOptions& options) {
-  const auto& [background, specular, octahedral, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
+  const auto& [background, specular, octahedral, irradiance, bands, total_radiance, brdf, pixels, memory_limit_bytes] =
+      options;
   static_cast<void>(memory_limit_bytes);
   const auto& [background_size, background_mips, mip_filter] = background.value_or(BackgroundOptions{});
   const auto& [irradiance_size, irradiance_method, irradiance_error] = irradiance.value_or(IrradianceOptions{});
@@ -381,11 +346,9 @@ ContentHash hash_options(const BakeOptions& options) {
   }
   std::optional<ContentHash> table;
   if (brdf) table = hash_options(*brdf);
-  constexpr int removed = 0;  // these stand where two options stood once, as in a prefilter's hash
-  constexpr bool removed_flag = true;
   OptionWriter writer("bake");
   writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
-             irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, removed, removed_flag, table,
+             irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, total_radiance, table,
              cache::pixel_key(pixels));
   if (octahedral) {
     const auto& [size, levels, border] = *octahedral;
@@ -398,8 +361,7 @@ ContentHash hash_options(const ReadOptions& options) {
   const auto& [layout, part, layer, level, element, transfer, primaries, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("read");
-  writer.all(layout, part, layer, level, transfer, primaries);
-  if (element != 0) writer.all(element);
+  writer.all(layout, part, layer, level, element, transfer, primaries);
   return writer.hash();
 }
 
@@ -408,7 +370,7 @@ ContentHash hash_options(const SkyTableOptions& options) {
                irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
                exact_orders, colour, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
-  OptionWriter writer("sky tables, all orders");  // another name for other bits of the same options
+  OptionWriter writer("sky tables");
   writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
              irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
              exact_orders, colour);

@@ -174,8 +174,6 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 [[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels, const std::vector<float>& energies = {});
 [[nodiscard]] Bytes encode(const projection::FaceSums& sums);
 [[nodiscard]] Bytes encode(const OctahedralMap& map);
-/// Without atmosphere and options, which whoever asks has.
-[[nodiscard]] Bytes encode(const SkyTables& tables);
 
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
 [[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
@@ -188,9 +186,6 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
                                                   std::vector<float>* energies = nullptr);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
                                                                                           std::size_t tiles);
-/// With their atmosphere and options.
-[[nodiscard]] std::optional<SkyTables> decode_sky_tables(ByteSpan bytes, const Atmosphere& atmosphere,
-                                                         const SkyTableOptions& options);
 
 // What passes over the pixels have in common.
 
@@ -199,10 +194,10 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 
 // The name under which a result is kept.
 
-/// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits, of their
-/// form as bytes, or of the files and previews of `welkin bake`.
+/// The key of a result of this version. `what`: the call. The number is the one version of all keys: raise it with
+/// every change of results' bits, of their form as bytes, or of the files and previews of `welkin bake`.
 [[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
-  const std::string call = what + " " WELKIN_VERSION_STRING " 7";
+  const std::string call = what + " " WELKIN_VERSION_STRING " 8";
   std::vector<ContentHash> all{hash_bytes(call.data(), call.size())};
   all.insert(all.end(), parts);
   return combine(all);

@@ -14,6 +14,7 @@
 #include "projection/project.h"
 #include "projection/sanitizer.h"
 #include "reflections/prefilter.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 #include "welkin/result_cache.h"
@@ -227,6 +228,36 @@ PrefilteredSpecular ResultCache::prefilter_specular(const LatLongView& source, c
   return prefilter_view(source, options, control);
 }
 
+namespace {
+
+// An entry of sky tables is a file of them.
+
+cache::Bytes encode_sky(const SkyTables& tables) {
+  std::vector<std::byte> file;
+  save_sky_tables(tables, {file, "sky tables"});
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(file.data());
+  return {first, first + file.size()};
+}
+
+/// With the caller's atmosphere and options.
+std::optional<SkyTables> decode_sky(cache::ByteSpan entry, const Atmosphere& atmosphere,
+                                    const SkyTableOptions& options) {
+  try {
+    SkyTables tables = load_sky_tables({std::as_bytes(entry), "sky tables"}, options.memory_limit_bytes);
+    if (hash_options(tables.atmosphere) != hash_options(atmosphere) ||
+        hash_options(tables.options) != hash_options(options))
+      return std::nullopt;
+    tables.atmosphere = atmosphere;
+    tables.options = options;
+    tables.passes.clear();
+    return tables;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options,
                                       const Control& control) {
   const platform::FloatingPointScope floating_point;
@@ -235,14 +266,16 @@ SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTab
   // Checks the arguments; what is refused without a cache is refused here.
   const std::uint64_t most_bytes = sky_table_bytes(atmosphere, options);
   const bool within_limit = most_bytes <= options.memory_limit_bytes;
-  const auto decode = [&](cache::ByteSpan entry) { return cache::decode_sky_tables(entry, atmosphere, options); };
+  const auto decode = [&](cache::ByteSpan entry) { return decode_sky(entry, atmosphere, options); };
   if (auto found = within_limit ? store_->find(name, most_bytes + cache::kSmallPayload, decode) : std::nullopt) {
     cache::mark_reused(found->value.passes, found->where, found->milliseconds);
     finished(control);
     return std::move(found->value);
   }
   SkyTables tables = welkin::precompute_sky(atmosphere, options, control);
-  store_->store(name, [&] { return cache::encode(tables); });
+  std::string planet = std::exchange(tables.atmosphere.name, {});  // no part of the key
+  store_->store(name, [&] { return encode_sky(tables); });
+  tables.atmosphere.name = std::move(planet);
   return tables;
 }
 

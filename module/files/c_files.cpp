@@ -69,7 +69,6 @@ welkin_status welkin_project_file(const char* path, const welkin_read_options* r
     require_room(projection, wanted.bands);
     const auto light = welkin::project_file(file, file_options(read_options), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
-    return WELKIN_OK;
   });
 }
 
@@ -85,12 +84,9 @@ welkin_status welkin_post_project_file(welkin_worker* worker, const char* path, 
 welkin_status welkin_bake_file(const char* path, const welkin_read_options* read_options,
                                const welkin_bake_options* options, const welkin_control* control,
                                welkin_bake_result** result) {
-  return guarded([&] {
-    hand_out(result, "result", [&] {
-      const welkin::BakeFile call{file_path(path), file_options(read_options), bake_options(options)};
-      return new welkin_bake_result(call(control_of(control)));
-    });
-    return WELKIN_OK;
+  return guarded_making(result, "result", [&] {
+    const welkin::BakeFile call{file_path(path), file_options(read_options), bake_options(options)};
+    return new welkin_bake_result(call(control_of(control)));
   });
 }
 
@@ -180,7 +176,6 @@ welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips,
     const auto views = cubemap_views(mips, mip_count);
     tell(welkin::write_texture(file, views, texture_options(options), control_of(control)).values_clamped,
          values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -193,7 +188,6 @@ welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* c
     auto wanted = texture_options(options);
     if (!given.mips.empty()) wanted.metadata["welkin.roughness"] = roughness_text(given.mips);
     tell(welkin::write_texture(file, given.levels, wanted, control_of(control)).values_clamped, values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -206,7 +200,6 @@ welkin_status welkin_write_flat_texture(const char* path, int32_t width, int32_t
     const auto report =
         welkin::write_texture_2d(file, width, height, rgb, texture_options(options), control_of(control));
     tell(report.values_clamped, values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -220,7 +213,6 @@ welkin_status welkin_write_babylon_environment(const char* path, const welkin_cu
     const auto report =
         welkin::write_babylon_environment(file, welkin::to_babylon(copy_of(chain), light), control_of(control));
     tell(report.values_clamped, values_clamped);
-    return WELKIN_OK;
   });
 }
 
@@ -230,18 +222,14 @@ welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char
   return guarded([&] {
     const auto file = file_path(path);
     welkin::save_sky_tables(*tables_of(tables), file);
-    return WELKIN_OK;
   });
 }
 
 welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes, welkin_sky_tables** tables) {
-  return guarded([&] {
-    hand_out(tables, "tables", [&] {
-      const auto file = file_path(path);
-      auto loaded =
-          memory_limit_bytes == 0 ? welkin::load_sky_tables(file) : welkin::load_sky_tables(file, memory_limit_bytes);
-      return new welkin_sky_tables{std::make_shared<const welkin::SkyTables>(std::move(loaded))};
-    });
-    return WELKIN_OK;
+  return guarded_making(tables, "tables", [&] {
+    const auto file = file_path(path);
+    auto loaded =
+        memory_limit_bytes == 0 ? welkin::load_sky_tables(file) : welkin::load_sky_tables(file, memory_limit_bytes);
+    return new welkin_sky_tables{std::make_shared<const welkin::SkyTables>(std::move(loaded))};
   });
 }

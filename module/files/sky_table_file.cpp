@@ -27,8 +27,6 @@ using platform::ByteFile;
 using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
-/// 1 had a table of single Mie scattering for air without aerosol too; 2 had other suns at its nodes; 4 had no glow of
-/// narrow lobes and other views of thin shells; 6 had the nodes of small tables at all sizes.
 constexpr std::uint32_t kVersion = 7;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum

@@ -150,10 +150,6 @@ bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
          options.pixels.infinity == NonFinitePolicy::reject;
 }
 
-UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
-  return baking::unused_mips(file.roughness, *needs.glossy);
-}
-
 bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
   if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
   if (options.specular->lobe != LobeFamily::ggx) return false;  // what files carry is of GGX
@@ -167,9 +163,9 @@ baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds
   if (file.has_polynomial) kinds.harmonics_bands = 3;
   if (file.content == LevelContent::radiance) kinds.background_levels = file.levels;
   if (!takes_specular(file, needs, options)) return kinds;
-  const UnusedMips unused = unused_of(file, needs);
-  kinds.specular_mips = file.levels - unused.sharp - unused.rough;
-  kinds.specular_size = std::max(1, file.shape.columns >> unused.sharp);
+  const auto [first, count] = baking::used_mips(file.roughness, *needs.glossy);
+  kinds.specular_mips = count;
+  kinds.specular_size = std::max(1, file.shape.columns >> first);
   return kinds;
 }
 
@@ -220,7 +216,7 @@ Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOpti
   const baking::StoredKinds kinds = files::stored_kinds(file, needs, needed.options);
   Plan plan = files::plan_with(file, needed, kinds);
   if (plan.take_specular) {
-    plan.first_stored_mip = files::unused_of(file, needs).sharp;
+    plan.first_stored_mip = baking::used_mips(file.roughness, *needs.glossy).first;
     plan.stored_mips = kinds.specular_mips;
   }
   return plan;

@@ -4,6 +4,8 @@
 // columns: with q0 to q3 the four texels' weighted sums, red to blue = (q0 + q2) + (q1 + q3).
 #include "image/image_kernels.h"
 
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "simd/vec.h"
@@ -386,6 +388,49 @@ float read_all(const float* values, std::int64_t groups) {
   return total;
 }
 
+// Plain loops, which the compiler vectorises; `half_from_float` and `float_from_half` are the same for one value.
+
+std::uint32_t bits_of(float value) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+float float_of(std::uint32_t bits) {
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+int halves_of_floats(const float* values, int count, std::uint16_t* halves) {
+  constexpr float largest = 65504.0F;
+  constexpr float least_normal = 0x1p-14F;
+  constexpr std::uint32_t bits_of_half = 0x3F000000U;  // 0.5, whose last place is the least half
+  int changed = 0;
+  for (int k = 0; k < count; ++k) {
+    const auto bits = bits_of(values[k]);
+    const float whole = float_of(bits & 0x7FFFFFFFU);
+    changed += whole <= largest ? 0 : 1;
+    const float magnitude = whole <= largest ? whole : largest;
+    const auto number = bits_of(magnitude);
+    const std::uint32_t normal = (number - 0x38000000U + 0xFFFU + ((number >> 13U) & 1U)) >> 13U;
+    const std::uint32_t denormal = bits_of(magnitude + 0.5F) - bits_of_half;
+    const std::uint32_t half = (magnitude < least_normal ? denormal : normal) | ((bits >> 16U) & 0x8000U);
+    halves[k] = static_cast<std::uint16_t>(values[k] == values[k] ? half : 0U);
+  }
+  return changed;
+}
+
+void floats_of_halves(const std::uint16_t* halves, int count, float* values) {
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t magnitude = halves[k] & 0x7FFFU;
+    const std::uint32_t sign = (halves[k] & 0x8000U) << 16U;
+    const float scaled = float_of(magnitude << 13U) * 0x1p112F;
+    const std::uint32_t beyond = 0x7F800000U | (magnitude << 13U);  // infinite, or no number
+    values[k] = float_of(sign | (magnitude >= 0x7C00U ? beyond : bits_of(scaled)));
+  }
+}
+
 }  // namespace
 
 const ImageKernels image_kernels_table = {
@@ -396,6 +441,8 @@ const ImageKernels image_kernels_table = {
     .sample_patches = sample_patches,
     .reduce_pairs = reduce_pairs,
     .weigh_tile = weigh_tile,
+    .halves_of_floats = halves_of_floats,
+    .floats_of_halves = floats_of_halves,
     .read_all = read_all,
 };
 

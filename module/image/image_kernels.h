@@ -101,6 +101,12 @@ struct TileRun {
 /// begins at the height where the one before it ends.
 using WeighTile = double (*)(const TileRun& run, float* weights);
 
+/// Bits of the halves nearest to `count` values. Values beyond 65504 become that, NaN becomes 0; returns how many did.
+using HalvesOfFloats = int (*)(const float* values, int count, std::uint16_t* halves);
+
+/// Values of halves by their bits.
+using FloatsOfHalves = void (*)(const std::uint16_t* halves, int count, float* values);
+
 /// Adds up 16 `groups` floats, as fast as memory gives them: the yardstick for bandwidth.
 using ReadAll = float (*)(const float* values, std::int64_t groups);
 
@@ -112,6 +118,8 @@ struct ImageKernels {
   SamplePatches sample_patches;
   ReducePairs reduce_pairs;
   WeighTile weigh_tile;
+  HalvesOfFloats halves_of_floats;
+  FloatsOfHalves floats_of_halves;
   ReadAll read_all;
 };
 WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)

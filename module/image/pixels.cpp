@@ -9,6 +9,7 @@
 #include <string>
 
 #include "image/area_resampling.h"
+#include "image/image_kernels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
@@ -72,10 +73,20 @@ void decode_linear_bytes(const void* texels, int count, float* rgb) noexcept {
   for (int k = 0; k < 3 * count; ++k) rgb[k] = unit_from_byte(from[k]);
 }
 
+constexpr int kHalvesBlock = 64;  ///< texels that are converted at a time
+
 void decode_half(const void* texels, int channels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint16_t*>(texels);
-  for (int i = 0; i < count; ++i, from += channels, rgb += 3) {
-    for (int c = 0; c < 3; ++c) rgb[c] = float_from_half(from[c]);
+  constexpr int few = 4;
+  for (; count <= few && count > 0; --count, from += channels)
+    rgb = std::transform(from, from + 3, rgb, float_from_half);
+  if (channels == 3) return image_kernels().floats_of_halves(from, 3 * count, rgb);
+  std::array<float, 4 * kHalvesBlock> block;
+  for (int first = 0; first < count; first += kHalvesBlock, from += 4 * kHalvesBlock) {
+    const int here = std::min(kHalvesBlock, count - first);
+    image_kernels().floats_of_halves(from, 4 * here, block.data());
+    for (const float* texel = block.data(); texel != block.data() + 4 * here; texel += 4)
+      rgb = std::copy_n(texel, 3, rgb);
   }
 }
 
@@ -111,41 +122,64 @@ std::uint16_t half_from_float(float value) noexcept {
 
 namespace {
 
-std::uint16_t bounded_half(float value, std::uint64_t& changed) noexcept {
-  constexpr float kLargestHalf = 65504.0F;
-  if (value >= -kLargestHalf && value <= kLargestHalf) return half_from_float(value);
-  ++changed;
-  return value == value ? half_from_float(value) : std::uint16_t{0};
+template <int Channels, int Targets, class Channel>
+void write_texels(const Channel* values, std::size_t count, Channel one, std::byte* place) noexcept {
+  constexpr std::size_t own = std::min(Channels, Targets) * sizeof(Channel);
+  constexpr std::size_t whole = Targets * sizeof(Channel);
+  constexpr std::size_t first = std::min(Channels, Targets);
+  const std::array<Channel, 5> rest{Channel{}, Channel{}, Channel{}, one};
+  for (std::size_t i = 0; i < count; ++i, values += Channels, place += whole) {
+    std::memcpy(place, values, own);
+    std::memcpy(place + own, rest.data() + first, whole - own);
+  }
 }
 
-template <class Channel, class Convert>
-void write_texels(const float* values, int channels, std::size_t count, int target_channels, Channel one, void* texels,
-                  const Convert& convert) noexcept {
-  const int common = std::min(channels, target_channels);
-  const std::size_t bytes = static_cast<std::size_t>(target_channels) * sizeof(Channel);
-  auto* place = static_cast<std::byte*>(texels);
-  std::array<Channel, 4> texel{Channel{}, Channel{}, Channel{}, one};
-  for (std::size_t i = 0; i < count; ++i, values += channels, place += bytes) {
-    for (int c = 0; c < common; ++c) texel[static_cast<std::size_t>(c)] = convert(values[c]);
-    std::memcpy(place, texel.data(), bytes);
+/// Copies of a length that is not known take several times as long.
+template <class Channel>
+void write_texels(const Channel* values, int channels, std::size_t count, int targets, Channel one,
+                  std::byte* place) noexcept {
+  if (channels == targets) {
+    std::memcpy(place, values, count * static_cast<std::size_t>(channels) * sizeof(Channel));
+  } else if (channels == 3) {
+    targets == 4 ? write_texels<3, 4>(values, count, one, place) : write_texels<3, 2>(values, count, one, place);
+  } else {
+    targets == 4 ? write_texels<2, 4>(values, count, one, place) : write_texels<2, 3>(values, count, one, place);
   }
+}
+
+std::uint64_t write_halves(const float* values, int channels, std::size_t count, TexelLayout layout,
+                           std::byte* place) noexcept {
+  constexpr std::uint16_t one = 0x3C00;
+  const int kept = std::min(channels, layout.channels);
+  std::array<float, 4 * kHalvesBlock> block;
+  std::array<std::uint16_t, 4 * kHalvesBlock> halves;
+  std::uint64_t changed = 0;
+  for (std::size_t first = 0; first < count; first += kHalvesBlock) {
+    const std::size_t here = std::min<std::size_t>(kHalvesBlock, count - first);
+    const int numbers = kept * static_cast<int>(here);
+    const float* from = values;
+    if (kept < channels) {  // what is not written is not counted
+      for (std::size_t i = 0; i < here; ++i)
+        std::copy_n(values + i * static_cast<std::size_t>(channels), kept,
+                    block.data() + i * static_cast<std::size_t>(kept));
+      from = block.data();
+    }
+    changed += static_cast<std::uint64_t>(image_kernels().halves_of_floats(from, numbers, halves.data()));
+    write_texels(halves.data(), kept, here, layout.channels, one, place);
+    values += here * static_cast<std::size_t>(channels);
+    place += here * layout.texel_bytes();
+  }
+  return changed;
 }
 
 }  // namespace
 
 std::uint64_t encode_texels(const float* values, int channels, std::size_t count, TexelLayout layout,
                             void* texels) noexcept {
-  std::uint64_t changed = 0;
-  if (layout.halves) {
-    constexpr std::uint16_t one = 0x3C00;
-    write_texels(values, channels, count, layout.channels, one, texels,
-                 [&changed](float value) { return bounded_half(value, changed); });
-  } else if (layout.channels == channels) {
-    std::memcpy(texels, values, count * layout.texel_bytes());
-  } else {
-    write_texels(values, channels, count, layout.channels, 1.0F, texels, [](float value) { return value; });
-  }
-  return changed;
+  auto* const place = static_cast<std::byte*>(texels);
+  if (layout.halves) return write_halves(values, channels, count, layout, place);
+  write_texels(values, channels, count, layout.channels, 1.0F, place);
+  return 0;
 }
 
 double linear_from_srgb(double encoded) noexcept {
@@ -317,27 +351,9 @@ void check_view(const LatLongView& lat_long) {
 
 namespace welkin {
 
-namespace {
-
-struct Extent {
-  std::size_t bytes;
-  std::size_t alignment;
-};
-
-/// Returns what a chain asks a resource for. Large chains in the process's own memory lie in whole huge pages, and so
-/// does a rest of half a page and more.
-Extent extent_of(const memory_resource* memory, std::size_t bytes) noexcept {
-  constexpr std::size_t half_page = std::size_t{1} << 20U;
-  if (bytes < half_page || memory != new_delete_resource()) return {bytes, platform::kCacheLine};
-  const std::size_t rest = bytes % platform::kHugePage;
-  return {rest < half_page ? bytes : bytes + platform::kHugePage - rest, platform::kHugePage};
-}
-
-}  // namespace
-
 void CubemapChain::Free::operator()(float* pixels) const noexcept {
-  const Extent extent = extent_of(memory, bytes);
-  memory->deallocate(pixels, extent.bytes, extent.alignment);
+  if (memory != nullptr) return memory->deallocate(pixels, bytes, platform::kCacheLine);
+  platform::give_working_memory({.data = pixels, .bytes = bytes, .alignment = platform::kHugePage});
 }
 
 CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
@@ -358,10 +374,14 @@ CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size
     values_ += 6 * edge * edge * 3;
   }
   if (memory == nullptr) memory = get_default_resource();
-  const Extent extent = extent_of(memory, bytes());
-  pixels_ = {static_cast<float*>(memory->allocate(extent.bytes, extent.alignment)), Free{memory, bytes()}};
-  // What another resource gives belongs to a block of the caller's.
-  if (memory == new_delete_resource()) platform::advise_huge_pages(pixels_.get(), extent.bytes);
+  if (memory != new_delete_resource() || bytes() < platform::kLeastOwnBlock) {
+    pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
+    return;
+  }
+  // large chains are kept between calls as working memory is, unless none is kept
+  const platform::WorkingMemory block = platform::take_working_memory(bytes());
+  const bool kept = block.alignment == platform::kHugePage;
+  pixels_ = {static_cast<float*>(block.data), Free{kept ? nullptr : memory, block.bytes}};
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {

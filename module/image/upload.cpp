@@ -184,8 +184,13 @@ class RowStore {
                                line * (from_.row_stride_bytes != 0 ? from_.row_stride_bytes : packed_from);
     auto* const target = static_cast<std::uint8_t*>(to_.faces[face]) +
                          line * (to_.row_stride_bytes != 0 ? to_.row_stride_bytes : packed_to);
-    image::decode_texels(from_.format, source, from_.size, rgb_);
-    clamped_ += image::encode_texels(to_.format, rgb_, static_cast<std::size_t>(from_.size), target);
+    const float* rgb = rgb_;
+    if (from_.format == PixelFormat::rgb32f) {
+      rgb = reinterpret_cast<const float*>(source);
+    } else {
+      image::decode_texels(from_.format, source, from_.size, rgb_);
+    }
+    clamped_ += image::encode_texels(to_.format, rgb, static_cast<std::size_t>(from_.size), target);
   }
 
   [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }

@@ -22,7 +22,7 @@ constexpr double kLeastReach = 2.0;
 // The kink's error at the dark side of an edge falls like bands^-2.7.
 constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
 constexpr double kKinkPower = 1.0 / 2.7;
-constexpr double kLeastKinkBands = 16.0;
+constexpr double kLeastKinkBands = 20.0;
 constexpr double kMostKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
@@ -30,11 +30,12 @@ constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
 constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
 constexpr double kLeastRingsOfAlpha = 3.4;
-constexpr double kLeastRings = 128.0;
+constexpr double kLeastRings = 128.0;  ///< at the default bounds; they grow with the fourth root as well
 
 // Faces that are halved to texels of h = 2 / size lose an amount that falls like h^4 too.
 constexpr double kHalvedTexel = 0.6;          // times alpha, at a root mean square error of 1e-3
 constexpr double kHalvedPower = 1.0 / 3.0;    // of the bound
+constexpr double kMostHalvedTexel = 1.75;     // times alpha
 constexpr double kTexelsOfBands = 2.0 / 3.0;  // at least
 
 double fourth_root(double x) noexcept { return std::sqrt(std::sqrt(x)); }
@@ -73,13 +74,14 @@ int bands_for_dark(const ErrorBounds& bounds) noexcept { return whole_bands(kOfD
 double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
   const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),
                                     kRingsOfRms * fourth_root(1e-3 / bounds.rms), kLeastRingsOfAlpha});
-  return std::max(kLeastRings, of_alpha / alpha);
+  const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
+  return std::max(kLeastRings / fourth_root(looser), of_alpha / alpha);
 }
 
 double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
   const double looser = math::logarithm(std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
-  const double texel = kHalvedTexel * alpha * math::exponential(kHalvedPower * looser);
-  return std::max(2.0 / texel, kTexelsOfBands * bands);
+  const double texel = std::min(kMostHalvedTexel, kHalvedTexel * math::exponential(kHalvedPower * looser));
+  return std::max(2.0 / (texel * alpha), kTexelsOfBands * bands);
 }
 
 double taper(int l, int bands) noexcept {

@@ -106,6 +106,31 @@ double BrightLights::error(const Lobe& lobe, int size, double rms) const {
   return lobe.alpha() > 0.0 ? ggx_error(lobe.alpha(), rms) : table_error(lobe, size, rms);
 }
 
+/// A lobe, and what all blocks need of it.
+struct BrightLights::Blur : LightsLobe {
+  float scale = 1.0F;     ///< of the kernels' sums
+  double farthest = 2.0;  ///< distance of a light, more of which nothing is seen
+  double left_out = 0.0;  ///< see `add`
+};
+
+/// Where all lights together would be dimmer than `least` at a distance, none is looked at that is farther.
+BrightLights::Blur BrightLights::blur_of(const LightsLobe& lights) const {
+  Blur blur{lights};
+  const double square = lights.lobe.alpha() * lights.lobe.alpha();
+  if (square == 0.0) {
+    blur.farthest = 2.0 * lights.lobe.farthest();
+    return blur;
+  }
+  const double peak = square / kPi / lobe_integral(lights.lobe.alpha());  // times 1 / width^2
+  blur.scale = static_cast<float>(peak);
+  if (lights.least > 0.0 && square < 1.0) {
+    const double width = std::sqrt(peak * std::max({power_[0], power_[1], power_[2]}) / lights.least);
+    blur.farthest = std::min(2.0, std::sqrt(std::max(0.0, 4.0 * (width - square) / (1.0 - square))));
+    if (blur.farthest < 2.0) blur.left_out = lights.least;
+  }
+  return blur;
+}
+
 /// Some texels of a face that lie together.
 struct BrightLights::Block {
   std::array<double, 3> centre{};
@@ -132,7 +157,7 @@ struct BrightLights::Block {
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
   }
   [[nodiscard]] bool unseen(const Node& node) const noexcept {
-    if (!by_table) return false;
+    if (nearest <= 0.0 && farthest >= 2.0) return false;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -245,7 +270,7 @@ void BrightLights::make_rooms() {
   rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
 }
 
-BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLobe& lobe) const {
+BrightLights::Block BrightLights::block_of(const FaceArea& area, const Blur& lobe) const {
   constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   Block block;
   const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
@@ -272,7 +297,7 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const LightsLob
   }
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
-  block.farthest = 2.0 * lobe.lobe.farthest();
+  block.farthest = lobe.farthest;
   return block;
 }
 
@@ -305,7 +330,7 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
 
 /// Adds the lights of `room`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and forgets
 /// them.
-void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const {
+void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) const {
   const image::Frame& frame = image::face_frame(face);
   const Lobe& shape = lobe.lobe;
   const double square = shape.alpha() * shape.alpha();
@@ -346,7 +371,7 @@ void BrightLights::sum_runs(int face, int count, const LightsLobe& lobe, Room& r
 }
 
 /// Adds the lights of `room`'s runs to an area's field.
-void BrightLights::add_to_field(const FaceArea& area, const LightsLobe& lobe, LightField& field, Room& room) const {
+void BrightLights::add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const {
   if (room.runs.empty() && room.parts.empty()) return;
   for (std::size_t k = 0; k < LightField::kPoints; ++k) {
     room.u[k] = static_cast<float>(LightField::point(area.column, area.end_column, area.size, k % LightField::kEdge));
@@ -359,7 +384,7 @@ void BrightLights::add_to_field(const FaceArea& area, const LightsLobe& lobe, Li
 }
 
 /// Adds an area's field and the lights of `room`'s runs to its texels, packed RGB.
-void BrightLights::add_to_texels(const FaceArea& area, const LightsLobe& lobe, const LightField& field, float* rgb,
+void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb,
                                  Room& room) const {
   if (texels_) add_exactly(area, lobe, rgb, room);
   if (field.dark() && room.runs.empty() && room.parts.empty()) return;
@@ -380,21 +405,19 @@ void BrightLights::add_to_texels(const FaceArea& area, const LightsLobe& lobe, c
     std::fill(room.v.begin() + texels, room.v.begin() + count, room.v[place - 1]);
     sum_runs(area.face, count, lobe, room);
   }
-  const double alpha = lobe.lobe.alpha();
-  const float scale = alpha == 0.0 ? 1.0F : static_cast<float>(alpha * alpha / kPi / lobe_integral(alpha));
   const float* sums = room.sums.data();
   for (int row = area.row; row < area.end_row; ++row) {
     float* texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + area.column);
     for (int column = 0; column < across; ++column, ++sums, texel += 3) {
-      texel[0] += scale * sums[0];
-      texel[1] += scale * sums[count];
-      texel[2] += scale * sums[2 * count];
+      texel[0] += lobe.scale * sums[0];
+      texel[1] += lobe.scale * sums[count];
+      texel[2] += lobe.scale * sums[2 * count];
     }
   }
 }
 
 /// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
-void BrightLights::add_exactly(const FaceArea& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
   const double whole = lobe_integral(lobe.lobe.alpha());
   const GgxFunction ggx(lobe.lobe.alpha());
@@ -417,8 +440,8 @@ void BrightLights::add_exactly(const FaceArea& area, const LightsLobe& lobe, flo
 }
 
 /// Adds the lights of `room`'s pending nodes from `first` on to an area of texels that no field is interpolated over.
-void BrightLights::add_to_leaf(const FaceArea& area, const LightsLobe& lobe, const LightField& field, std::size_t first,
-                               float* rgb, Room& room) const {
+void BrightLights::add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
+                               std::size_t first, float* rgb, Room& room) const {
   // Integrals are costly. Over a wide block, parts, which are placed at their middles, would be used for texels at the
   // peak.
   const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
@@ -431,7 +454,7 @@ void BrightLights::add_to_leaf(const FaceArea& area, const LightsLobe& lobe, con
                       begin + (last - static_cast<std::ptrdiff_t>(from)));
   };
   take_pending(first, end);
-  choose(block_of(area, lobe), parted ? Step::texels : Step::parts, room);
+  choose(block, parted ? Step::texels : Step::parts, room);
   add_to_texels(area, lobe, field, rgb, room);
   const std::size_t cut = room.pending.size();
   for (int row = area.row; row < area.end_row && cut > end; row += edge) {
@@ -451,20 +474,21 @@ void BrightLights::add_to_leaf(const FaceArea& area, const LightsLobe& lobe, con
 }
 
 /// Adds the lights of `room`'s pending nodes from `first` on to an area, over which `field` has those of all others.
-void BrightLights::add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first,
-                               float* rgb, Room& room) const {
+void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightField field, std::size_t first, float* rgb,
+                               Room& room) const {
   const int edge = area.size < kSmallMip ? kPartEdge : kLeafEdge;
   const bool leaf = area.across() <= edge && area.down() <= edge;
+  const Block block = block_of(area, lobe);
   if (leaf && edge <= LightField::kEdge) {
-    add_to_leaf(area, lobe, field, first, rgb, room);
+    add_to_leaf(area, lobe, block, field, first, rgb, room);
     return;
   }
   const std::size_t end = room.pending.size();
   room.stack.assign(room.pending.rbegin(), room.pending.rend() - static_cast<std::ptrdiff_t>(first));
-  choose(block_of(area, lobe), Step::field, room);
+  choose(block, Step::field, room);
   add_to_field(area, lobe, field, room);
   if (leaf) {
-    add_to_leaf(area, lobe, field, end, rgb, room);
+    add_to_leaf(area, lobe, block, field, end, rgb, room);
   } else if (!field.dark() || room.pending.size() > end) {
     const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
     for (int row = area.row; row < area.end_row; row += half(area.down())) {
@@ -482,13 +506,14 @@ void BrightLights::add_to_area(const FaceArea& area, const LightsLobe& lobe, Lig
   room.pending.resize(end);
 }
 
-void BrightLights::add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces,
-                       const Control& control) const {
-  if (nodes_.empty()) return;
+double BrightLights::add(const LightsLobe& lights, int size, const std::array<float*, 6>& faces,
+                         const Control& control) const {
+  if (nodes_.empty()) return 0.0;
+  const Blur lobe = blur_of(lights);
   const int edge = std::min(kTileEdge, size >= kSmallMip ? size / 4 : size);
   const int across = (size + edge - 1) / edge;
-  const auto lights = static_cast<std::int64_t>(std::min<std::size_t>(lights_.size(), 1000));
-  const auto placement = jobs::placement_for(std::int64_t{6} * size * size * lights);
+  const auto count = static_cast<std::int64_t>(std::min<std::size_t>(lights_.size(), 1000));
+  const auto placement = jobs::placement_for(std::int64_t{6} * size * size * count);
   const std::size_t workers = jobs::worker_count(placement);
   jobs::run_tiles(static_cast<std::size_t>(6 * across * across), placement, workers, control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
@@ -501,6 +526,7 @@ void BrightLights::add(const LightsLobe& lobe, int size, const std::array<float*
                                 lobe, {}, 0, faces[static_cast<std::size_t>(face)], room);
                     rooms_->give_back(room);
                   });
+  return lobe.left_out;
 }
 
 }  // namespace welkin::reflections

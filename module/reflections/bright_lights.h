@@ -36,6 +36,7 @@ struct PictureShape {
 struct LightsLobe {
   const Lobe& lobe;
   double far_end = 0.0;  ///< above 0: only GGX's far part, which this is the end of: see `kFarPart`
+  double least = 0.0;    ///< radiance of all of a GGX lobe's lights together that may be left out of a texel
 };
 
 /// The lobes that will blur lights.
@@ -78,8 +79,9 @@ class BrightLights {
                                               std::size_t workers) noexcept;
 
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
-  /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
-  void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
+  /// Returns how much of `LightsLobe::least` may be missing: nothing or all of it. The same bits on any number of
+  /// threads and instruction set. Throws `Error` (cancelled).
+  double add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
   /// Returns the root mean square over the sphere of what they err, all channels together: at the horizon, and where
   /// merged. `rms`: that of a mip of `size` that they are part of, which their own does not exceed.
@@ -102,6 +104,7 @@ class BrightLights {
     std::array<float, 3> excess{};
   };
   struct Block;
+  struct Blur;
 
   /// What becomes of nodes over an area: they are taken at the points of a field, at its texels, or there with what the
   /// horizon cuts.
@@ -118,16 +121,16 @@ class BrightLights {
                                               const LightLobes& lobes) noexcept;
 
   void make_rooms();
-  [[nodiscard]] Block block_of(const FaceArea& area, const LightsLobe& lobe) const;
+  [[nodiscard]] Blur blur_of(const LightsLobe& lights) const;
+  [[nodiscard]] Block block_of(const FaceArea& area, const Blur& lobe) const;
   void choose(const Block& block, Step step, Room& room) const;
-  void sum_runs(int face, int count, const LightsLobe& lobe, Room& room) const;
-  void add_exactly(const FaceArea& area, const LightsLobe& lobe, float* rgb, Room& room) const;
-  void add_to_field(const FaceArea& area, const LightsLobe& lobe, LightField& field, Room& room) const;
-  void add_to_texels(const FaceArea& area, const LightsLobe& lobe, const LightField& field, float* rgb,
-                     Room& room) const;
-  void add_to_leaf(const FaceArea& area, const LightsLobe& lobe, const LightField& field, std::size_t first, float* rgb,
-                   Room& room) const;
-  void add_to_area(const FaceArea& area, const LightsLobe& lobe, LightField field, std::size_t first, float* rgb,
+  void sum_runs(int face, int count, const Blur& lobe, Room& room) const;
+  void add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const;
+  void add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const;
+  void add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb, Room& room) const;
+  void add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
+                   std::size_t first, float* rgb, Room& room) const;
+  void add_to_area(const FaceArea& area, const Blur& lobe, LightField field, std::size_t first, float* rgb,
                    Room& room) const;
   [[nodiscard]] double ggx_error(double alpha, double rms) const;
   [[nodiscard]] double table_error(const Lobe& lobe, int size, double rms) const;

@@ -156,7 +156,7 @@ class Search {
       double steradians = 0.0;
       double light = 0.0;
     };
-    constexpr int kExponents = 300;  // of floats, from the least
+    constexpr int kExponents = 256;  // of floats that are not negative
     std::array<Texels, kExponents> by_exponent{};
     double whole = 0.0;
     const auto texels = static_cast<double>(source_.rows()) * source_.columns();
@@ -164,9 +164,7 @@ class Search {
     for (int row = std::min(step / 2, source_.rows() - 1); row < source_.rows(); row += step) {
       for (int column = std::min(step / 2, source_.columns() - 1); column < source_.columns(); column += step) {
         const double own = light(row, column);
-        int exponent = 0;
-        std::frexp(own, &exponent);
-        Texels& of = by_exponent[own > 0.0 ? static_cast<std::size_t>(exponent + 160) : 0];
+        Texels& of = by_exponent[(platform::bit_cast<std::uint32_t>(static_cast<float>(own)) >> 23U) & 0xFFU];
         of.steradians += angle_of(row, column);
         of.light += own * angle_of(row, column);
         whole += angle_of(row, column);

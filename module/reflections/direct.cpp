@@ -39,7 +39,7 @@ class CubicTable {
  public:
   /// Empty if it would have too many cells.
   explicit CubicTable(const Lobe& lobe) {
-    constexpr double kCellsOfScale = 16.0;  // error 1e-7 of the peak
+    constexpr double kCellsOfScale = 64.0;  // error 1e-9 of the peak, which may lie far above the mean
     constexpr double kMostCells = 1 << 16;
     const double horizon = std::sqrt(0.5);
     const double above = std::ceil(std::max(32.0, horizon * kCellsOfScale / (0.5 * lobe.scale())));

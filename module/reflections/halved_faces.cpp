@@ -109,8 +109,38 @@ class HalvingTable {
   std::vector<Shares> shares_;
 };
 
+constexpr int kTileRows = 16;  ///< of the result
+
+/// Floats of a worker's room: the light of the rows that give to a tile, and `HalvedRow::room`.
+std::size_t room_floats(int size) noexcept {
+  constexpr int kRows = 2 * kTileRows + HalvedRow::kMostRows;
+  return static_cast<std::size_t>(3 * size) * (kRows + 1) + 6 * HalvedRow::kMargin + 16;
+}
+
+/// Makes rows of a face that follow each other. `from`: all rows of the face that is halved.
+void halve_rows(const HalvingTable& table, int size, const float* const* from, int first, int end, float* room,
+                float* to) {
+  const int floats = 3 * size;
+  const int begin = table.shares(first).first;
+  float* const own = room + std::ptrdiff_t{floats} * (2 * kTileRows + HalvedRow::kMostRows);
+  int weighed = begin;
+  for (int row = first; row < end; ++row, to += floats / 2) {
+    const Shares& shares = table.shares(row);
+    HalvedRow run{
+        .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .room = own};
+    for (; weighed < shares.first + shares.count; ++weighed) {
+      ring_kernels().light_of_row(from[weighed], table.angles(weighed), floats,
+                                  room + std::ptrdiff_t{floats} * (weighed - begin));
+    }
+    for (int k = 0; k < shares.count; ++k) {
+      run.light[k] = room + std::ptrdiff_t{floats} * (shares.first + k - begin);
+      run.shares[k] = shares.of[k];
+    }
+    ring_kernels().halve_row(run, to);
+  }
+}
+
 platform::AlignedBuffer<float> halved_once(const std::vector<const float*>& rows, const Control& control) {
-  constexpr int kTileRows = 8;
   const auto size = static_cast<int>(rows.size() / 6);
   const auto table = HalvingTable::get(size);
   const int half = size / 2;
@@ -118,29 +148,15 @@ platform::AlignedBuffer<float> halved_once(const std::vector<const float*>& rows
                                        static_cast<std::size_t>(half));
   const auto placement = jobs::placement_for(std::int64_t{6} * size * size);
   const std::size_t workers = jobs::worker_count(placement);
-  const auto room_floats = static_cast<std::size_t>(3 * (size + 2 * HalvedRow::kMargin));
-  platform::AlignedBuffer<float> rooms(workers * room_floats);
+  platform::AlignedBuffer<float> rooms(workers * room_floats(size));
   const int tiles = (half + kTileRows - 1) / kTileRows;
   jobs::run_tiles(static_cast<std::size_t>(6 * tiles), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const int face = static_cast<int>(tile) / tiles;
                     const int first = static_cast<int>(tile) % tiles * kTileRows;
-                    for (int row = first; row < std::min(half, first + kTileRows); ++row) {
-                      const Shares& shares = table->shares(row);
-                      HalvedRow run{.rows = {},
-                                    .angles = {},
-                                    .shares = {},
-                                    .count = shares.count,
-                                    .size = size,
-                                    .scale = table->scale(row),
-                                    .room = rooms.data() + worker * room_floats};
-                      for (int k = 0; k < shares.count; ++k) {
-                        run.rows[k] = rows[static_cast<std::size_t>(size * face + shares.first + k)];
-                        run.angles[k] = table->angles(shares.first + k);
-                        run.shares[k] = shares.of[k];
-                      }
-                      ring_kernels().halve_row(run, faces.data() + std::ptrdiff_t{3} * half * (half * face + row));
-                    }
+                    halve_rows(*table, size, rows.data() + std::ptrdiff_t{size} * face, first,
+                               std::min(half, first + kTileRows), rooms.data() + worker * room_floats(size),
+                               faces.data() + std::ptrdiff_t{3} * half * (half * face + first));
                   });
   return faces;
 }
@@ -163,7 +179,7 @@ std::size_t halved_faces_bytes(int from, int size) noexcept {
   const auto texels = static_cast<std::size_t>(from) * static_cast<std::size_t>(from);
   const std::size_t faces = 18 * (texels / 4 + (size < from / 2 ? texels / 16 : 0));
   const std::size_t tables = 2 * (3 * texels / 2 + texels / 8);  // one for each size
-  const std::size_t rooms = jobs::worker_count(jobs::Placement::arena) * 4 * static_cast<std::size_t>(from);
+  const std::size_t rooms = jobs::worker_count(jobs::Placement::arena) * room_floats(from);
   return sizeof(float) * (faces + tables + rooms) + sizeof(Shares) * static_cast<std::size_t>(from);
 }
 

@@ -11,7 +11,7 @@
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "reflections/lobe_kernels.h"
-#include "reflections/narrow_kernels.h"
+#include "reflections/near_kernels.h"
 
 namespace welkin::reflections {
 namespace {

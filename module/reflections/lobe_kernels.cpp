@@ -1,7 +1,7 @@
 // Lobes of single lights, and the quadrature of spectra.
 #include "reflections/lobe_kernels.h"
 
-#include "reflections/narrow_kernels.h"
+#include "reflections/near_kernels.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {

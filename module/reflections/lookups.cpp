@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <numbers>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "math/elementary.h"
+#include "math/table_cache.h"
 #include "platform/memory.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_estimate.h"
@@ -87,25 +89,60 @@ TexelFilter::TexelFilter(int size, double roughness, int degrees) {
   }
 }
 
-double error_between(const MipPair& mips, const LookupFormula& formula, std::span<const float> energies) {
-  const std::vector<Lookup> lookups = lookups_between(mips, formula, kSamples);
-  if (lookups.empty()) return 0.0;
-  const auto degrees = static_cast<int>(energies.size());
-  const std::vector<double> first = spectrum_of(mips.lobes[0], degrees);
-  const std::vector<double> second = spectrum_of(mips.lobes[1], degrees);
-  const TexelFilter of_first(mips.sizes[0], mips.lobes[0], degrees);
-  const TexelFilter of_second(mips.sizes[1], mips.lobes[1], degrees);
-  double squares = 0.0;
-  for (const Lookup& lookup : lookups) {
-    const std::vector<double> truth = spectrum_of(lookup.roughness, degrees);
-    double error = 0.0;
-    double whole = 0.0;
-    for (std::size_t l = energies.size(); l-- > 0;) {
+namespace {
+
+constexpr std::size_t kCacheBytes = std::size_t{4} << 20U;
+
+struct PairKey {
+  MipPair mips;
+  LookupFormula formula;
+  int degrees;
+  bool operator==(const PairKey&) const = default;
+};
+
+/// What a roughness between two mips makes of a picture's energies, degree by degree: no picture changes it.
+struct SeenBetween {
+  explicit SeenBetween(const PairKey& key);
+
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return sizeof(*this) + (errors.size() + truths.size()) * sizeof(double);
+  }
+
+  std::vector<double> errors;  ///< [lookup][degree], mean squares over the energy
+  std::vector<double> truths;  ///< the same of the lobe alone
+};
+
+SeenBetween::SeenBetween(const PairKey& key) {
+  const MipPair& mips = key.mips;
+  const std::vector<double> first = spectrum_of(mips.lobes[0], key.degrees);
+  const std::vector<double> second = spectrum_of(mips.lobes[1], key.degrees);
+  const TexelFilter of_first(mips.sizes[0], mips.lobes[0], key.degrees);
+  const TexelFilter of_second(mips.sizes[1], mips.lobes[1], key.degrees);
+  for (const Lookup& lookup : lookups_between(mips, key.formula, kSamples)) {
+    const std::vector<double> truth = spectrum_of(lookup.roughness, key.degrees);
+    for (std::size_t l = 0; l < truth.size(); ++l) {
       const double a = (1.0 - lookup.share) * first[l];
       const double b = lookup.share * second[l];
       const double off = a * of_first.gain[l] + b * of_second.gain[l] - truth[l];
-      error += static_cast<double>(energies[l]) * (off * off + a * a * of_first.noise[l] + b * b * of_second.noise[l]);
-      whole += static_cast<double>(energies[l]) * truth[l] * truth[l];
+      errors.push_back(off * off + a * a * of_first.noise[l] + b * b * of_second.noise[l]);
+      truths.push_back(truth[l] * truth[l]);
+    }
+  }
+}
+
+}  // namespace
+
+double error_between(const MipPair& mips, const LookupFormula& formula, std::span<const float> energies) {
+  static auto& cache = *new math::TableCache<PairKey, SeenBetween>(kCacheBytes);  // never destroyed
+  const PairKey key{mips, formula, static_cast<int>(energies.size())};
+  const auto seen = cache.get(key, [&] { return std::make_shared<const SeenBetween>(key); });
+  double squares = 0.0;
+  for (std::size_t from = 0; from < seen->errors.size(); from += energies.size()) {
+    double error = 0.0;
+    double whole = 0.0;
+    for (std::size_t l = energies.size(); l-- > 0;) {
+      error += static_cast<double>(energies[l]) * seen->errors[from + l];
+      whole += static_cast<double>(energies[l]) * seen->truths[from + l];
     }
     if (whole > 0.0) squares += error / whole;
   }

@@ -2,6 +2,7 @@
 // least.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,8 @@ struct LookupFormula {
   std::optional<RoughnessSchedule> schedule;  ///< none: linear in roughness between two mips
   int mips = 1;                               ///< of the chain
   int size = 1;                               ///< texels along an edge of its mip 0
+
+  bool operator==(const LookupFormula&) const = default;
 };
 
 /// Returns the formula of a chain of `size` with these roughnesses: that of the schedule that gives them, if one does.
@@ -25,10 +28,12 @@ struct LookupFormula {
 
 /// Two mips that a shader interpolates between.
 struct MipPair {
-  int first = 0;             ///< number of the sharper one
-  double roughness[2] = {};  ///< where the shader finds each alone
-  double lobes[2] = {};      ///< roughness of each mip's lobe
-  int sizes[2] = {1, 1};     ///< texels along an edge
+  int first = 0;                         ///< number of the sharper one
+  std::array<double, 2> roughness = {};  ///< where the shader finds each alone
+  std::array<double, 2> lobes = {};      ///< roughness of each mip's lobe
+  std::array<int, 2> sizes = {1, 1};     ///< texels along an edge
+
+  bool operator==(const MipPair&) const = default;
 };
 
 /// A roughness between two mips.

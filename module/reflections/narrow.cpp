@@ -22,11 +22,6 @@ constexpr double kTaper = 0.3;             ///< and the last share of the bands 
 constexpr double kTexelsOfReach = 3.0;     ///< at least
 constexpr double kBalance = 5.6;           ///< see `split_for`: measured
 
-/// Texels that would fit a radian, where they are largest.
-double fineness(bool cubemap, int columns, int rows) {
-  return cubemap ? 0.5 * columns : std::min(0.5 * columns, 1.0 * rows) / kPi;
-}
-
 int parts_of(double texels_of_radian) {
   constexpr double least = kLeastBands * kTexelsOfReach / kBandsTimesReach;
   return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));
@@ -34,43 +29,43 @@ int parts_of(double texels_of_radian) {
 
 }  // namespace
 
-double NarrowSplit::end(double alpha) const noexcept {
-  const double sine = math::sine_cosine_of_turns(reach / (4.0 * kPi)).sine;
-  return alpha * alpha / ((1.0 - alpha) * (1.0 + alpha)) + sine * sine;
-}
-
-// Rings lose 0.02 (l pi / rows)^4 of band l: 2 % of the middle one, which the far part has a twentieth of.
-int NarrowSplit::rows_for_cubemap() const noexcept {
-  return 2 * transforms::fast_even_length(std::max(64, bands * 3 / 4));
-}
-
-TexelParts parts_for(bool cubemap, int columns, int rows) noexcept {
-  if (cubemap) {
-    const int parts = parts_of(0.5 * columns);
-    return {parts, parts};
-  }
-  int parts = parts_of(0.5 * columns / kPi);
-  while (columns * parts % 4 != 0) ++parts;
-  return {parts, parts_of(rows / kPi)};
+// Rings lose 2 % of the middle band, which the far part has a twentieth of.
+int far_rows_for_cubemap(const NearSplit& split) noexcept {
+  return 2 * transforms::fast_even_length(std::max(64, split.bands * 3 / 4));
 }
 
 // With t texels in all, a mip's near part takes size^2 t / bands^2, and its far part bands^3.
-NarrowSplit split_for(bool cubemap, int columns, int rows, int size) {
-  const TexelParts parts = parts_for(cubemap, columns, rows);
-  const double across = static_cast<double>(columns) * parts.columns;
-  const double down = static_cast<double>(rows) * parts.rows;
-  const double texels = (cubemap ? 6.0 : 1.0) * across * down;
+NearSplit narrow_split(int columns, int rows, int size, double alpha) {
+  NearSplit split{.size = size, .alpha = alpha};
+  int parts = parts_of(0.5 * columns / (rows == 0 ? 1.0 : kPi));
+  while (rows > 0 && columns * parts % 4 != 0) ++parts;
+  split.face = columns * parts;
+  split.rows = rows == 0 ? 0 : rows * parts_of(rows / kPi);
+  const double texels = rows == 0 ? 6.0 * split.face * split.face : 1.0 * split.face * split.rows;
   const double wanted = kBalance * math::exponential(0.4 * math::logarithm(size * std::sqrt(texels / (4.0 * kPi))));
-  const double most =
-      kBandsTimesReach / kTexelsOfReach * fineness(cubemap, static_cast<int>(across), static_cast<int>(down));
-  NarrowSplit split;
+  const double of_radian = rows == 0 ? 0.5 * split.face : std::min(0.5 * split.face, 1.0 * split.rows) / kPi;
+  const double most = kBandsTimesReach / kTexelsOfReach * of_radian;  // texels of a radian, where they are largest
   split.bands = std::clamp(8 * static_cast<int>(std::min(wanted, most) / 8.0), kLeastBands, kMostBands);
   split.reach = kBandsTimesReach / split.bands;
   return split;
 }
 
-std::vector<double> far_part(const NarrowSplit& split, double alpha) {
-  return far_spectrum(alpha, split.end(alpha), split.bands + split.bands / 4);
+CutRows::CutRows(const projection::SanitizedSource& source, const NearSplit& split) {
+  const int cut_rows = source.cubemap() ? 6 * split.face : split.rows;
+  const int across = split.face / source.columns();
+  const int down = cut_rows / source.rows();
+  if (across == 1 && down == 1) {
+    for (int row = 0; row < source.rows(); ++row) rows.push_back(source.row(row));
+    return;
+  }
+  owned = platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) *
+                                         static_cast<std::size_t>(source.rows()));
+  float* next = owned.data();
+  for (int row = 0; row < source.rows(); ++row) {
+    rows.insert(rows.end(), static_cast<std::size_t>(down), next);
+    for (int column = 0; column < split.face; ++column)
+      next = std::copy_n(source.row(row) + std::ptrdiff_t{3} * (column / across), 3, next);
+  }
 }
 
 std::vector<double> tapered(const std::vector<double>& spectrum, int bands) {
@@ -83,14 +78,17 @@ std::vector<double> tapered(const std::vector<double>& spectrum, int bands) {
 }
 
 double lost_of_far(const std::vector<double>& spectrum, const std::vector<double>& taken,
-                   const std::vector<double>& energies) {
+                   const std::vector<double>& energies, int rings) {
+  constexpr double of_rings = 0.02;  // of (l h)^4, h a ring's height
   const std::size_t quarter = energies.size() / 4;
   double tail = 0.0;
   for (std::size_t l = energies.size() - quarter; l < energies.size(); ++l)
     tail += energies[l] / static_cast<double>(quarter);
   double sum = 0.0;
   for (std::size_t l = 0; l < spectrum.size(); ++l) {
-    const double lost = spectrum[l] - (l < taken.size() ? taken[l] : 0.0);
+    const double phase = rings > 0 ? kPi * static_cast<double>(l) / rings : 0.0;
+    const double kept = 1.0 - std::min(1.0, of_rings * phase * phase * phase * phase);
+    const double lost = spectrum[l] - (l < taken.size() ? kept * taken[l] : 0.0);
     sum += lost * lost * (l < energies.size() ? energies[l] : tail);
   }
   return std::sqrt(sum / (4.0 * kPi));
@@ -158,24 +156,24 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   constexpr double rounding = 4e-7;
   if (!(mip.rms > 0.0)) return rounding;
   constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`, and floats
-  const int rows = source.cubemap() ? source.columns() : source.rows();
-  const TexelParts parts = parts_for(source.cubemap(), source.columns(), rows);
+  const NearSplit split = narrow_split(source.columns(), source.cubemap() ? 0 : source.rows(), mip.size, mip.alpha);
   double edges = 0.0;
   if (source.cubemap()) {
-    const double texel = 0.5 * kPi / (source.columns() * parts.columns);
+    const double texel = 0.5 * kPi / split.face;
     edges = (1.32e-3 + 0.36 * mip.alpha) * mip.alpha + moved * std::sqrt(texel / mip.alpha);
     if (source.columns() % (2 * mip.size) == 0) edges += 0.5 * moved * texel / mip.alpha;
   } else {
-    const double texel = kPi / (rows * parts.rows);
+    const double texel = kPi / split.rows;
     edges = 3.3e-5 * std::sqrt(mip.alpha) + 4.0 * moved * texel / std::sqrt(mip.alpha);
   }
   // The largest relative error of texels' weights at any distance, which no sum of light exceeds.
   constexpr double of_weights = 9e-4;
   double steps = edges * contrast / mip.rms;
   if (!source.has_negatives()) steps = std::min(steps, of_weights);
-  constexpr double of_far = 1e-6;  // of float harmonics
-  constexpr double safety = 2.0;   // see `spectral_rms_error`
-  return rounding + (of_far * mip.far_rms + safety * mip.lost) / mip.rms + steps;
+  constexpr double of_far = 1e-6;     // of float harmonics
+  constexpr double of_lights = 4e-4;  // of what the far part has of them
+  constexpr double safety = 2.0;      // see `spectral_rms_error`
+  return rounding + of_lights * mip.lights + (of_far * mip.far_rms + safety * mip.lost) / mip.rms + steps;
 }
 
 }  // namespace welkin::reflections

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
@@ -12,93 +13,359 @@
 #include "math/elementary.h"
 #include "math/table_cache.h"
 #include "reflections/lobe.h"
+#include "reflections/ring_kernels.h"
 
 namespace welkin::reflections {
 namespace {
 
-constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
+constexpr double kPi = std::numbers::pi;
+constexpr std::size_t kCacheBytes = std::size_t{96} << 20U;
+constexpr std::size_t kLargestTable = std::size_t{128} << 20U;  ///< by its bound, which is twice of what it takes
+constexpr std::int64_t kTexelsOfTap = 10;                       ///< whose sanitizing takes as long as a weight
 
-/// Returns where all images have a run of texels of faces of `size`.
-NearSums::Places places_of(int size, int face, int row, int column) {
-  NearSums::Places places{};
-  for (int k = 0; k < NearSums::kCubeImages; ++k) {
-    const image::CubeImage image = image::cube_image_of(k % kRingImages);
-    const auto place = [&](int at) {
-      glm::ivec3 point = image::point_of(size, {face, at, row});
-      for (int turn = 0; turn < k / kRingImages; ++turn) point = {point.y, point.z, point.x};
-      const image::CubeTexel texel = image::texel_at(size, image::moved(image, point));
-      return 3 * ((texel.face * size + texel.row) * size + texel.column);
-    };
-    const int first = place(column);
-    places[static_cast<std::size_t>(k)] = {first,
-                                           column + 1 < size ? place(column + 1) - first : first - place(column - 1)};
-  }
-  return places;
+/// Returns texels that a radian takes, root of those of a steradian where they are largest.
+double texels_of_radian(const NearSplit& split) {
+  return split.cubemap() ? 0.5 * split.face : std::sqrt(split.face / (2.0 * kPi) * split.rows / kPi);
+}
+
+/// Returns the directions that have weights of their own.
+double directions_of(const NearSplit& split) {
+  return (split.cubemap() ? 0.125 : 0.375) * split.size * (split.size + 2.0) + 1.0;
+}
+
+/// Returns a bound on the weights of all of them.
+double taps_of(const NearSplit& split) {
+  const double texels = split.reach * texels_of_radian(split);
+  return directions_of(split) * (7.0 * texels * texels + 16.0 * texels + 40.0);
+}
+
+std::size_t bytes_of_tiles(const NearSplit& split) {
+  const double runs = directions_of(split) * (6.0 * split.reach * texels_of_radian(split) + 12.0);
+  return static_cast<std::size_t>(taps_of(split) * sizeof(float) + runs * sizeof(NearRun));
+}
+
+/// Returns the rows of the parts of a source that directions with weights may see, no column of them seen.
+std::vector<ColumnRange> rows_of(const NearSplit& split) {
+  const auto count =
+      split.cubemap() ? kNearFaces.size() * static_cast<std::size_t>(split.face) : static_cast<std::size_t>(split.rows);
+  return std::vector<ColumnRange>(count, ColumnRange{0, 0});
+}
+
+void widen(ColumnRange& range, const ColumnRange& by) {
+  if (by.first >= by.end) return;
+  range = range.first < range.end ? ColumnRange{std::min(range.first, by.first), std::max(range.end, by.end)} : by;
+}
+
+constexpr int kParts = static_cast<int>(kNearFaces.size());
+constexpr int kTurns = 3;  ///< of the axes, from x to y to z: with `kRingImages`, all of a cube's symmetries
+
+int turns_of(const NearSplit& split) { return split.cubemap() ? kTurns : 1; }
+
+/// Returns where an image has a texel of the mip, or of the source.
+image::CubeTexel image_of(int size, glm::ivec3 point, int turn, int image) {
+  for (int k = 0; k < turn; ++k) point = {point.y, point.z, point.x};
+  return image::texel_at(size, image::moved(image::cube_image_of(image), point));
 }
 
 }  // namespace
 
-/// A forty-eighth of the mip: an eighth of +Y.
-void NearSums::add_targets(std::vector<glm::dvec3>& directions) {
-  for (int row = 0; row < split_.size / 2; ++row) {
-    const image::CubeTexel at = image::texel_at(split_.size, {1, split_.size, -(2 * row + 1)});
-    targets_.push_back(
-        {places_of(split_.size, at.face, at.row, at.column), row + 1, static_cast<std::uint32_t>(directions.size())});
-    for (int k = 0; k <= row; ++k)
-      directions.push_back(glm::normalize(glm::dvec3(image::point_of(split_.size, {at.face, at.column + k, at.row}))));
+NearTable::NearTable(const NearSplit& split)
+    : split_(split),
+      far_(far_spectrum(split.alpha, split.end(), split.bands + split.bands / 2)),
+      weights_(split, 1.0 - far_.front()),
+      rows_(rows_of(split)) {
+  struct Worker {
+    NearWeights::Room room;
+    NearTile tile;
+    std::vector<ColumnRange> rows;
+  };
+  const bool kept = bytes_of_tiles(split) <= kLargestTable;
+  if (kept) tiles_.resize(weights_.tiles());
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(split)) * kTexelsOfTap);
+  std::vector<Worker> workers(jobs::worker_count(placement));
+  for (Worker& worker : workers) worker.rows = rows_;
+  jobs::run_tiles(weights_.tiles(), placement, workers.size(), {}, [&](std::size_t index, std::size_t number) {
+    Worker& worker = workers[number];
+    NearTile& tile = kept ? tiles_[index] : worker.tile;
+    weights_.make(index, tile, worker.room);
+    for (const NearRun& run : tile.runs)
+      widen(worker.rows[static_cast<std::size_t>(run.row)], {run.first, run.first + run.count});
+  });
+  for (const Worker& worker : workers) {
+    for (std::size_t row = 0; row < rows_.size(); ++row) widen(rows_[row], worker.rows[row]);
   }
 }
 
-void NearSums::add_sources(const std::vector<NearWeights::Row>& rows) {
-  for (int k = 0; k < 6 * split_.face; ++k) {
-    const NearWeights::Row& row = rows[static_cast<std::size_t>(k)];
-    if (row.first < row.end) {
-      sources_.push_back(
-          {places_of(split_.face, k / split_.face, k % split_.face, row.first), row.end - row.first, row.record});
+std::shared_ptr<const NearTable> NearTable::get(const NearSplit& split) {
+  static auto& cache = *new math::TableCache<NearSplit, NearTable>(kCacheBytes);  // never destroyed
+  return cache.get(split, [&] { return std::make_shared<const NearTable>(split); });
+}
+
+const NearTile& NearTable::tile(std::size_t index, NearTile& own, NearWeights::Room& room) const {
+  if (!tiles_.empty()) return tiles_[index];
+  weights_.make(index, own, room);
+  return own;
+}
+
+std::size_t NearTable::bytes() const noexcept {
+  std::size_t sum = sizeof(*this) + far_.size() * sizeof(double) + weights_.directions().size() * sizeof(glm::ivec3) +
+                    rows_.size() * sizeof(ColumnRange);
+  for (const NearTile& tile : tiles_) sum += tile.bytes();
+  return sum;
+}
+
+std::size_t NearTable::most_bytes(const NearSplit& split) noexcept {
+  const std::size_t tiles = bytes_of_tiles(split);
+  return (tiles > kLargestTable ? tiles / 64 : tiles) + static_cast<std::size_t>(12.0 * directions_of(split)) +
+         (std::size_t{1} << 17U);
+}
+
+namespace {
+
+/// Those texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
+/// does for all of them.
+class NearRecords {
+ public:
+  /// `columns`: of each row, see `NearTable::rows`.
+  NearRecords(const NearSplit& split, std::vector<ColumnRange> columns);
+
+  [[nodiscard]] const float* data() const noexcept { return records_.data(); }
+  [[nodiscard]] const std::ptrdiff_t* rows() const noexcept { return rows_.data(); }  ///< see `NearTaps`
+  void gather(const std::vector<const float*>& rows, int turn, const Control& control);
+
+ private:
+  /// Columns of a row whose records stay in a core's nearest cache.
+  struct Piece {
+    int row;
+    ColumnRange columns;
+  };
+
+  /// Where an image has a face: columns and rows go with columns and rows, either way.
+  struct FaceImage {
+    int face, column, row;  ///< of the first texel
+    int across[2], down[2];
+  };
+
+  [[nodiscard]] FaceImage image_of_face(int part, int turn, int image) const;
+  void copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image);
+  void copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image);
+
+  NearSplit split_;
+  std::vector<Piece> pieces_;
+  std::vector<FaceImage> images_;  ///< of a cubemap, [turn][part][image]
+  std::vector<std::ptrdiff_t> rows_;
+  platform::AlignedBuffer<float> records_;
+};
+
+NearRecords::NearRecords(const NearSplit& split, std::vector<ColumnRange> columns) : split_(split) {
+  constexpr int kColumns = 64;
+  std::ptrdiff_t next = 0;
+  for (std::size_t row = 0; row < columns.size(); ++row) {
+    const auto [first, end] = columns[row];
+    rows_.push_back(next - std::ptrdiff_t{first} * kRecordFloats);
+    next += std::ptrdiff_t{end - first} * kRecordFloats;
+    for (int column = first; column < end; column += kColumns)
+      pieces_.push_back({static_cast<int>(row), {column, std::min(end, column + kColumns)}});
+  }
+  records_ = platform::AlignedBuffer<float>(static_cast<std::size_t>(next));
+  for (int k = 0; split.cubemap() && k < kTurns * kParts * kRingImages; ++k)
+    images_.push_back(image_of_face(k / kRingImages % kParts, k / kRingImages / kParts, k % kRingImages));
+}
+
+NearRecords::FaceImage NearRecords::image_of_face(int part, int turn, int image) const {
+  const auto place = [&](int column, int row) {
+    const int face = kNearFaces[static_cast<std::size_t>(part)];
+    return image_of(split_.face, image::point_of(split_.face, {face, column, row}), turn, image);
+  };
+  const image::CubeTexel first = place(0, 0);
+  const image::CubeTexel right = place(1, 0);
+  const image::CubeTexel below = place(0, 1);
+  return {first.face,
+          first.column,
+          first.row,
+          {right.column - first.column, right.row - first.row},
+          {below.column - first.column, below.row - first.row}};
+}
+
+void NearRecords::gather(const std::vector<const float*>& rows, int turn, const Control& control) {
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(records_.size() / 4));
+  jobs::run_tiles(pieces_.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t /*worker*/) {
+                    for (int image = 0; image < kRingImages; ++image) {
+                      if (split_.cubemap())
+                        copy_of_face(rows, pieces_[tile], turn, image);
+                      else
+                        copy_of_lat_long(rows, pieces_[tile], image);
+                    }
+                  });
+}
+
+/// Texels of a source that go to one image of records that follow each other.
+struct Copy {
+  const float* const* rows;  ///< of the source
+  int row;
+  int down;  ///< rows from each to the next
+  int column;
+  int across;
+  int count;
+  int columns;  ///< of a row
+
+  void to(float* record, int image) const {
+    int line = row;
+    int place = 3 * column;
+    const int last = image + 1 < kRingImages ? 3 * (columns - 1) : 0;
+    record += std::ptrdiff_t{3} * image;
+    for (int k = 0; k < count; ++k, line += down, place += 3 * across, record += kRecordFloats) {
+      // a fourth float is overwritten by the next image
+      if (place < last)
+        std::memcpy(record, rows[line] + place, 4 * sizeof(float));
+      else
+        std::memcpy(record, rows[line] + place, 3 * sizeof(float));
+    }
+  }
+};
+
+void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image) {
+  const int size = split_.face;
+  const int part = piece.row / size;
+  const int row = piece.row % size;
+  const auto [first, end] = piece.columns;
+  const FaceImage& own = images_[static_cast<std::size_t>((turn * kParts + part) * kRingImages + image)];
+  const Copy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
+                  own.across[1], own.column + first * own.across[0] + row * own.down[0],
+                  own.across[0], end - first,
+                  size};
+  copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
+}
+
+void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image) {
+  const int columns = split_.face;
+  const auto [first, end] = piece.columns;
+  const image::CubeImage how = image::cube_image_of(image);
+  const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
+  int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
+  column = ((column % columns) + columns) % columns;
+  float* to = records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats;
+  for (int k = first; k < end;) {
+    const int count = std::min(end - k, how.mirrored ? column + 1 : columns - column);
+    Copy{rows.data(), row, 0, column, how.mirrored ? -1 : 1, count, columns}.to(to, image);
+    k += count;
+    to += std::ptrdiff_t{count} * kRecordFloats;
+    column = how.mirrored ? columns - 1 : 0;
+  }
+}
+
+/// Sums of one mip.
+class NearSums {
+ public:
+  struct Room {
+    NearTile tile;
+    NearWeights::Room weights;
+    alignas(64) float sums[kRecordFloats] = {};
+  };
+
+  explicit NearSums(const NearMip& mip) : mip_(mip) {
+    for (int turn = 0; turn < turns_of(mip.table->split()); ++turn) {
+      for (int image = 0; image < kRingImages; ++image) {
+        for (const bool cap : {false, true}) places_[turn][cap ? 1 : 0][image] = place_of(turn, image, cap);
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t tiles() const { return mip_.table->weights().tiles(); }
+  void add(std::size_t tile, int turn, const NearRecords& records, Room& room) const;
+
+ private:
+  /// An image of all directions on +y, or on +z: steps in memory are even.
+  struct Place {
+    float* first = nullptr;
+    std::ptrdiff_t across = 0;
+    std::ptrdiff_t other = 0;
+  };
+
+  [[nodiscard]] Place place_of(int turn, int image, bool cap) const;
+
+  NearMip mip_;
+  Place places_[kTurns][2][kRingImages];
+};
+
+NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
+  const int size = mip_.table->split().size;
+  const auto pixel = [&](int across, int other) {
+    const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
+    const image::CubeTexel texel = image_of(size, point, turn, image);
+    return mip_.faces[static_cast<std::size_t>(texel.face)] +
+           3 * (static_cast<std::ptrdiff_t>(texel.row) * size + texel.column);
+  };
+  const int first = size % 2 == 0 ? 1 : 0;
+  float* const origin = pixel(first, first);
+  if (size < 3) return {origin, 0, 0};
+  return {origin, pixel(first + 2, first) - origin, pixel(first, first + 2) - origin};
+}
+
+// A direction that is its own image adds its share to that texel several times.
+void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room& room) const {
+  const NearTile& own = mip_.table->tile(tile, room.tile, room.weights);
+  const glm::ivec3* direction = mip_.table->weights().directions().data() + NearWeights::first_of(tile);
+  const NearKernels& kernels = near_kernels();
+  NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
+  std::array<float*, kRingImages> texels{};
+  for (std::size_t k = 0; k < own.runs_ends.size(); ++k, ++direction) {
+    taps.count = static_cast<int>(own.runs.data() + own.runs_ends[k] - taps.runs);
+    taps.weights = kernels.sum_runs(taps, room.sums);
+    taps.runs += taps.count;
+    const bool cap = direction->y == mip_.table->split().size;
+    const auto& places = places_[turn][cap ? 1 : 0];
+    const bool next = k > 0 && direction->x == direction[-1].x + 2;  // in its row
+    for (std::size_t image = 0; image < kRingImages; ++image) {
+      const Place& place = places[image];
+      if (next)
+        texels[image] += place.across;
+      else
+        texels[image] =
+            place.first + direction->x / 2 * place.across + (cap ? direction->z : direction->y) / 2 * place.other;
+      for (std::size_t c = 0; c < 3; ++c) texels[image][c] += room.sums[3 * image + c];
     }
   }
 }
 
-NearSums::NearSums(const NearSplit& split)
-    : split_(split), far_(far_spectrum(split.alpha, split.end(), split.bands + split.bands / 2)) {
-  std::vector<glm::dvec3> directions;
-  add_targets(directions);
-  const Places& corner = targets_.front().places;  // of one target, on the diagonal
-  for (std::size_t image = 0; image < kCubeImages; ++image) {
-    twins_[image] = image;
-    for (std::size_t other = 0; other < kCubeImages; ++other) {
-      if (other != image && corner[other].first == corner[image].first) twins_[image] = other;
+}  // namespace
+
+void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control) {
+  if (mips.empty()) return;
+  const NearSplit& split = mips.front().table->split();
+  std::vector<NearSums> sums;
+  std::vector<ColumnRange> columns = rows_of(split);
+  for (const NearMip& mip : mips) {
+    sums.emplace_back(mip);
+    for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], mip.table->rows()[row]);
+  }
+  NearRecords records(split, columns);
+  const int turns = turns_of(split);
+  const auto steps = static_cast<double>(turns) * static_cast<double>(sums.size());
+  double done = 0.0;
+  for (int turn = 0; turn < turns; ++turn) {
+    records.gather(rows, turn, {control.stop, {}});
+    for (std::size_t k = 0; k < sums.size(); ++k, done += 1.0) {
+      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].table->split())));
+      std::vector<NearSums::Room> rooms(jobs::worker_count(placement));
+      jobs::run_tiles(sums[k].tiles(), placement, rooms.size(),
+                      jobs::part_of(control, done / steps, (done + 1.0) / steps),
+                      [&](std::size_t tile, std::size_t worker) { sums[k].add(tile, turn, records, rooms[worker]); });
     }
   }
-  NearWeights weights(split, directions, 1.0 - far_.front());
-  add_sources(weights.rows());
-  records_ = weights.records();
-  ends_ = std::move(weights.ends());
-  taps_ = std::move(weights.taps());
 }
 
-std::shared_ptr<const NearSums> NearSums::get(const NearSplit& split) {
-  static auto& cache = *new math::TableCache<NearSplit, NearSums>(kCacheBytes);  // never destroyed
-  return cache.get(split, [&] { return std::make_shared<const NearSums>(split); });
-}
-
-std::size_t NearSums::most_bytes(const NearSplit& split) noexcept {
-  const double texels = 0.5 * split.reach * split.face;  // of a face's middle
-  const double targets = 0.125 * split.size * (split.size + 2.0);
-  const double all = 6.0 * split.face * split.face;
-  const double taps = targets * std::min(all, 9.0 * texels * texels + 40.0);  // six on average
-  const double edge = 0.5 * split.face + 5.0 * texels + 6.0;
-  const double records = std::min(all, edge * edge);
-  const double runs = targets * (8.0 * texels + 16.0);  // rows of texels near a target
-  const double bytes = taps * sizeof(RingTap) + 8.0 * runs + 36.0 * targets + 72.0 * split.size * kCubeImages +
-                       records * kRecordFloats * sizeof(float) + 6.0 * split.face * sizeof(NearWeights::Row) +
-                       8.0 * edge * sizeof(Texels) + 18.0 * split.size * split.size * sizeof(float);
-  return static_cast<std::size_t>(bytes) + (std::size_t{1} << 16U);
-}
-
-std::size_t NearSums::bytes() const noexcept {
-  return sizeof(*this) + (sources_.size() + targets_.size()) * sizeof(Texels) + ends_.size() * sizeof(std::uint32_t) +
-         taps_.bytes() + far_.size() * sizeof(double);
+std::size_t near_sums_bytes(const NearSplit& split) noexcept {
+  const double texels = split.reach * texels_of_radian(split);
+  double records = 0.0;
+  if (split.cubemap()) {
+    const double edge = 0.5 * split.face + 5.0 * texels + 6.0;
+    records = std::min(3.0 * split.face * split.face, edge * edge);
+  } else {
+    records = (0.125 + 1.5 * split.reach) * split.face * (0.5 * split.rows + texels);
+  }
+  return static_cast<std::size_t>((records + 4.0 * split.face) * kRecordFloats * sizeof(float));
 }
 
 namespace {
@@ -136,76 +403,6 @@ NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach
     if (best.bands == 0 || milliseconds_of(split) < milliseconds_of(best)) best = split;
   }
   return best;
-}
-
-void NearSums::gather(const float* faces, const Texels& texels, int turn, float* records) const {
-  const std::ptrdiff_t last = std::ptrdiff_t{18} * split_.face * split_.face - 3;
-  for (int image = 0; image < kRingImages; ++image) {
-    const Place place = texels.places[static_cast<std::size_t>(turn * kRingImages + image)];
-    const float* from = faces + place.first;
-    float* to = records + std::size_t{texels.record} * kRecordFloats + std::ptrdiff_t{3} * image;
-    // a fourth float is overwritten by the next image
-    const std::ptrdiff_t end = place.first + std::ptrdiff_t{place.step} * (texels.count - 1);
-    if (image + 1 < kRingImages && std::max<std::ptrdiff_t>(place.first, end) < last) {
-      for (int texel = 0; texel < texels.count; ++texel, from += place.step, to += kRecordFloats)
-        std::memcpy(to, from, 4 * sizeof(float));
-    } else {
-      for (int texel = 0; texel < texels.count; ++texel, from += place.step, to += kRecordFloats)
-        std::memcpy(to, from, 3 * sizeof(float));
-    }
-  }
-}
-
-void NearSums::sum(std::size_t row, int turn, const float* records, float* to, float* diagonal) const {
-  const Texels& targets = targets_[row];
-  const std::uint32_t* const ends = ends_.data() + targets.record;
-  const int others = targets.count - 1;
-  RingPlacesInMemory places{};
-  RingPlacesInMemory last{};
-  for (int k = 0; k < kRingImages; ++k) {
-    const auto image = static_cast<std::size_t>(turn * kRingImages + k);
-    places.to[k] = to + targets.places[image].first;
-    places.step[k] = targets.places[image].step;
-    last.to[k] = diagonal + 3 * (kCubeImages * row + image);
-  }
-  ring_kernels().sum_ring_taps({records, taps_.data(), ends, others}, places);
-  ring_kernels().sum_ring_taps({records, taps_.data(), ends + others, 1}, last);
-}
-
-// The last of a row's targets lies on a diagonal of its face, and two images have it: it is the mean of what both sum,
-// so that it does not matter which of a turned picture's comes first.
-void NearSums::write_diagonals(const float* diagonal, float* to) const {
-  for (const Texels& targets : targets_) {
-    const auto place = [&](std::size_t image) {
-      return targets.places[image].first + targets.places[image].step * (targets.count - 1);
-    };
-    for (std::size_t image = 0; image < kCubeImages; ++image) {
-      const float* const own = diagonal + 3 * image;
-      const float* const other = diagonal + 3 * twins_[image];
-      for (int c = 0; c < 3; ++c) to[place(image) + c] = 0.5F * own[c] + 0.5F * other[c];
-    }
-    diagonal += 3 * kCubeImages;
-  }
-}
-
-void NearSums::write(const float* faces, float* to, const Control& control) const {
-  constexpr std::size_t kTileRows = 4;
-  platform::AlignedBuffer<float> records(std::size_t{records_} * kRecordFloats);
-  platform::AlignedBuffer<float> diagonal(targets_.size() * 3 * kCubeImages);
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_.size()));
-  const std::size_t workers = jobs::worker_count(placement);
-  for (int turn = 0; turn < kTurns; ++turn) {
-    jobs::run_tiles((sources_.size() + kTileRows - 1) / kTileRows, placement, workers, {control.stop, {}},
-                    [&](std::size_t tile, std::size_t) {
-                      const std::size_t end = std::min(sources_.size(), (tile + 1) * kTileRows);
-                      for (std::size_t k = tile * kTileRows; k < end; ++k)
-                        gather(faces, sources_[k], turn, records.data());
-                    });
-    jobs::run_tiles(targets_.size(), placement, workers,
-                    jobs::part_of(control, 1.0 * turn / kTurns, (turn + 1.0) / kTurns),
-                    [&](std::size_t row, std::size_t) { sum(row, turn, records.data(), to, diagonal.data()); });
-  }
-  write_diagonals(diagonal.data(), to);
 }
 
 }  // namespace welkin::reflections

@@ -7,19 +7,42 @@
 #include <numbers>
 
 #include "image/geometry.h"
-#include "jobs/tiles.h"
 #include "math/elementary.h"
-#include "reflections/near_kernels.h"
-#include "simd/dispatch.h"
 
 namespace welkin::reflections {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFineRadius = 2.0;        ///< texels from a direction within which weights have more points
-constexpr int kMostFine = 16;              ///< so many texels of a face, at most
-constexpr std::int64_t kTexelsOfTap = 10;  ///< whose sanitizing takes as long as a tap
+constexpr std::size_t kLanes = simd::kLanes;
+constexpr std::size_t kGroupsPerTile = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Texels that are wide beside the lobe are integrated in closed form, and finely for some way on: their middles lie so
+// many texels from the direction. Others are integrated finely next to it.
+constexpr double kMostTexel = 2.5;  ///< over alpha
+constexpr int kClose = 2;
+constexpr int kFine = 4;
+constexpr int kNowhere = -100'000;  ///< column and row of a direction that no window reaches a face from
+constexpr double kInset = 0.2;      ///< of a texel from its middle, which counts if the near part reaches it
+
+int whole_below(double number) {
+  const int whole = static_cast<int>(number);
+  return whole - (number < whole ? 1 : 0);
+}
+
+int whole_above(double number) { return -whole_below(-number); }
+
+/// Returns a position clear of lines between texels, whose corners it would see under no angle: some 1e-7 of a texel
+/// away, much less than the narrowest lobe is wide.
+double clear_of_lines(double position) {
+  const double line = whole_below(position + 0.5);
+  return std::abs(position - line) < 0x1p-23 ? line + 0x1p-23 : position;
+}
+
+double sine_squared_of_half(double radians) {
+  const double sine = math::sine_cosine_of_turns(radians / (4.0 * kPi)).sine;
+  return sine * sine;
+}
 
 struct Interval {
   double first = kInfinity;
@@ -27,210 +50,357 @@ struct Interval {
 };
 
 /// Returns the columns, or rows, that lie within an interval from -1 to 1 of a face of `size`.
-std::array<int, 2> texels_of(const Interval& interval, int size) {
+ColumnRange texels_of(const Interval& interval, int size) {
   const auto place = [&](double at) { return 0.5 * size * (1.0 + std::clamp(at, -1.0, 1.0)); };
   if (!(interval.first < 1.0 && interval.end > -1.0)) return {0, 0};
   return {static_cast<int>(place(interval.first)), std::min(size, static_cast<int>(place(interval.end)) + 1)};
 }
 
-/// A direction in the frame of a face.
-glm::dvec3 in_frame_of(int face, const glm::dvec3& direction) {
-  const glm::dvec3 out = image::face_direction(2, face, 1.0, 1.0);
-  const glm::dvec3 across = image::face_direction(2, face, 2.0, 1.0) * std::numbers::sqrt2 - out;
-  const glm::dvec3 down = image::face_direction(2, face, 1.0, 2.0) * std::numbers::sqrt2 - out;
-  return {glm::dot(direction, across), glm::dot(direction, down), glm::dot(direction, out)};
+constexpr bool empty(const ColumnRange& range) { return range.first >= range.end; }
+
+/// Returns the part of a range that lies within another; at its end if there is none.
+ColumnRange within(const ColumnRange& all, const ColumnRange& part) {
+  const ColumnRange both{std::max(all.first, part.first), std::min(all.end, part.end)};
+  return empty(both) ? ColumnRange{all.end, all.end} : both;
+}
+
+RowRange nested(const ColumnRange& columns, const ColumnRange& fine, const ColumnRange& close) {
+  const ColumnRange all = empty(columns) ? ColumnRange{0, 0} : columns;
+  const ColumnRange inner = within(all, fine);
+  return {all, inner, within(inner, close)};
+}
+
+SplitLobe split_lobe(const NearSplit& split, bool fine) {
+  const double square = split.alpha * split.alpha;
+  const double rest = (1.0 - split.alpha) * (1.0 + split.alpha);
+  SplitLobe lobe{};
+  lobe.width_squared = static_cast<float>(4.0 * square);
+  lobe.offset = static_cast<float>(square / rest);
+  lobe.inverse_end = static_cast<float>(1.0 / split.end());
+  lobe.far_scale = static_cast<float>(square / (4.0 * kPi * rest * rest * split.end() * split.end()));
+  lobe.fine = fine;
+  return lobe;
+}
+
+/// Returns how many images a direction is of itself.
+int times_itself(const glm::ivec3& direction) {
+  const int below = direction.y == 0 ? 2 : 1;
+  if (direction.x == 0 && direction.z == 0) return 8 * below;
+  return below * (direction.x == 0 ? 2 : 1) * (direction.x == direction.z ? 2 : 1);
 }
 
 }  // namespace
 
 double NearSplit::end() const noexcept {
-  const double sine = math::sine_cosine_of_turns(reach / (4.0 * kPi)).sine;
-  return alpha * alpha / ((1.0 - alpha) * (1.0 + alpha)) + sine * sine;
+  return alpha * alpha / ((1.0 - alpha) * (1.0 + alpha)) + sine_squared_of_half(reach);
 }
 
-/// All directions within the reach of another.
-class NearWeights::Cone {
- public:
-  explicit Cone(double reach) {
-    const math::SineCosine angle = math::sine_cosine_of_turns(reach / (2.0 * kPi));
-    sine_ = angle.sine;
-    cosine_ = angle.cosine;
-  }
+std::size_t NearTile::bytes() const noexcept {
+  return sizeof(*this) + runs.size() * sizeof(NearRun) + runs_ends.size() * sizeof(std::size_t) +
+         weights.size() * sizeof(float);
+}
 
-  /// Returns where the planes lie that touch the cone, all with an edge of the face: x / z from the axis' coordinates
-  /// across and outwards.
-  [[nodiscard]] Interval across(double x, double z) const {
-    const double square = x * x + z * z - sine_ * sine_;
-    if (z <= -sine_) return {};
-    if (square <= 0.0) return {-kInfinity, kInfinity};
-    const double root = sine_ * std::sqrt(square);
-    const double wide = z * z - sine_ * sine_;
-    const double product = x * x - sine_ * sine_;
-    if (z > sine_) return {(x * z - root) / wide, (x * z + root) / wide};
-    if (product <= 0.0) return {-kInfinity, kInfinity};
-    if (x > 0.0) return {product / (x * z + root), kInfinity};
-    return {-kInfinity, product / (x * z - root)};
+NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), share_(share) {
+  const double texel = split.cubemap() ? 2.0 / split.face : kPi * std::max(1.0 / split.rows, 2.0 / split.face);
+  closed_ = texel > kMostTexel * split.alpha;
+  lobe_ = split_lobe(split, !closed_);
+  const int size = split.size;
+  const int first = size % 2 == 0 ? 1 : 0;
+  for (int up = first; up < size && !split.cubemap(); up += 2) {
+    for (int across = first; across < size; across += 2) directions_.emplace_back(across, up, size);
   }
-
-  /// Returns the part of a line across the face that lies within, u where (u, v, 1) does.
-  [[nodiscard]] Interval along(const glm::dvec3& axis, double v) const {
-    // f(u) = (x u + k)^2 - c^2 (u^2 + w) is not negative there, and x u + k is positive
-    const double x = std::abs(axis.x);
-    const double k = axis.y * v + axis.z;
-    const double w = 1.0 + v * v;
-    const double a = (x - cosine_) * (x + cosine_);
-    const double square = k * k + w * a;
-    if (a < 0.0 && (k <= 0.0 || square <= 0.0)) return {};
-    const double root = cosine_ * std::sqrt(std::max(0.0, square));
-    const double b = x * k;
-    const double first = b >= 0.0 ? (cosine_ * cosine_ * w - k * k) / (b + root) : (root - b) / a;
-    const double end = a < 0.0 ? (b + root) / -a : kInfinity;
-    return axis.x < 0.0 ? Interval{-end, -first} : Interval{first, end};
+  for (int out = first; out < size; out += 2) {
+    for (int across = first; across <= out; across += 2) directions_.emplace_back(across, size, out);
   }
+  if (split.cubemap()) return;
+  for (int m = -(split.face / 2); m <= split.face / 2; ++m) {
+    const math::SineCosine value = math::sine_cosine_of_turns(0.5 * m / split.face);
+    column_table_.push_back(static_cast<float>(value.sine));
+    column_table_.push_back(static_cast<float>(value.cosine));
+  }
+}
 
- private:
-  double sine_;
-  double cosine_;
+std::size_t NearWeights::tiles() const noexcept { return (directions_.size() + first_of(1) - 1) / first_of(1); }
+std::size_t NearWeights::first_of(std::size_t tile) noexcept { return tile * kGroupsPerTile * kLanes; }
+
+namespace {
+
+/// Returns where the planes lie that touch the cone of all directions within a reach, all with an edge of the face: x /
+/// z from its axis' coordinates across and outwards.
+Interval across_cone(double x, double z, const math::SineCosine& reach) {
+  const double square = x * x + z * z - reach.sine * reach.sine;
+  if (z <= -reach.sine) return {};
+  if (square <= 0.0) return {-kInfinity, kInfinity};
+  const double root = reach.sine * std::sqrt(square);
+  const double wide = z * z - reach.sine * reach.sine;
+  const double product = x * x - reach.sine * reach.sine;
+  if (z > reach.sine) return {(x * z - root) / wide, (x * z + root) / wide};
+  if (product <= 0.0) return {-kInfinity, kInfinity};
+  if (x > 0.0) return {product / (x * z + root), kInfinity};
+  return {-kInfinity, product / (x * z - root)};
+}
+
+/// Returns a range from a place on, and another.
+ColumnRange with(const ColumnRange& range, const ColumnRange& other, int place) {
+  return {std::min(range.first, other.first - place), std::max(range.end, other.end - place)};
+}
+
+}  // namespace
+
+void NearWeights::add_face(const Directions& directions, int part, Room& room) const {
+  const image::Frame& frame = image::face_frame(kNearFaces[static_cast<std::size_t>(part)]);
+  const int size = split_.face;
+  const math::SineCosine reach = math::sine_cosine_of_turns(split_.reach / (2.0 * kPi));
+  Window& window = room.windows[room.count];
+  window.part = part;
+  CubeGroup& group = window.face;
+  group = {};
+  group.size = static_cast<float>(size);
+  ColumnRange rows{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+  ColumnRange columns = rows;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const double x = glm::dot(directions[k], frame.u);
+    const double y = glm::dot(directions[k], frame.v);
+    const double z = glm::dot(directions[k], frame.normal);
+    group.column[k] = group.row[k] = static_cast<float>(kNowhere);
+    window.row[k] = window.column[k] = kNowhere;
+    const ColumnRange own_rows = texels_of(across_cone(y, z, reach), size);
+    const ColumnRange own_columns = texels_of(across_cone(x, z, reach), size);
+    if (empty(own_rows) || empty(own_columns)) continue;
+    const double column = clear_of_lines(0.5 * (x / z + 1.0) * size);
+    const double row = clear_of_lines(0.5 * (y / z + 1.0) * size);
+    window.column[k] = whole_below(column);
+    window.row[k] = whole_below(row);
+    group.u[k] = static_cast<float>(x / z);
+    group.v[k] = static_cast<float>(y / z);
+    group.column[k] = static_cast<float>(window.column[k]);
+    group.row[k] = static_cast<float>(window.row[k]);
+    group.part[k] = static_cast<float>(column - window.column[k]);
+    group.part_row[k] = static_cast<float>(row - window.row[k]);
+    rows = with(rows, own_rows, window.row[k]);
+    columns = with(columns, own_columns, window.column[k]);
+  }
+  if (empty(rows)) return;
+  ++room.count;
+  window.first_row = rows.first;
+  window.rows.clear();
+  const auto beside = [](int row, int texels) -> ColumnRange {
+    return std::abs(row) <= texels ? ColumnRange{-texels, texels + 1} : ColumnRange{0, 0};
+  };
+  for (int row = rows.first; row < rows.end; ++row)
+    window.rows.push_back({.range = nested(columns, beside(row, closed_ ? kFine : kClose),
+                                           closed_ ? beside(row, kClose) : ColumnRange{})});
+}
+
+namespace {
+
+/// The least and the largest of some numbers.
+struct Extent {
+  double least = kInfinity;
+  double largest = -kInfinity;
+  void take(double value) {
+    least = std::min(least, value);
+    largest = std::max(largest, value);
+  }
 };
 
-void NearWeights::find_runs(const std::vector<glm::dvec3>& directions) {
-  const Cone cone(split_.reach);
-  const double texel = 2.0 / split_.face;
-  const double point = 0.5773502691896257 * 0.5 * texel;  // from a texel's middle
-  run_ends_.push_back(0);
-  ends_.push_back(0);
-  std::uint32_t taps = 0;
-  for (const glm::dvec3& direction : directions) {
-    for (int face = 0; face < 6; ++face) {
-      const glm::dvec3 axis = in_frame_of(face, direction);
-      const std::array<int, 2> rows = texels_of(cone.across(axis.y, axis.z), split_.face);
-      for (int row = rows[0]; row < rows[1]; ++row) {
-        const double v = (row + 0.5) * texel - 1.0;
-        const Interval upper = cone.along(axis, v - point);
-        const Interval lower = cone.along(axis, v + point);
-        const std::array<int, 2> columns =
-            texels_of({std::min(upper.first, lower.first), std::max(upper.end, lower.end)}, split_.face);
-        if (columns[0] >= columns[1]) continue;
-        runs_.push_back({static_cast<std::int16_t>(face), static_cast<std::int16_t>(row),
-                         static_cast<std::int16_t>(columns[0]), static_cast<std::int16_t>(columns[1])});
-        taps += static_cast<std::uint32_t>(columns[1] - columns[0]);
+}  // namespace
+
+void NearWeights::add_lat_long(const Directions& directions, Room& room) const {
+  const int columns = split_.face;
+  const int rows = split_.rows;
+  Window& window = room.windows[room.count++];
+  LatLongGroup& group = window.lat_long;
+  group = {};
+  group.rows = static_cast<float>(rows);
+  group.down = static_cast<float>(kPi / rows);
+  group.across = static_cast<float>(2.0 * kPi / columns);
+  group.columns = column_table_.data() + columns / 2 * 2;
+  Extent latitude;  // turns
+  Extent part_rows;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const glm::dvec3& d = directions[k];
+    const double flat = std::sqrt(d.x * d.x + d.z * d.z);
+    const double own = math::turns_of(d.y, flat);
+    const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
+    const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
+    latitude.take(own);
+    part_rows.take(row - whole_below(row));
+    window.column[k] = whole_below(column);
+    window.row[k] = std::min(whole_below(row), rows - 1);
+    const math::SineCosine part = math::sine_cosine_of_turns(0.5 * (column - window.column[k]) / columns);
+    const math::SineCosine middle = math::sine_cosine_of_turns(0.5 * (column - window.column[k] - 0.5) / columns);
+    group.sine[k] = static_cast<float>(d.y);
+    group.cosine[k] = static_cast<float>(flat);
+    group.sine_of_part[k] = static_cast<float>(part.sine);
+    group.cosine_of_part[k] = static_cast<float>(part.cosine);
+    group.sine_of_middle[k] = static_cast<float>(middle.sine);
+    group.cosine_of_middle[k] = static_cast<float>(middle.cosine);
+    group.row[k] = static_cast<float>(window.row[k]);
+    group.part_row[k] = static_cast<float>(row - window.row[k]);
+  }
+  const int highest_row = *std::max_element(window.row.begin(), window.row.end());
+  const double own_cosine = math::sine_cosine_of_turns(latitude.largest).cosine;
+  // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2)
+  const auto range_of = [&](double cosines, double left) -> ColumnRange {
+    if (left <= 0.0) return {0, 0};
+    int side = columns / 2;
+    if (left < 0.99 * cosines) {
+      const double half_angle = math::arc_sine(std::sqrt(left / cosines));
+      side = std::min(side, whole_above(half_angle * columns / kPi + kInset - 0.5));
+    }
+    return side == columns / 2 ? ColumnRange{-side, side} : ColumnRange{-side, side + 1};
+  };
+  const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.least).cosine);
+  const double all = sine_squared_of_half(split_.reach);
+  const double fine = sine_squared_of_half((closed_ ? kFine : kClose) * texel);
+  const double close = closed_ ? sine_squared_of_half(kClose * texel) : 0.0;
+  const auto side = static_cast<int>(std::ceil(split_.reach * rows / kPi));
+  window.first_row = -side;
+  window.rows.clear();
+  for (int row = -side; row <= side; ++row) {
+    // its middle, from the highest and the lowest of the directions
+    const double high = row + 0.5 - part_rows.least;
+    const double low = row + 0.5 - part_rows.largest;
+    const double nearest =
+        row + highest_row < 0 ? 10.0 : sine_squared_of_half(std::max({0.0, low - kInset, -high - kInset}) * kPi / rows);
+    const double other = latitude.largest + 0.5 * (0.5 - low) / rows;  // the northernmost
+    const double cosines = other >= 0.25 ? 0.0 : own_cosine * math::sine_cosine_of_turns(other).cosine;
+    window.rows.push_back({.range = nested(range_of(cosines, all - nearest), range_of(cosines, fine - nearest),
+                                           range_of(cosines, close - nearest))});
+  }
+}
+
+namespace {
+
+void grow(platform::AlignedBuffer<float>& buffer, std::size_t count) {
+  if (buffer.size() >= count) return;
+  buffer = {};  // not both at the same time
+  buffer = platform::AlignedBuffer<float>(count + count / 2);
+}
+
+}  // namespace
+
+void NearWeights::make(std::size_t tile, NearTile& to, Room& room) const {
+  room.made.runs.clear();
+  room.made.runs_ends.clear();
+  room.made.weights.clear();
+  const std::size_t groups = (directions_.size() + kLanes - 1) / kLanes;
+  for (std::size_t group = tile * kGroupsPerTile; group < std::min(groups, (tile + 1) * kGroupsPerTile); ++group) {
+    weigh_group(group, room);
+    for (std::size_t lane = 0; lane < std::min(kLanes, directions_.size() - group * kLanes); ++lane)
+      take_runs(lane, room);
+  }
+  to.runs.assign(room.made.runs.begin(), room.made.runs.end());
+  to.runs_ends.assign(room.made.runs_ends.begin(), room.made.runs_ends.end());
+  to.weights.assign(room.made.weights.begin(), room.made.weights.end());
+}
+
+void NearWeights::weigh_group(std::size_t group, Room& room) const {
+  Directions directions;
+  float sums[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const glm::ivec3& direction = directions_[std::min(group * kLanes + k, directions_.size() - 1)];
+    directions[k] = glm::normalize(glm::dvec3(direction));
+    sums[k] = static_cast<float>(share_ / times_itself(direction));
+  }
+  room.count = 0;
+  if (split_.cubemap()) {
+    for (int part = 0; part < static_cast<int>(kNearFaces.size()); ++part) add_face(directions, part, room);
+  } else {
+    add_lat_long(directions, room);
+  }
+  std::size_t texels = 0;
+  for (std::size_t k = 0; k < room.count; ++k) {
+    for (Window::Row& row : room.windows[k].rows) {
+      row.weights = texels * kLanes;
+      texels += static_cast<std::size_t>(row.range.columns.end - row.range.columns.first);
+    }
+  }
+  grow(room.weights, texels * kLanes);
+  for (std::size_t k = 0; k < room.count; ++k) {
+    if (split_.cubemap())
+      weigh(room.windows[k].face, room.windows[k], room);
+    else
+      weigh(room.windows[k].lat_long, room.windows[k], room);
+  }
+  near_kernels().scale(room.weights.data(), static_cast<int>(texels), sums);
+}
+
+/// Takes a direction's weights, without the ends of rows that the near part does not reach.
+void NearWeights::take_runs(std::size_t lane, Room& room) const {
+  const int part_rows = split_.cubemap() ? split_.face : split_.rows;
+  for (std::size_t k = 0; k < room.count; ++k) {
+    const Window& window = room.windows[k];
+    if (window.column[lane] == kNowhere) continue;
+    int row = window.part * part_rows + window.row[lane] + window.first_row;
+    for (const Window::Row& own : window.rows) {
+      const float* const weights = room.weights.data() + own.weights + lane;
+      const auto weight = [&](int i) { return weights[static_cast<std::ptrdiff_t>(i) * simd::kLanes]; };
+      const int count = own.range.columns.end - own.range.columns.first;
+      int first = 0;
+      int end = count;
+      while (first < end && weight(first) == 0.0F) ++first;
+      while (first < end && weight(end - 1) == 0.0F) --end;
+      if (first < end) {
+        room.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
+        const std::size_t before = room.made.weights.size();
+        room.made.weights.resize(before + static_cast<std::size_t>(end - first));
+        float* const made = room.made.weights.data() + before;
+        for (int i = first; i < end; ++i) made[i - first] = weight(i);
       }
-    }
-    run_ends_.push_back(static_cast<std::uint32_t>(runs_.size()));
-    ends_.push_back(taps);
-  }
-}
-
-void NearWeights::number_records() {
-  rows_.assign(std::size_t{6} * static_cast<std::size_t>(split_.face), {});
-  for (const Run& run : runs_) {
-    Row& row = rows_[static_cast<std::size_t>(split_.face * run.face + run.row)];
-    row.first = row.first < row.end ? std::min<int>(row.first, run.first) : run.first;
-    row.end = std::max<int>(row.end, run.end);
-  }
-  for (Row& row : rows_) {
-    row.record = records_;
-    records_ += static_cast<std::uint32_t>(row.end - row.first);
-  }
-}
-
-/// Room for the texels near one direction, and a whole group more.
-struct NearWeights::Room {
-  float* columns;
-  float* rows;
-  float* weights;
-};
-
-/// Writes the weights of a face's runs. Returns how many there are.
-int NearWeights::weigh_face(const glm::dvec3& direction, std::span<const Run> runs, const Room& room) const {
-  const double texel = 2.0 / split_.face;
-  const double q = split_.alpha * split_.alpha / ((1.0 - split_.alpha) * (1.0 + split_.alpha));
-  const double inverse_end = 1.0 / split_.end();
-  const glm::dvec3 axis = in_frame_of(runs.front().face, direction);
-  NearTexels texels{room.columns,
-                    room.rows,
-                    0,
-                    {},
-                    static_cast<float>(0.5 * texel),
-                    static_cast<float>(q * inverse_end),
-                    static_cast<float>(inverse_end)};
-  for (int k = 0; k < 3; ++k) texels.direction[k] = static_cast<float>(axis[k]);
-  const auto middle = [texel](int at) { return static_cast<float>((at + 0.5) * texel - 1.0); };
-  const auto place = [&](double at) { return axis.z > 0.0 ? (1.0 + at / axis.z) / texel : -2.0 * kFineRadius; };
-  const double own_column = place(axis.x);
-  const double own_row = place(axis.y);
-  int fine[kMostFine];
-  float fine_columns[kMostFine] = {};
-  float fine_rows[kMostFine] = {};
-  int fine_count = 0;
-  for (const Run& run : runs) {
-    const float row = middle(run.row);
-    const bool beside = std::abs(run.row + 0.5 - own_row) < kFineRadius;
-    for (int column = run.first; column < run.end; ++column, ++texels.count) {
-      room.columns[texels.count] = middle(column);
-      room.rows[texels.count] = row;
-      if (!beside || std::abs(column + 0.5 - own_column) >= kFineRadius) continue;
-      fine_columns[fine_count] = middle(column);
-      fine_rows[fine_count] = row;
-      fine[fine_count++] = texels.count;
+      ++row;
     }
   }
-  std::fill_n(room.columns + texels.count, simd::kLanes, 0.0F);
-  std::fill_n(room.rows + texels.count, simd::kLanes, 0.0F);
-  near_kernels().weigh(texels, room.weights);
-  if (fine_count > 0) {
-    float weights[kMostFine];
-    NearTexels few = texels;
-    few.columns = fine_columns;
-    few.rows = fine_rows;
-    few.count = fine_count;
-    near_kernels().weigh_finely(few, weights);
-    for (int k = 0; k < fine_count; ++k) room.weights[fine[k]] = weights[k];
-  }
-  return texels.count;
+  room.made.runs_ends.push_back(room.made.runs.size());
 }
 
-void NearWeights::weigh(const glm::dvec3& direction, std::size_t target, double share, const Room& room) {
-  const std::span<const Run> runs(runs_.data() + run_ends_[target], runs_.data() + run_ends_[target + 1]);
-  Room rest = room;
-  for (auto first = runs.begin(); first != runs.end();) {
-    const auto end = std::find_if(first, runs.end(), [&](const Run& run) { return run.face != first->face; });
-    rest.weights += weigh_face(direction, {first, end}, rest);
-    first = end;
-  }
-  const auto count = static_cast<int>(rest.weights - room.weights);
-  std::fill_n(rest.weights, simd::kLanes, 0.0F);
-  const auto scale = static_cast<float>(share / near_kernels().sum(room.weights, count));
-  RingTap* to = taps_.data() + ends_[target];
-  const float* from = room.weights;
-  for (const Run& run : runs) {
-    const Row& row = rows_[static_cast<std::size_t>(split_.face * run.face + run.row)];
-    const int texels = run.end - run.first;
-    near_kernels().write_taps(from, scale, row.record + static_cast<std::uint32_t>(run.first - row.first), texels, to);
-    from += texels;
-    to += texels;
-  }
-}
+namespace {
 
-NearWeights::NearWeights(const NearSplit& split, const std::vector<glm::dvec3>& directions, double share)
-    : split_(split) {
-  constexpr std::size_t kTileTargets = 32;
-  find_runs(directions);
-  number_records();
-  taps_ = platform::AlignedBuffer<RingTap>(ends_.back());
-  std::uint32_t most = 0;
-  for (std::size_t k = 0; k < directions.size(); ++k) most = std::max(most, ends_[k + 1] - ends_[k]);
-  const std::size_t floats = (std::size_t{most} / simd::kLanes + 2) * simd::kLanes;
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(ends_.back()) * kTexelsOfTap);
-  const std::size_t workers = jobs::worker_count(placement);
-  platform::AlignedBuffer<float> rooms(3 * floats * workers);
-  jobs::run_tiles((directions.size() + kTileTargets - 1) / kTileTargets, placement, workers, {},
-                  [&](std::size_t tile, std::size_t worker) {
-                    float* const room = rooms.data() + 3 * floats * worker;
-                    const std::size_t end = std::min(directions.size(), (tile + 1) * kTileTargets);
-                    for (std::size_t k = tile * kTileTargets; k < end; ++k)
-                      weigh(directions[k], k, share, {room, room + floats, room + 2 * floats});
-                  });
+void measure(const SplitLobe& lobe, const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
+  near_kernels().measure_cube(lobe, group, row, corners, line);
+}
+void measure(const SplitLobe& lobe, const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
+  near_kernels().measure_lat_long(lobe, group, row, corners, line);
+}
+WeighRow<CubeGroup> weigh_kernel(const CubeGroup& /*group*/) { return near_kernels().weigh_cube; }
+WeighRow<LatLongGroup> weigh_kernel(const LatLongGroup& /*group*/) { return near_kernels().weigh_lat_long; }
+
+}  // namespace
+
+template <class Group>
+void NearWeights::weigh(const Group& group, const Window& window, Room& room) const {
+  const int cut = split_.cubemap() ? 0 : 1;  // a lat-long's own column is two: see `MeasureLine`
+  const auto count = static_cast<int>(window.rows.size());
+  const auto range = [&](int row) -> const RowRange& { return window.rows[static_cast<std::size_t>(row)].range; };
+  ColumnRange all{0, 0};  // that are close
+  for (int row = 0; row < count; ++row) {
+    const ColumnRange& close = range(row).close;
+    if (!empty(close)) all = {std::min(all.first, close.first), std::max(all.end, close.end)};
+  }
+  const auto width = static_cast<std::ptrdiff_t>(all.end + 1 + cut - all.first) * simd::kLanes;
+  grow(room.corners, static_cast<std::size_t>(6 * width));
+  float* const corners = room.corners.data() - std::ptrdiff_t{all.first} * simd::kLanes;
+  const auto line = [&](int row) -> CornerLine {
+    float* const first = corners + (row & 1) * 3 * width;
+    return {first, first + width, first + 2 * width, cut == 0 ? nullptr : room.bends[row & 1]};
+  };
+  // the texels that are close above a line and below it
+  const auto close_to_line = [&](int row) -> ColumnRange {
+    const ColumnRange above = row > 0 ? range(row - 1).close : ColumnRange{};
+    const ColumnRange below = row < count ? range(row).close : ColumnRange{};
+    if (empty(above)) return below;
+    if (empty(below)) return above;
+    return {std::min(above.first, below.first), std::max(above.end, below.end)};
+  };
+  for (int row = 0; row <= count; ++row) {
+    const ColumnRange close = close_to_line(row);
+    if (!empty(close)) measure(lobe_, group, window.first_row + row, {close.first, close.end + 1 + cut}, line(row));
+    if (row == 0 || empty(range(row - 1).columns)) continue;
+    float* const weights = room.weights.data() + window.rows[static_cast<std::size_t>(row - 1)].weights -
+                           std::ptrdiff_t{range(row - 1).columns.first} * simd::kLanes;
+    weigh_kernel(group)(lobe_, group, window.first_row + row - 1, range(row - 1), line(row - 1), line(row), weights);
+  }
 }
 
 }  // namespace welkin::reflections

@@ -33,10 +33,10 @@
 #include "reflections/direct.h"
 #include "reflections/lobe.h"
 #include "reflections/narrow.h"
+#include "reflections/near_sums.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
 #include "reflections/ring_table.h"
-#include "reflections/texel_images.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
 
@@ -69,6 +69,9 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
+constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
+constexpr double kMostSharp = 2.6;         ///< over the reach: of lobes whose dark parts mostly take more bands
+constexpr int kFewBands = 72;             ///< these take no longer than to look whether fewer do
 
 using Faces = std::array<float*, 6>;
 
@@ -149,13 +152,12 @@ double least_of(const CubemapChain& chain, int level, const Control& control) {
 
 /// What narrow mips share.
 struct NarrowSource {
+  NearSplit split;      ///< of the one whose far part has the most bands
   BrightLights bright;  ///< taken out of the spectrum
   int bright_texels = 0;
   double contrast = 0.0;  ///< see `contrast_of`
-  int rings = 0;
   transforms::Spectrum spectrum;
   std::vector<double> energies;  ///< by degrees, see `energies_of`
-  std::unique_ptr<TexelImages> images;
 };
 
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
@@ -233,8 +235,9 @@ class LobeChain {
                     const transforms::Spectrum& spectrum, int rows, const Control& control);
   [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
-  [[nodiscard]] NarrowSplit split_of(int size) const;
-  void narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control);
+  [[nodiscard]] NearSplit split_of(const MipPlan& mip) const;
+  void add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
+  void end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table, const Control& control);
   void keep_or_integrate(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control);
   [[nodiscard]] double seconds_to_integrate(const MipPlan& mip) const;
   [[nodiscard]] bool may_integrate(const Target& target, const MipPlan& mip) const;
@@ -383,20 +386,14 @@ bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
 /// Adds the near part of its lobe to a mip's faces.
 void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const auto sums = NearSums::get(mip.near);
-  const std::size_t face_floats =
-      std::size_t{3} * static_cast<std::size_t>(mip.size) * static_cast<std::size_t>(mip.size);
-  platform::AlignedBuffer<float> near(6 * face_floats);
   const PackedFaces faces = halved(faces_, mip.near.face, control);
-  const std::size_t bytes = near.bytes() + faces.owned.bytes() + sums->working_bytes();
+  const std::size_t bytes = faces.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
-  sums->write(faces.rgb, near.data(), control);
-  const float least = source_.has_negatives() ? -std::numeric_limits<float>::max() : 0.0F;
-  const float* from = near.data();
-  for (float* const face : target.faces()) {
-    for (std::size_t k = 0; k < face_floats; ++k) face[k] = std::max(face[k] + from[k], least);
-    from += face_floats;
-  }
+  std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * faces.size));
+  for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
+  reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
+  if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
 }
@@ -432,16 +429,22 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
     if (keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)) break;
     mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), spectrum.bands());
   }
-  blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
-  if (near) add_near_sums(target, mip, {control.stop, {}});
   const ErrorBounds tight = target.bounds.tightened(target.tightenings);
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
+  const bool sharp = 2.0 * mip.alpha * of_dark < kMostSharp * reach_within(tight);
+  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp)
+    mip.bands = tapered_lobe(mip.alpha, of_dark);
+  blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
+  if (near) add_near_sums(target, mip, {control.stop, {}});
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {
     mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(target, mip, spectrum, {control.stop, {}});
   }
   const Stopwatch splatting;
-  bright_.add({*mip.lobe}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
+  const double least =
+      bright_.empty() ? 0.0 : kLeftOut * target.bounds.rms * least_of(target.chain, target.level, control);
+  const double left_out =
+      bright_.add({*mip.lobe, 0.0, least}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
   note_darkness(target, blurred_rms(energies_, mip.bands.zonal), control);
   note(target.name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   target.record.bands = mip.bands.bands();
@@ -450,7 +453,7 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   // Few texels may lie where the error of a lobe with kinks is largest.
   const double by_chance = mip.alpha > 0.0 ? 1.0 : std::min(2.0, 1.0 + 4.0 / mip.size);
   target.record.error_estimate =
-      by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms), rms);
+      by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms) + left_out, rms);
   keep_or_integrate(target, mip, watch, control);
 }
 
@@ -503,27 +506,22 @@ IrradianceMap LobeChain::irradiance_times(double factor) {
   return map;
 }
 
-NarrowSplit LobeChain::split_of(int size) const {
-  return split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows(), size);
+NearSplit LobeChain::split_of(const MipPlan& mip) const {
+  return narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), mip.size, mip.alpha);
 }
 
 void LobeChain::run_narrow(const Control& control) {
   const Stopwatch watch;
   NarrowSource narrow;
-  const NarrowSplit split = split_of(plan_.narrow_size);
-  double reach = 0.0;
-  for (const MipPlan& mip : plan_.mips) {
-    if (mip.method == MipMethod::narrow) reach = std::max(reach, split_of(mip.size).reach);
-  }
-  const double sharpest = split.sharpest_lobe();
+  narrow.split = narrow_split(source_.columns(), source_.cubemap() ? 0 : source_.rows(), plan_.narrow_size, 0.0);
+  const NearSplit& split = narrow.split;
+  const double sharpest = sharpest_lobe(split);
   const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
   narrow.bright =
       BrightLights(texels, PictureShape::of(source_), {LightsOf::ggx, kFarLights * sharpest}, narrow_reach(plan_));
   narrow.bright_texels = static_cast<int>(texels.size());
   narrow.contrast = contrast_of(source_);
-  const int rows = source_.cubemap() ? split.rows_for_cubemap() : 0;
-  Rings rings = rings_of(source_, texels, rows, {control.stop, {}});
-  narrow.rings = rings.view.height;
+  Rings rings = rings_of(source_, texels, source_.cubemap() ? far_rows_for_cubemap(split) : 0, {control.stop, {}});
   memory_.take(rings.bytes() + narrow.bright.bytes());
   narrow.spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.2));
   narrow.energies = energies_of(narrow.spectrum);
@@ -532,47 +530,66 @@ void LobeChain::run_narrow(const Control& control) {
   rings = {};
   note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
 
-  const Stopwatch copying;
-  const TexelParts parts =
-      parts_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
-  narrow.images = std::make_unique<TexelImages>(source_, parts, reach, Control{control.stop, {}});
-  memory_.take(narrow.images->bytes());
-  note("narrow: images", std::to_string(narrow.images->columns()) + " columns", copying.milliseconds());
-
   jobs::TaskGraph graph;
+  std::vector<std::size_t> levels;
+  std::vector<NearMip> mips;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (mip.method != MipMethod::narrow) continue;
-    graph.add(static_cast<double>(mip.size) * mip.size,
-              [this, level, &narrow](const Control& part) { narrow_mip(level, narrow, part); });
+    if (plan_.mips[level].method != MipMethod::narrow) continue;
+    levels.push_back(level);
+    mips.push_back({nullptr, target(level).faces()});
   }
-  graph.run(jobs::part_of(control, 0.2, 1.0));
-  memory_.give_back(narrow.spectrum.bytes() + narrow.images->bytes() + narrow.bright.bytes());
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const MipPlan& mip = plan_.mips[levels[k]];
+    graph.add(static_cast<double>(mip.size) * mip.size, [this, k, &mip, &levels, &mips, &narrow](const Control& part) {
+      mips[k].table = NearTable::get(split_of(mip));
+      add_far_part(levels[k], narrow, *mips[k].table, part);
+    });
+  }
+  graph.run(jobs::part_of(control, 0.2, 0.5));
+
+  const Stopwatch near;
+  const CutRows cut(source_, split);
+  std::size_t bytes = cut.owned.bytes();
+  for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
+  memory_.take(bytes);
+  reflections::add_near_sums(cut.rows, mips, jobs::part_of(control, 0.5, 0.95));
+  note("narrow: near sums", std::to_string(split.face) + " columns", near.milliseconds());
+  memory_.give_back(bytes);
+  for (std::size_t k = 0; k < levels.size(); ++k) end_narrow_mip(levels[k], narrow, *mips[k].table, {control.stop, {}});
+  memory_.give_back(narrow.spectrum.bytes() + narrow.bright.bytes());
 }
 
-void LobeChain::narrow_mip(std::size_t level, const NarrowSource& narrow, const Control& control) {
+void LobeChain::add_far_part(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                             const Control& control) {
+  const MipPlan& mip = plan_.mips[level];
+  const NearSplit& split = table.split();
+  const Target target = this->target(level);
+  const std::vector<double> zonal = tapered(table.far(), split.bands);
+  blur(target, zonal, far_grid(split), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.7));
+  narrow.bright.add({*mip.lobe, split.end()}, mip.size, target.faces(), jobs::part_of(control, 0.7, 1.0));
+}
+
+void LobeChain::end_narrow_mip(std::size_t level, const NarrowSource& narrow, const NearTable& table,
+                               const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
-  const NarrowSplit split = split_of(mip.size);
   const Target target = this->target(level);
-  const Faces faces = target.faces();
-  const std::vector<double> far = far_part(split, mip.alpha);
-  const std::vector<double> zonal = tapered(far, split.bands);
-  blur(target, zonal, split.grid(), false, narrow.spectrum, jobs::part_of(control, 0.0, 0.2));
-  narrow.bright.add({*mip.lobe, split.end(mip.alpha)}, mip.size, faces, jobs::part_of(control, 0.2, 0.3));
-  const Stopwatch near;
-  add_near_part({*narrow.images, split, 1.0 - far.front(), mip.size, faces}, mip.alpha,
-                jobs::part_of(control, 0.3, 1.0));
-  if (!source_.has_negatives()) make_not_negative(mip.size, faces);
-  note_darkness(target, blurred_rms(narrow.energies, zonal), control);
-  note(target.name + ": near part", std::to_string(split.bands) + " bands beside it", near.milliseconds());
-  record(level).bands = split.bands;
+  const std::vector<double>& far = table.far();
+  const std::vector<double> zonal = tapered(far, table.split().bands);
+  if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
+  const double far_rms = blurred_rms(narrow.energies, zonal);
+  note_darkness(target, far_rms, control);
+  record(level).bands = table.split().bands;
   record(level).bright_texels = narrow.bright_texels;
-  const double rms = rms_of_level(target.chain, target.level, mip.size);
-  record(level).error_estimate = narrow_error(
-      source_,
-      {mip.size, mip.alpha, rms, blurred_rms(narrow.energies, zonal), lost_of_far(far, zonal, narrow.energies)},
-      narrow.contrast);
+  const int rings = source_.cubemap() ? far_rows_for_cubemap(narrow.split) : 0;
+  record(level).error_estimate = narrow_error(source_,
+                                              {.size = mip.size,
+                                               .alpha = mip.alpha,
+                                               .rms = rms_of_level(target.chain, target.level, mip.size),
+                                               .far_rms = far_rms,
+                                               .lost = lost_of_far(far, zonal, narrow.energies, rings),
+                                               .lights = narrow.bright.empty() ? 0.0 : far.front()},
+                                              narrow.contrast);
   keep_or_integrate(target, mip, watch, control);
 }
 
@@ -617,7 +634,7 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (plan.bands == 0) return;
   const PrefilterPlan own = plan.with_near_sums(face_size);
-  for (const MipPlan& mip : own.near_mips) static_cast<void>(NearSums::get(mip.near));
+  for (const MipPlan& mip : own.near_mips) static_cast<void>(NearTable::get(mip.near));
   RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }
 

@@ -40,6 +40,7 @@ constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edge
 constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
+constexpr double kFinerToTheEnd = 2e-5;     ///< the same where the last harmonics count as much as the first
 constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights where a lobe is three rings wide
 constexpr double kCoarse = 3.0;             ///< more of that where a lobe is narrower than three rings
 
@@ -92,7 +93,7 @@ int known_degrees(const MipPlan& mip, int bands) {
 }  // namespace
 
 MipPlan with_far_part(MipPlan mip) {
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   for (int l = 0; l < mip.near.bands; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] = far[static_cast<std::size_t>(l)] * taper(l, mip.near.bands);
   return mip;
@@ -113,7 +114,7 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
   if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
   const std::vector<double> lobe = mip.lobe->spectrum(degrees);
-  const std::vector<double>& far = NearSums::get(mip.near)->far();
+  const std::vector<double>& far = NearTable::get(mip.near)->far();
   const double tail = tail_of(source.energies);
   double sum = 0.0;
   for (std::size_t l = 0; l < lobe.size(); ++l) {
@@ -130,7 +131,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
   const std::vector<double> lobe =
-      mip.near.face > 0 ? NearSums::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
+      mip.near.face > 0 ? NearTable::get(mip.near)->far() : mip.lobe->spectrum(known_degrees(mip, known));
   const int rings = mip.grid().rings;
   const double tail = tail_of(energies);
   double sum = 0.0;
@@ -159,16 +160,18 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
 
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
-  const std::optional<Rings> rings =
-      source.face_size > 0 ? std::optional(Rings{kPi / source.rings, source.halved}) : std::nullopt;
+  const bool cube = source.face_size > 0;
+  const Rings of_cube{cube ? kPi / source.rings : 0.0, source.halved};
+  const std::optional<Rings> rings = cube ? std::optional(of_cube) : std::nullopt;
   const double square =
       (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
-  double rounding = kRounding + (source.finer ? kFiner : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
-  if (rings) {
-    rounding += mip.lobe->alpha() > 0.0 ? rings->rounded(mip.ring_alpha()) : kTableRounding;
-    rounding += kHalvedEdges * rings->halved * rings->halved;
+  const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
+  double rounding = kRounding + (source.finer ? finer : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  if (cube) {
+    rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
+    rounding += kHalvedEdges * of_cube.halved * of_cube.halved;
   }
-  return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+  return (cube ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
 namespace {
@@ -292,7 +295,8 @@ bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, co
   MipPlan narrowest;
   narrowest.alpha = plan.lights.least_alpha;
   narrowest.lobe = std::make_shared<const Lobe>(plan.lights.least_alpha);
-  narrowest.bands = choose_bands(plan.lights.least_alpha, plan.tight(), transforms::kMaximumSpectrumBands);
+  narrowest.bands =
+      choose_bands(plan.lights.least_alpha, plan.bounds.tightened(kMostTightenings), plan.bands);  // at most
   return keeps_rms_error(narrowest, plan.bounds.rms, source, lights);
 }
 

@@ -25,6 +25,7 @@ constexpr double kLeastAlpha = 1e-6;      ///< below, a lobe is narrower than an
 constexpr double kEndOversampling = 2.0;  ///< of the synthesis' rings, for spectra that end without a taper
 constexpr double kLeastRmsError = 1e-6;   ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
+constexpr double kLeastHalved = 64.0;  ///< texels of halved faces at the default bounds
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
 
@@ -137,8 +138,10 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 
 namespace {
 
-int halved_to(int face, double least) noexcept {
-  least = std::max(least, 64.0);  // texels beside the edges of coarser ones gain or lose too much
+int halved_to(int face, double least, const ErrorBounds& bounds) noexcept {
+  // texels beside the edges of coarser ones gain or lose too much
+  const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
+  least = std::max(least, kLeastHalved / std::sqrt(looser));
   while (can_be_halved(face) && face >= 2.0 * least) face /= 2;
   return face;
 }
@@ -154,7 +157,7 @@ int PrefilterPlan::face_for_cubemap(int face) const noexcept {
   const bool ggx = lights.of == LightsOf::ggx;
   const double least = ggx ? face_texels_within(ring_alpha, bands_for_dark(tight()), tight())
                            : face_texels_within(alpha_of_bands(bands), bands, {});
-  return halved_to(face, least);
+  return halved_to(face, least, ggx ? tight() : ErrorBounds{});
 }
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
@@ -184,7 +187,7 @@ MipPlan split_where_cheaper(std::shared_ptr<const Lobe> lobe, int size, int face
   mip.size = size;
   mip.method = MipMethod::spectral;
   if (mip.alpha >= kMostNearAlpha || size % 2 != 0) return mip;
-  const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds));
+  const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds), bounds);
   const NearSplit near = cheapest_split(halved, size, mip.alpha, bands_of_reach(least_of(bounds)));
   if (near.bands > 0 && milliseconds_of(near) < kWorth * milliseconds_of_harmonics(bands_within(mip.alpha, bounds)))
     mip.near = near;
@@ -421,7 +424,6 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   const std::vector<double> lobes = lobes_of(options, roughness);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = mips;
   plan.bounds = bounds_of(options);
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.may_integrate = options.method == PrefilterMethod::automatic;
@@ -450,7 +452,6 @@ PrefilterPlan plan_prefilter(const KernelChainOptions& options) {
   projection::check_policy(options.pixels);
   PrefilterPlan plan;
   plan.size = options.size;
-  plan.chain_mips = static_cast<int>(options.kernels.size());
   plan.bounds = bounds_of({.rms_error = options.rms_error});
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   plan_kernels(options.kernels, reference, plan);

@@ -40,7 +40,6 @@ struct MipPlan {
 
 struct PrefilterPlan {
   int size = 0;                ///< of the whole chain
-  int chain_mips = 0;          ///< of the whole chain
   std::vector<MipPlan> mips;   ///< that are made
   int first_mip = 0;           ///< the first of them, counted in the whole chain
   double reach = 0.0;          ///< of lights, see `reach_for`

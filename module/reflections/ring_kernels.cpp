@@ -39,35 +39,34 @@ void sum_ring_taps(const RingRun& run, const RingPlacesInMemory& places) {
   }
 }
 
-// Plain loops, which the compiler vectorises: the order of operations is that of the source.
+void light_of_row(const float* rgb, const float* angles, int floats, float* light) {
+  for (int k = 0; k < floats; k += kWidth)
+    (Lanes::load_unaligned(rgb + k) * Lanes::load_unaligned(angles + k)).store_unaligned(light + k);
+}
+
 void halve_row(const HalvedRow& row, float* rgb) {
-  constexpr int block = 32;  // texels of the result
-  constexpr int beyond = 2;  // of it that lie beyond either end
+  constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
   const int floats = 3 * row.size;
   float* const light = row.room + margin;
   for (int k = 0; k < margin; ++k) row.room[k] = light[floats + k] = 0.0F;
+  light[floats + margin] = 0.0F;
   for (int first = 0; first < floats; first += kWidth) {
     Lanes sum(0.0F);
-    for (int k = 0; k < row.count; ++k) {
-      sum += Lanes(row.shares[k]) *
-             (Lanes::load_unaligned(row.rows[k] + first) * Lanes::load_unaligned(row.angles[k] + first));
-    }
+    for (int k = 0; k < row.count; ++k) sum += Lanes(row.shares[k]) * Lanes::load_unaligned(row.light[k] + first);
     sum.store_unaligned(light + first);
   }
   const int half = row.size / 2;
   const int count = half + 2 * beyond;
-  float sums[6 * block];
-  for (int first = 0; first < count; first += block) {
-    const int texels = count - first < block ? count - first : block;
-    const float* const from = row.room + 6 * first;
-    for (int k = 0; k < 6 * texels; ++k) {
-      sums[k] = (from[k] + from[k + 21]) * kHalvedShares[0] + (from[k + 3] + from[k + 18]) * kHalvedShares[1] +
-                (from[k + 6] + from[k + 15]) * kHalvedShares[2] + (from[k + 9] + from[k + 12]) * kHalvedShares[3];
-    }
-    for (int i = 0; i < texels; ++i) {
-      for (int c = 0; c < 3; ++c) row.room[3 * (first + i) + c] = sums[6 * i + c];
-    }
+  // each texel is written as four floats, of which the next one overwrites the fourth
+  for (int i = 0; i < count; ++i) {
+    const float* const from = row.room + 6 * i;
+    const auto pair = [from](int near, int far) {
+      return Quad::load_unaligned(from + 3 * near) + Quad::load_unaligned(from + 3 * far);
+    };
+    const Quad sum = pair(0, 7) * Quad(kHalvedShares[0]) + pair(1, 6) * Quad(kHalvedShares[1]) +
+                     pair(2, 5) * Quad(kHalvedShares[2]) + pair(3, 4) * Quad(kHalvedShares[3]);
+    sum.store_unaligned(row.room + 3 * i);
   }
   float* const inside = row.room + 3 * beyond;
   for (int end = 0; end < 2; ++end) {
@@ -78,9 +77,9 @@ void halve_row(const HalvedRow& row, float* rgb) {
         at[step * k + c] += at[c - step] * kFirstBeyond[k] + at[c - 2 * step] * kSecondBeyond[k];
     }
   }
-  for (int i = 0; i < half; ++i) {
-    for (int c = 0; c < 3; ++c) rgb[3 * i + c] = inside[3 * i + c] * row.scale[i];
-  }
+  for (int i = 0; i + 1 < half; ++i)
+    (Quad::load_unaligned(inside + 3 * i) * Quad(row.scale[i])).store_unaligned(rgb + 3 * i);
+  for (int c = 3 * half - 3; c < 3 * half; ++c) rgb[c] = inside[c] * row.scale[half - 1];
 }
 
 }  // namespace
@@ -88,6 +87,7 @@ void halve_row(const HalvedRow& row, float* rgb) {
 const RingKernels ring_kernels_table = {
     .sum_ring_taps = sum_ring_taps,
     .halve_row = halve_row,
+    .light_of_row = light_of_row,
 };
 
 }  // namespace welkin::reflections::WELKIN_ISA

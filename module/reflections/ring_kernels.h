@@ -47,26 +47,29 @@ inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
 
-/// Rows of a face that give to one row of a face of half as many texels.
+/// Rows of a face's light that give to one row of a face of half as many texels.
 struct HalvedRow {
   static constexpr int kMostRows = 9;
   static constexpr int kMargin = 7;  ///< texels of `room` beyond both ends
 
-  const float* rows[kMostRows];    ///< packed RGB
-  const float* angles[kMostRows];  ///< solid angle of each texel, thrice
+  const float* light[kMostRows];  ///< packed RGB, radiance times steradians
   float shares[kMostRows];
   int count;           ///< rows
   int size;            ///< texels of a row: even, at least 16
   const float* scale;  ///< of each texel of the result
-  float* room;         ///< 3 (size + 2 kMargin) floats
+  float* room;         ///< 3 (size + 2 kMargin) + 1 floats
 };
 
 /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
 using HalveRow = void (*)(const HalvedRow& row, float* rgb);
 
+/// light[k] = rgb[k] angles[k], k below `floats`, a multiple of `kLanes`.
+using LightOfRow = void (*)(const float* rgb, const float* angles, int floats, float* light);
+
 struct RingKernels {
   SumRingTaps sum_ring_taps;
   HalveRow halve_row;
+  LightOfRow light_of_row;
 };
 WELKIN_KERNEL_TABLES(RingKernels, ring_kernels)
 

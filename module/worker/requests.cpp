@@ -1,8 +1,6 @@
 #include "welkin/requests.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -31,16 +29,6 @@ using EitherSource = std::variant<CubemapSource, LatLongSource>;
 std::uint64_t bytes_of(const EitherSource& source) noexcept {
   const auto* const cubemap = std::get_if<CubemapSource>(&source);
   return cubemap != nullptr ? cubemap->bytes() : std::get_if<LatLongSource>(&source)->bytes();
-}
-
-std::size_t hash_of(const EitherSource& source) noexcept {
-  const auto* const cubemap = std::get_if<CubemapSource>(&source);
-  return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
-}
-
-bool same_target(const CubemapTarget& left, const CubemapTarget& right) {
-  return left.faces == right.faces && left.size == right.size && left.row_stride_bytes == right.row_stride_bytes &&
-         left.format == right.format;
 }
 
 const char* const kNoImage = "a source is a null pointer to an image";
@@ -73,8 +61,6 @@ std::uint64_t CubemapSource::bytes() const noexcept {
   return sum;
 }
 
-std::size_t CubemapSource::hash() const noexcept { return std::hash<const void*>()(view().faces[0]); }
-
 LatLongSource::LatLongSource(LatLongImage image)
     : LatLongSource(std::make_shared<const LatLongImage>(std::move(image))) {}
 LatLongSource::LatLongSource(std::shared_ptr<const LatLongImage> image)
@@ -85,8 +71,6 @@ LatLongSource::LatLongSource(const LatLongView& view, std::shared_ptr<const void
 std::uint64_t LatLongSource::bytes() const noexcept {
   return bytes_of_rows(positive(view_.height), view_.width, view_.row_stride_bytes, view_.format);
 }
-
-std::size_t LatLongSource::hash() const noexcept { return std::hash<const void*>()(view_.pixels); }
 
 Projection ProjectCubemap::operator()(const Control& control) const {
   return source.mips().size() == 1 ? project(source.view(), options, control)
@@ -115,8 +99,6 @@ std::shared_ptr<const BakeResult> Bake::operator()(const Control& control) const
 
 std::uint64_t Bake::bytes() const noexcept { return bytes_of(source); }
 
-std::size_t Bake::hash() const noexcept { return hash_of(source); }
-
 std::shared_ptr<const BakeResult> BakeTo::operator()(const Control& control) const {
   return std::visit(
       [&](const auto& pixels) {
@@ -126,21 +108,6 @@ std::shared_ptr<const BakeResult> BakeTo::operator()(const Control& control) con
 }
 
 std::uint64_t BakeTo::bytes() const noexcept { return bytes_of(source); }
-
-std::size_t BakeTo::hash() const noexcept { return hash_of(source); }
-
-bool BakeTo::operator==(const BakeTo& other) const {
-  const auto same_targets = [](const std::vector<CubemapTarget>& left, const std::vector<CubemapTarget>& right) {
-    return std::equal(left.begin(), left.end(), right.begin(), right.end(), same_target);
-  };
-  const auto& irradiance = targets.irradiance;
-  const auto& other_irradiance = other.targets.irradiance;
-  return source == other.source && options == other.options && owner == other.owner &&
-         same_targets(targets.background, other.targets.background) &&
-         same_targets(targets.specular, other.targets.specular) &&
-         irradiance.has_value() == other_irradiance.has_value() &&
-         (!irradiance || same_target(*irradiance, *other_irradiance));
-}
 
 std::shared_ptr<const SkyTables> PrecomputeSky::operator()(const Control& control) const {
   return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <memory>
 #include <new>
-#include <string>
 #include <thread>
 #include <utility>
 
@@ -51,8 +50,8 @@ struct LentTask : InJobMemory {
 
 }  // namespace
 
-ThreadRole::ThreadRole(Scheduler& scheduler, Kind kind, std::shared_ptr<Computation> running) noexcept
-    : scheduler_(&scheduler), kind_(kind), running_(std::move(running)), outer_(innermost_role) {
+ThreadRole::ThreadRole(Scheduler& scheduler, Kind kind) noexcept
+    : scheduler_(&scheduler), kind_(kind), outer_(innermost_role) {
   innermost_role = this;
 }
 ThreadRole::~ThreadRole() { innermost_role = outer_; }
@@ -73,12 +72,6 @@ bool ThreadRole::is_worker(const Scheduler& scheduler) noexcept {
          nullptr;
 }
 
-std::shared_ptr<Computation> ThreadRole::running(const Scheduler& scheduler) noexcept {
-  const ThreadRole* const role =
-      innermost([&](const ThreadRole& any) { return any.scheduler_ == &scheduler && any.running_; });
-  return role != nullptr ? role->running_ : nullptr;
-}
-
 Scheduler* ThreadRole::scheduler() noexcept {
   const ThreadRole* const role = innermost([](const ThreadRole&) { return true; });
   return role != nullptr && role->kind_ == worker ? role->scheduler_ : nullptr;
@@ -94,10 +87,6 @@ void let_another_pass(TaskPriority priority) {
     ~Deeper() { --depth; }
   } const deeper;
   scheduler->run_next(false, priority);
-}
-
-bool ThreadRole::is_inside(const Computation& computation) noexcept {
-  return innermost([&](const ThreadRole& role) { return role.running_.get() == &computation; }) != nullptr;
 }
 
 ComputationList& Scheduler::waiting(TaskPriority priority) noexcept {
@@ -132,36 +121,22 @@ ComputationList Scheduler::take_out(const std::shared_ptr<Computation>& computat
   news_ = true;
   computation->list = nullptr;
   computation->parent = nullptr;
-  close(*computation);
   bytes_ -= std::exchange(computation->bytes, 0);
   return node;
 }
 
-void Scheduler::update_priority(const std::shared_ptr<Computation>& computation) {
-  if (!is_waiting(*computation) && !computation->parent) return;
-  TaskPriority highest = TaskPriority::low;
-  for (const std::shared_ptr<JobRecord>& job : computation->jobs) highest = std::max(highest, job->priority);
-  rank(computation, highest);
+TaskPriority Scheduler::priority_of(const JobRecord& job) {
+  const Books books(*this);
+  return job.computation->priority;
 }
 
-void Scheduler::rank(const std::shared_ptr<Computation>& computation, TaskPriority priority) {
-  if (priority == computation->priority) return;
-  computation->priority = priority;
-  if (!is_waiting(*computation)) return;
+void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
+  const Books books(*this);
+  const std::shared_ptr<Computation>& computation = job.computation;
+  if (std::exchange(computation->priority, priority) == priority || !is_waiting(*computation)) return;
   ComputationList node;
   node.splice(node.begin(), *computation->list, computation->place);
   enqueue(computation, node, false);
-}
-
-TaskPriority Scheduler::priority_of(const JobRecord& job) {
-  const Books books(*this);
-  return job.priority;
-}
-
-void Scheduler::set_priority(JobRecord& job, TaskPriority priority) {
-  const Books books(*this);
-  job.priority = priority;
-  if (!job.settled) update_priority(job.computation);
 }
 
 // Threads.
@@ -257,7 +232,7 @@ void Scheduler::run(const std::shared_ptr<Computation>& computation) {
   } else if (!computation->stop.stop_possible() && !must_run) {
     error = std::make_exception_ptr(std::bad_alloc());
   } else {
-    const ThreadRole role(*this, ThreadRole::worker, computation);
+    const ThreadRole role(*this);
     try {
       // Isolated: when it waits for tasks of its own, it does not pick up another job's, which may be long, or wait for
       // this very job.
@@ -270,36 +245,29 @@ void Scheduler::run(const std::shared_ptr<Computation>& computation) {
 }
 
 void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error) {
-  JobList jobs;
-  std::size_t wanted = 0;
+  const std::shared_ptr<JobRecord> job = computation->record;
+  bool wanted = false;
   {
     const Books books(*this);
-    close(*computation);
-    jobs.splice(jobs.end(), computation->jobs);
     bytes_ -= std::exchange(computation->bytes, 0);
-    for (const std::shared_ptr<JobRecord>& job : jobs) {
-      settle(*job);
-      if (!job->withdrawn) ++wanted;
-    }
+    if (job) settle(*job);
+    wanted = job && !job->withdrawn;
   }
   if (!error) computation->report(1.0);
-  for (const std::shared_ptr<JobRecord>& job : jobs) {
-    if (!job->withdrawn) {
-      try {
-        --wanted;
-        if (!error) computation->deliver(*job, wanted == 0);
-        job->error = error;
-      } catch (...) {
-        job->error = std::current_exception();
-      }
+  if (wanted) {
+    try {
+      if (!error) computation->deliver(*job);
+      job->error = error;
+    } catch (...) {
+      job->error = std::current_exception();
     }
-    job->ready.store(true, std::memory_order_release);
   }
-  if (!jobs.empty()) signal();  // who waits for a result does not wait for the books
   error = nullptr;
-  {
+  if (job) {
+    job->ready.store(true, std::memory_order_release);
+    signal();  // who waits for a result does not wait for the books
     Books books(*this);
-    for (const std::shared_ptr<JobRecord>& job : jobs) hand_on(*job, books.work);
+    hand_on(*job, books.work);
   }
   computation->release();
   // Both go when the books are closed.
@@ -307,6 +275,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
   stop_source stop(nostopstate);
   const Books books(*this);
   over = take_out(computation);
+  computation->record = nullptr;
   if (!computation->stopping) std::swap(stop, computation->stop);
 }
 
@@ -327,8 +296,6 @@ void Scheduler::wait(const JobRecord& job) {
   }
   // Nothing must be left to another thread, because all may wait: what the job needs first is run here, and if another
   // thread runs that, what comes next when it is done.
-  const std::shared_ptr<Computation> here = ThreadRole::running(*this);
-  bool hopeless = false;
   wait_for([&] {
     while (!ready()) {
       std::shared_ptr<Computation> next;
@@ -336,23 +303,12 @@ void Scheduler::wait(const JobRecord& job) {
         const Books books(*this);
         next = startable_for(job);
         if (next) start_running(next);
-        hopeless = !next && never_ends(job);
-        if (here) here->waits_for = hopeless ? nullptr : job.computation;
       }
-      if (!next) return hopeless;
+      if (!next) return false;
       run(next);
     }
     return true;
   });
-  if (here) {
-    const Books books(*this);
-    here->waits_for = nullptr;
-  }
-  if (hopeless) {
-    throw Error(ErrorCode::invalid_argument, "a request waits for job " + std::to_string(job.id) +
-                                                 ", which cannot end before the request does: it waits for the "
-                                                 "request's job itself, or for one that does");
-  }
 }
 
 /// What must run first for the job, if no thread has started it.
@@ -360,16 +316,6 @@ std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) cons
   const std::shared_ptr<Computation>* first = &job.computation;
   while ((*first)->parent) first = &(*first)->parent->computation;
   return is_waiting(**first) ? *first : nullptr;
-}
-
-/// Whether the job, or what its computation waits for, is what the calling thread is inside of.
-bool Scheduler::never_ends(const JobRecord& job) {
-  if (job.settled) return false;
-  const Computation* computation = job.computation.get();
-  while (computation != nullptr && !ThreadRole::is_inside(*computation)) {
-    computation = computation->parent ? computation->parent->computation.get() : computation->waits_for.get();
-  }
-  return computation != nullptr;
 }
 
 void Scheduler::wait_until_idle() {

@@ -1,4 +1,4 @@
-// Letting jobs in: latest wins, equal ones share a run, limits hold.
+// Letting jobs in: latest wins, limits hold.
 #include "worker/scheduler.h"
 
 #include <algorithm>
@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
+#include "jobs/activity.h"
 #include "platform/file.h"
 #include "platform/spin.h"
 #include "platform/thread.h"
 #include "welkin/worker.h"
-#include "worker/fork_guard.h"
 #include "worker/thread_executor.h"
 
 namespace welkin::detail {
@@ -32,17 +32,29 @@ void check(const WorkerOptions& options) {
   }
 }
 
+// A fork has a copy of it, as it was when it was made.
+std::atomic<std::int64_t> sound_process{platform::process_number()};
+
+/// Throws `Error` (stopped) in a fork that may have locks which nobody opens: a thread of the parent's may have been
+/// anywhere, in our caches, in oneTBB's heap in the middle of an allocation, or asleep on a stack that a thread of this
+/// process has now.
+void require_no_lost_locks() {
+  if (sound_process == platform::process_number()) return;
+  if (jobs::activities != 0) {
+    throw Error(
+        ErrorCode::stopped,
+        "this process was forked while its parent had a worker or a call of it computed, whose locks nobody opens "
+        "here; fork before workers are made or after they are gone, or run another program (exec)");
+  }
+  sound_process = platform::process_number();
+}
+
 }  // namespace
 
 Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
                  std::shared_ptr<JobRecord> its_parent)
     : job(std::move(its_job)), parent(std::move(its_parent)), node{std::move(computation)} {
-  if (!job) return;
-  job_node.push_back(job);
-  job->place = job_node.begin();
-  if (parent) return;
-  if (node.front()->kind != nullptr) shareable.emplace(node.front()->hash(), node.front());
-  if (!job->key.empty()) keyed.emplace(job->key, job);
+  if (job && !parent && !job->key.empty()) keyed.emplace(job->key, job);
 }
 
 Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), process_(platform::process_number()) {
@@ -92,7 +104,7 @@ Scheduler::Books::Books(Scheduler& scheduler, Lock lock) : scheduler_(scheduler)
 
 Scheduler::Books::~Books() {
   while (lock_) {
-    scheduler_.end_losers(work);
+    scheduler_.tell_jobs_of(work);
     scheduler_.plan_calls(work);
     work.news = std::exchange(scheduler_.news_, false);
     lock_.unlock();
@@ -130,7 +142,7 @@ void Scheduler::empty_inbox(DeferredWork& work) {
     if (arrival->parent) {
       follow(*arrival, work);
     } else {
-      admit(*arrival, find_equal(*arrival), work);
+      admit(*arrival, work);
     }
   }
 }
@@ -144,7 +156,6 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   job->id = next_id();
   job->key = options.key;
   job->scheduler = shared_from_this();
-  job->priority = options.priority;
   posted->priority = options.priority;
   posted->waiting_since = Clock::now();
   posted->bytes = options.bytes.value_or(bytes);
@@ -153,183 +164,66 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   auto arrival = std::make_unique<Arrival>(posted, job, nullptr);
   if (!follower.empty()) hang(follower, job);
   if (!closed_ && reserve(posted->bytes)) return put_in_inbox(std::move(arrival));
-  Admission admission{};
-  wait_for([&] {
-    Books books(*this);
-    admission = decide(*arrival, books.work);
-    return admission != Admission::wait;
-  });
-}
-
-/// For a job that may be beyond the limits.
-Scheduler::Admission Scheduler::decide(Arrival& arrival, DeferredWork& work) {
-  const std::shared_ptr<JobRecord>& job = arrival.job;
-  const std::uint64_t bytes = job->computation->bytes;
-  const auto refused = [&](ErrorCode reason) {
-    forget(*job);
-    refuse(arrival, reason, work);
-    return Admission::refused;
-  };
-  if (closed_) return refused(ErrorCode::stopped);
-  if (job->withdrawn) return refused(*job->withdrawn);  // a newer job of its key came while it waited for room
-  if (bytes > options_.max_bytes) return refused(ErrorCode::limit_exceeded);
-
-  const std::shared_ptr<Computation> equal = find_equal(arrival);
-  const auto newest = newest_.find(job->key);
-  const std::shared_ptr<JobRecord> older = newest == newest_.end() || newest->second == job ? nullptr : newest->second;
-  if (!make_room(arrival, equal.get(), older.get(), work)) {
-    if (options_.overflow != OverflowPolicy::wait) return refused(ErrorCode::queue_full);
-    if (!ThreadRole::has_any(*this)) {
-      // It is the newest of its key already.
-      if (older) {
-        newest->second = job;
-        withdraw(older, ErrorCode::replaced, work);
-      } else if (!arrival.keyed.empty()) {
-        newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
-      }
-      return Admission::wait;
-    }
-    ++jobs_;
-    bytes_ += bytes;
+  Books books(*this);
+  if (const std::optional<ErrorCode> reason = reason_to_refuse(*arrival)) {
+    refuse(*arrival, *reason, books.work);
+  } else {
+    admit(*arrival, books.work);
   }
-  admit(arrival, equal, work);
-  return Admission::admitted;
 }
 
-/// True if the job has a place now, maybe because others were dropped for it.
-bool Scheduler::make_room(const Arrival& arrival, const Computation* equal, const JobRecord* older,
-                          DeferredWork& work) {
-  const JobRecord& job = *arrival.job;
-  const std::uint64_t bytes = equal != nullptr ? 0 : job.computation->bytes;
-  // What giving up the older job frees at once.
-  const Computation* const going =
-      older != nullptr && !older->withdrawn && older->computation->jobs.size() == 1 && is_waiting(*older->computation)
-          ? older->computation.get()
-          : nullptr;
-  const std::size_t freed_jobs = going != nullptr ? 1 : 0;
-  const std::uint64_t freed_bytes = going != nullptr ? going->bytes : 0;
-  const auto reserved = [&] {
-    if (!reserve(bytes, freed_jobs, freed_bytes)) return false;
-    bytes_ += job.computation->bytes - bytes;  // `admit` gives back what an equal one spares
-    return true;
-  };
-  if (reserved()) return true;
-  if (options_.overflow != OverflowPolicy::drop_oldest) return false;
-
-  // Those that may go, in the order in which they would. Nobody is dropped in vain.
-  const auto each = [&](auto take) {
-    for (int priority = 0; priority <= static_cast<int>(job.priority); ++priority) {
-      ComputationList& list = waiting(static_cast<TaskPriority>(priority));
-      for (auto place = list.begin(); place != list.end();) {
-        const std::shared_ptr<Computation> candidate = *place++;
-        const bool counted = !candidate->jobs.empty() && candidate->jobs.front()->counted;
-        if (counted && candidate.get() != equal && candidate.get() != going && !take(*candidate)) return;
-      }
-    }
-  };
-  std::size_t all_jobs = freed_jobs;
-  std::uint64_t all_bytes = freed_bytes;
-  each([&](const Computation& candidate) {
-    all_jobs += candidate.jobs.size();
-    all_bytes += candidate.bytes;
-    return true;
-  });
-  if (!fits(jobs_, bytes, all_jobs, all_bytes)) return false;
-  bool enough = false;
-  each([&](Computation& candidate) {
-    while (!candidate.jobs.empty()) withdraw(candidate.jobs.front(), ErrorCode::queue_full, work);
-    enough = reserved();
-    return !enough;
-  });
-  return enough;
+/// Returns why a job that may be beyond the limits is refused. Without a reason, it has its place within them.
+std::optional<ErrorCode> Scheduler::reason_to_refuse(const Arrival& arrival) {
+  if (closed_) return ErrorCode::stopped;
+  const std::uint64_t bytes = arrival.job->computation->bytes;
+  if (bytes > options_.max_bytes) return ErrorCode::limit_exceeded;
+  // Withdrawing a waiting job of the same key makes room at once.
+  const auto newest = newest_.find(arrival.job->key);
+  const bool frees = newest != newest_.end() && is_waiting(*newest->second->computation);
+  const bool fits = reserve(bytes, frees ? 1 : 0, frees ? newest->second->computation->bytes : 0);
+  return fits ? std::nullopt : std::optional(ErrorCode::queue_full);
 }
 
 /// A job with a place within the limits.
-void Scheduler::admit(Arrival& arrival, const std::shared_ptr<Computation>& equal, DeferredWork& work) {
+void Scheduler::admit(Arrival& arrival, DeferredWork& work) {
   const std::shared_ptr<JobRecord>& job = arrival.job;
-  const std::shared_ptr<Computation> posted = job->computation;
+  const std::shared_ptr<Computation>& posted = job->computation;
   job->counted = true;
   if (closed_) {
     bytes_ -= posted->bytes;
     settle(*job);
     return refuse(arrival, ErrorCode::stopped, work);
   }
-  if (equal) {
-    bytes_ -= std::exchange(posted->bytes, 0);
-    news_ = true;  // for posts that wait for room
-    work.ended.splice(work.ended.end(), arrival.node);
-    job->computation = equal;
-    job->progress = &equal->progress;
-    if (job->priority > equal->priority) rank(equal, job->priority);
-  } else {
-    enqueue(posted, arrival.node, false);
-    if (!arrival.shareable.empty()) {
-      posted->entry = shareable_.insert(arrival.shareable.extract(arrival.shareable.begin()));
-      posted->indexed = true;
-    }
-    ++work.startable;
-  }
-  job->computation->jobs.splice(job->computation->jobs.end(), arrival.job_node);
+  posted->record = job;
+  enqueue(posted, arrival.node, false);
+  ++work.startable;
   if (job->key.empty()) return;
   const auto newest = newest_.find(job->key);
   if (newest == newest_.end()) {
     newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
-    return;
+  } else {
+    withdraw(std::exchange(newest->second, job), ErrorCode::replaced, work);
   }
-  const std::shared_ptr<JobRecord> older = std::exchange(newest->second, job);
-  // Last: if it is the older job's run that this one shares, that must not stop.
-  if (older != job) withdraw(older, ErrorCode::replaced, work);
 }
 
 void Scheduler::refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work) {
   arrival.job->withdrawn = reason;
   arrival.job->settled = true;
-  work.losers.splice(work.losers.end(), arrival.job_node);
+  arrival.node.front()->record = arrival.job;
   work.ended.splice(work.ended.end(), arrival.node);
-}
-
-std::shared_ptr<Computation> Scheduler::find_equal(const Arrival& arrival) const {
-  if (arrival.shareable.empty()) return nullptr;
-  const auto [hash, computation] = *arrival.shareable.begin();
-  const auto [first, last] = shareable_.equal_range(hash);
-  for (auto place = first; place != last; ++place) {
-    const std::shared_ptr<Computation>& candidate = place->second;
-    if (candidate->kind != computation->kind) continue;
-    // One that was told to stop gives no result.
-    if (candidate->stopping) continue;
-    if (candidate->list == &running_ && !computation->joinable_while_running) continue;
-    try {
-      if (candidate->equals(*computation)) return candidate;
-    } catch (...) {  // NOLINT(bugprone-empty-catch): a comparison that fails finds nothing equal
-    }
-  }
-  return nullptr;
-}
-
-void Scheduler::close(Computation& computation) {
-  if (!computation.indexed) return;
-  shareable_.erase(computation.entry);
-  computation.indexed = false;
-}
-
-bool Scheduler::fits(std::size_t jobs, std::uint64_t bytes, std::size_t freed_jobs,
-                     std::uint64_t freed_bytes) const noexcept {
-  // What is there may be beyond the limits: posts from the worker's own threads are let in.
-  const std::uint64_t rest = bytes_ - freed_bytes;
-  return jobs - freed_jobs < options_.max_jobs && rest <= options_.max_bytes && bytes <= options_.max_bytes - rest;
 }
 
 bool Scheduler::reserve(std::uint64_t bytes, std::size_t freed_jobs, std::uint64_t freed_bytes) noexcept {
   std::size_t jobs = jobs_;
   do {
-    if (!fits(jobs, bytes, freed_jobs, freed_bytes)) return false;
+    if (jobs - freed_jobs >= options_.max_jobs) return false;
   } while (!jobs_.compare_exchange_weak(jobs, jobs + 1));
   std::uint64_t held = bytes_;
   do {
+    // More than the limit may be held, until the older job of a key is withdrawn.
     const std::uint64_t rest = held - freed_bytes;
     if (rest > options_.max_bytes || bytes > options_.max_bytes - rest) {
       --jobs_;
-      signal();  // whoever saw the place taken looks again
       return false;
     }
   } while (!bytes_.compare_exchange_weak(held, held + bytes));
@@ -338,12 +232,7 @@ bool Scheduler::reserve(std::uint64_t bytes, std::size_t freed_jobs, std::uint64
 
 void Scheduler::settle(JobRecord& job) {
   job.settled = true;
-  news_ = true;
   if (std::exchange(job.counted, false)) --jobs_;
-  forget(job);
-}
-
-void Scheduler::forget(const JobRecord& job) {
   if (job.key.empty()) return;
   const auto newest = newest_.find(job.key);
   if (newest != newest_.end() && newest->second.get() == &job) newest_.erase(newest);

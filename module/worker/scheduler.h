@@ -1,8 +1,8 @@
 // A worker's books: which computation waits, runs or is done, and for whom.
 //
 // Everything is guarded by one mutex. It is held for a few list operations at a time, and never while code of a
-// request, a callback or a stop token runs (but for requests' operator==): such work is collected in a `DeferredWork`
-// and carried out after the mutex is unlocked.
+// request, a callback or a stop token runs: such work is collected in a `DeferredWork` and carried out after the mutex
+// is unlocked.
 //
 // The threads of a worker may rank so low that the system keeps them off the processors for seconds, also while they
 // hold the mutex. So `post`, `then` and `on_drain` do not wait for it. They put what they bring into an inbox, a list
@@ -23,6 +23,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "platform/wait.h"
@@ -32,13 +33,11 @@ namespace welkin::detail {
 
 class ThreadExecutor;
 
-/// What a change of the books brings with it. The losers get their errors before the mutex is unlocked, all else
-/// happens after.
+/// What a change of the books brings with it. Jobs that end without a result get their errors before the mutex is
+/// unlocked, all else happens after.
 struct DeferredWork {
-  JobList losers;                         ///< that end without a result; their errors are in them
-  JobList done;                           ///< losers that have ended; kept for as long as the mutex is held
   ComputationList at_once;                ///< that are to run here
-  ComputationList ended;                  ///< that will not start: given up, or the worker has ended
+  ComputationList ended;                  ///< that will not start: cancelled, or the worker has ended
   std::shared_ptr<Computation> stopping;  ///< that run for nobody any more: the first, and `next_to_stop`
   int startable = 0;                      ///< how many have begun to wait for a thread
   int tasks = 0;                          ///< to be handed to the executor
@@ -67,10 +66,8 @@ struct Arrival : InJobMemory {
   std::shared_ptr<JobRecord> job;     ///< may be null for one that follows
   std::shared_ptr<JobRecord> parent;  ///< null for a post
   ComputationList node;
-  JobList job_node;
-  ComputationIndex shareable;  ///< one entry, if the computation can be shared
-  JobsByKey keyed;             ///< one entry, if the job has a key
-  Arrival* next = nullptr;     ///< in the inbox
+  JobsByKey keyed;          ///< one entry, if the job has a key
+  Arrival* next = nullptr;  ///< in the inbox
 };
 
 class Scheduler : public std::enable_shared_from_this<Scheduler> {
@@ -91,7 +88,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
               ComputationList follower);
   bool cancel(const std::shared_ptr<JobRecord>& job);
   [[nodiscard]] TaskPriority priority_of(const JobRecord& job);
-  void set_priority(JobRecord& job, TaskPriority priority);
+  void set_priority(const JobRecord& job, TaskPriority priority);
   bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
               const std::shared_ptr<JobRecord>& job);
   void wait(const JobRecord& job);
@@ -138,26 +135,17 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] Lock locked();
 
   // Letting jobs in (scheduler.cpp). With the mutex held, but for `put_in_inbox` and `reserve`.
-  enum class Admission { admitted, refused, wait };
   void put_in_inbox(std::unique_ptr<Arrival> arrival);
   void empty_inbox(DeferredWork& work);
   [[nodiscard]] bool inbox_has_something() noexcept;
-  [[nodiscard]] Admission decide(Arrival& arrival, DeferredWork& work);
-  [[nodiscard]] bool make_room(const Arrival& arrival, const Computation* equal, const JobRecord* older,
-                               DeferredWork& work);
-  void admit(Arrival& arrival, const std::shared_ptr<Computation>& equal, DeferredWork& work);
+  [[nodiscard]] std::optional<ErrorCode> reason_to_refuse(const Arrival& arrival);
+  void admit(Arrival& arrival, DeferredWork& work);
   void follow(Arrival& arrival, DeferredWork& work);
   static void hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent);
   static void refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work);
-  [[nodiscard]] std::shared_ptr<Computation> find_equal(const Arrival& arrival) const;
   /// Counts a job and bytes against the limits if they hold then, with as much less in flight as will be freed.
   [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
-  [[nodiscard]] bool fits(std::size_t jobs, std::uint64_t bytes, std::size_t freed_jobs,
-                          std::uint64_t freed_bytes) const noexcept;
   void settle(JobRecord& job);
-  void forget(const JobRecord& job);
-  /// No more jobs join it.
-  void close(Computation& computation);
 
   // Giving jobs up, and what follows when they are done (settling.cpp). With the mutex held, but for `carry_out`.
   bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work);
@@ -165,21 +153,18 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void hand_on(JobRecord& job, DeferredWork& work);
   void hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work);
   void end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work);
-  void end_losers(DeferredWork& work);
+  void tell_jobs_of(DeferredWork& work);
   void carry_out(DeferredWork& work);
   [[nodiscard]] static std::uint64_t next_id() noexcept;
 
-  // Starting, running, waiting (running.cpp). With the mutex held: enqueue to never_ends.
+  // Starting, running, waiting (running.cpp). With the mutex held: enqueue to startable_for.
   void enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front);
   void start_running(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] ComputationList take_out(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] std::size_t waiting_count() const noexcept;
   [[nodiscard]] bool is_waiting(const Computation& computation) const noexcept;
   [[nodiscard]] ComputationList& waiting(TaskPriority priority) noexcept;
-  void update_priority(const std::shared_ptr<Computation>& computation);
-  void rank(const std::shared_ptr<Computation>& computation, TaskPriority priority);
   [[nodiscard]] std::shared_ptr<Computation> startable_for(const JobRecord& job) const;
-  [[nodiscard]] static bool never_ends(const JobRecord& job);
   void run(const std::shared_ptr<Computation>& computation);
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
@@ -210,13 +195,12 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   ComputationList drained_;                ///< callbacks for the next `drain`
   std::atomic<std::size_t> undrained_{0};  ///< how many these are, for who does not hold the mutex
   JobsByKey newest_;                       ///< job in flight of each key
-  ComputationIndex shareable_;             ///< in flight, by hash
   int lent_ = 0;                           ///< tasks that the executor has, or runs
   int unstarted_ = 0;                      ///< of these, that it has not called yet
   std::atomic<int> lending_{0};            ///< threads that are inside the executor's `enqueue`
   std::atomic<bool> closed_{false};        ///< terminated: nothing starts any more. Written with the mutex held
   bool abandoned_ = false;                 ///< nobody will drain any more
-  bool news_ = false;                      ///< what somebody may wait for has happened: a job done, room, an end
+  bool news_ = false;                      ///< what somebody may wait for has happened: a job done, a computation over
 
   std::atomic<int> signals_{0};  ///< how often there was news. Not a condition variable: `post` signals too, and must
                                  ///< not wait for a mutex that a thread of ours holds
@@ -238,8 +222,7 @@ class ThreadRole {
     worker,     ///< its own, or a lent one that runs its work
     bystander,  ///< inside something that its work waits for
   };
-  explicit ThreadRole(Scheduler& scheduler, Kind kind = worker,
-                      std::shared_ptr<Computation> running = nullptr) noexcept;
+  explicit ThreadRole(Scheduler& scheduler, Kind kind = worker) noexcept;
   ~ThreadRole();
   ThreadRole(const ThreadRole&) = delete;
   ThreadRole& operator=(const ThreadRole&) = delete;
@@ -248,12 +231,8 @@ class ThreadRole {
   [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept;
   /// Whether the scheduler may run computations on it.
   [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept;
-  /// The computation that the thread is inside of, the innermost one; null if there is none.
-  [[nodiscard]] static std::shared_ptr<Computation> running(const Scheduler& scheduler) noexcept;
   /// The scheduler that may run computations on the thread, the innermost one; null if there is none.
   [[nodiscard]] static Scheduler* scheduler() noexcept;
-  /// Whether the thread is inside of this computation.
-  [[nodiscard]] static bool is_inside(const Computation& computation) noexcept;
 
  private:
   template <class Wanted>
@@ -261,7 +240,6 @@ class ThreadRole {
 
   Scheduler* scheduler_;
   Kind kind_;
-  std::shared_ptr<Computation> running_;
   const ThreadRole* outer_;
 };
 

@@ -1,4 +1,4 @@
-// Giving jobs up, what follows when they are done, and where their memory goes.
+// Cancelling jobs, what follows when they are done, and where their memory goes.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -48,24 +48,17 @@ std::exception_ptr error_of(const JobRecord& job) noexcept {
 
 bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work) {
   if (job->settled || job->withdrawn) return false;
-  // A continuation that has not started gives up the job that it follows, which nobody else hears of.
+  // A continuation that has not started cancels the job that it follows, which nobody else hears of.
   while (job && !job->settled && !job->withdrawn) {
     job->withdrawn = reason;
     const std::shared_ptr<Computation> computation = job->computation;
     std::shared_ptr<JobRecord> next;
-    if (computation->jobs.size() > 1) {
-      work.losers.splice(work.losers.end(), computation->jobs, job->place);
-      settle(*job);
-      update_priority(computation);
-    } else if (computation->list == &running_) {
+    if (computation->list == &running_) {
       stop(computation, work);
-    } else if (computation->list != nullptr) {
+    } else {
       next = computation->parent;
       settle(*job);
-      work.losers.splice(work.losers.end(), computation->jobs);
       work.ended.splice(work.ended.end(), take_out(computation));
-    } else {
-      news_ = true;  // it still waits in `submit`, which looks
     }
     job = next;
   }
@@ -112,25 +105,21 @@ void Scheduler::hand_on(const JobRecord& job, ComputationList& followers, Deferr
 
 /// Of a computation that waits, and that no thread will start: because of the error, or as the worker has ended.
 void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work) {
-  for (const std::shared_ptr<JobRecord>& job : computation->jobs) {
-    if (error) {
-      job->error = error;
-    } else {
-      job->withdrawn = ErrorCode::stopped;
-    }
+  if (JobRecord* const job = computation->record.get()) {
+    job->error = error;
+    if (!error) job->withdrawn = ErrorCode::stopped;
     settle(*job);
   }
-  work.losers.splice(work.losers.end(), computation->jobs);
   work.ended.splice(work.ended.end(), take_out(computation));
 }
 
-/// One after the other, and not each inside the end of the one that it follows: a chain may be long.
-void Scheduler::end_losers(DeferredWork& work) {
-  while (!work.losers.empty()) {
-    JobRecord& job = *work.losers.front();
-    work.done.splice(work.done.end(), work.losers, work.losers.begin());
-    job.ready.store(true, std::memory_order_release);
-    hand_on(job, work);
+/// Makes the jobs of computations that will not start ready. `hand_on` adds to the list: a chain of followers may be
+/// long, and none ends inside the end of the one that it follows.
+void Scheduler::tell_jobs_of(DeferredWork& work) {
+  for (const std::shared_ptr<Computation>& computation : work.ended) {
+    if (!computation->record) continue;
+    computation->record->ready.store(true, std::memory_order_release);
+    hand_on(*computation->record, work);
   }
 }
 
@@ -163,6 +152,7 @@ void Scheduler::carry_out(DeferredWork& work) {
   }
   for (const std::shared_ptr<Computation>& computation : work.ended) computation->release();
   for (const std::shared_ptr<Computation>& computation : work.ended) go_on([&] { computation->abandon(); });
+  for (const std::shared_ptr<Computation>& computation : work.ended) computation->record = nullptr;
   work = {};
 }
 
@@ -193,9 +183,8 @@ bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shar
 
 void Scheduler::follow(Arrival& arrival, DeferredWork& work) {
   const std::shared_ptr<Computation> child = arrival.node.front();
-  child->priority = arrival.parent->priority;
-  if (arrival.job) arrival.job->priority = arrival.parent->priority;
-  child->jobs.splice(child->jobs.end(), arrival.job_node);
+  child->priority = arrival.parent->computation->priority;
+  child->record = arrival.job;
   if (arrival.parent->done) return hand_on(*arrival.parent, arrival.node, work);
   hang(arrival.node, arrival.parent);
 }
@@ -249,13 +238,13 @@ void Scheduler::terminate() {
   {
     Books books(*this);
     closed_ = true;
-    news_ = true;  // who waits for room looks
     for (ComputationList& list : waiting_) {
       while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, books.work);
     }
     for (const std::shared_ptr<Computation>& computation : running_) {
-      if (computation->jobs.empty() || computation->stopping) continue;
-      for (const std::shared_ptr<JobRecord>& job : computation->jobs) job->withdrawn = ErrorCode::stopped;
+      JobRecord* const job = computation->record.get();
+      if (job == nullptr || job->settled || computation->stopping) continue;
+      job->withdrawn = ErrorCode::stopped;
       stop(computation, books.work);
     }
   }

@@ -1,19 +1,20 @@
 // The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "embedded_texts.h"
 #include "perf/report/comparison.h"
 #include "perf/report/measurement.h"
-#include "perf/report/plot_svg.h"
+#include "perf/report/passes.h"
 #include "perf/report/process.h"
 #include "perf/report/report_json.h"
 #include "perf/report/report_page.h"
 #include "perf/report/run_report.h"
-#include "perf/report/stability.h"
-#include "perf/report/stability_output.h"
 #include "perf/report/stopwatch.h"
 #include "perf/report/words.h"
 #include "tools/arguments.h"
@@ -26,33 +27,6 @@
 namespace welkin::tool {
 namespace {
 
-constexpr const char* kReportFooter =
-    R"(What it does:
-  Measures error and time of every method and setting of every pass on this
-  machine, on a built-in light or on --environment. Writes one page with plots and
-  tables: error over time, the Pareto front, and the setting to take for an error
-  of 0.1, 0.5, 1 or 5 %. The page needs no network and prints well. Errors are
-  measured against the truth in double precision and are the same on every run. A
-  time is the shortest of several calls.
-
-  Other programs are plotted beside Welkin if the machine has them. Filament's
-  cmgen (Debian: libfilament-tools) is a process that reads a file, so its start,
-  reading and writing count. Babylon.js and three.js run in Node.js
-  (--node-modules) with their data in memory.
-
-Examples:
-  welkin report                               report.html, minutes
-  welkin report --quick -o quick.html         under a minute on two cores
-  welkin report --quick --json new.json --against old.json
-  welkin report --passes prefilter,brdf --csv figures.csv
-  welkin report --environment city.hdr --plots plots
-  welkin report --stability                   extreme cases against their promises
-  welkin report --node-modules build/release/tests/engine
-
-Units: errors are relative, 0.01 is 1 %; the text below each table defines rms
-  and maximum. Times are seconds in JSON and CSV. Regressions leave the exit code
-  at 0.)";
-
 constexpr const char* kDefaultPage = "report.html";
 
 struct ReportCommandOptions {
@@ -61,14 +35,11 @@ struct ReportCommandOptions {
   std::string page;
   std::string json;
   std::string csv;
-  std::string plots;
   std::string against;
   std::string environment;
   std::string node_modules;
   bool quick = false;
   bool no_peers = false;
-  bool stability = false;
-  std::string stability_subject;
 };
 
 /// The folders must be there before minutes of work, not after.
@@ -88,14 +59,9 @@ void settle(ReportCommandOptions& options) {
   options.run.environment = options.environment;
   options.run.node_modules = options.node_modules;
   // Raw figures that were asked for alone need no page beside them.
-  const bool raw = !options.json.empty() || !options.csv.empty() || !options.plots.empty();
+  const bool raw = !options.json.empty() || !options.csv.empty();
   if (options.page.empty() && !raw) options.page = kDefaultPage;
   for (const std::string* path : {&options.page, &options.json, &options.csv}) require_folder(*path);
-  if (options.plots.empty()) return;
-  std::error_code failure;
-  std::filesystem::create_directories(options.plots, failure);
-  if (failure)
-    throw Error(ErrorCode::file_access, options.plots + ": no folder can be made (" + failure.message() + ")");
 }
 
 /// An older report of another scale or light is refused before minutes of work, not after.
@@ -122,12 +88,6 @@ std::string write(const ReportCommandOptions& options, const report::Report& mea
   if (!options.page.empty()) file(options.page, report::to_html(measured, comparison));
   if (!options.json.empty()) file(options.json, report::to_json(measured));
   if (!options.csv.empty()) file(options.csv, report::to_csv(measured));
-  if (options.plots.empty()) return said;
-  for (const report::Pass& pass : measured.passes) {
-    const std::vector<report::Measurement> members = report::of_pass(measured, pass.id);
-    const std::string plot = report::plot_svg(pass, members, measured.machine, report::PlotUse::file);
-    if (!plot.empty()) file(std::filesystem::path(options.plots) / (pass.id + ".svg"), plot);
-  }
   return said;
 }
 
@@ -149,35 +109,7 @@ std::string recommended(const report::Report& measured) {
   return text;
 }
 
-/// Of what writes one file.
-const std::string& one_output(const ReportCommandOptions& options) {
-  if (!options.json.empty() && !options.page.empty())
-    throw Error(ErrorCode::invalid_argument, "one file is written: pass -o or --json, not both");
-  return options.json.empty() ? options.page : options.json;
-}
-
-/// The stability suite instead of a report: a table for a person, or JSON into the file that --json names.
-std::string stability(const ReportCommandOptions& options) {
-  const report::Machine machine = report::this_machine(report::Stopwatch{});
-  StabilityRequest request;
-  request.suite = {options.quick || options.run.scale != "full", options.stability_subject};
-  request.origin = {machine.date.substr(0, 10),
-                    machine.processor + ", " + machine.instruction_set + ", " + machine.compiler,
-                    std::string("welkin report --stability") + (request.suite.quick ? " --quick" : "") +
-                        (options.stability_subject.empty() ? "" : " --stability-subject " + options.stability_subject) +
-                        (options.page.empty() ? "" : " -o " + options.page)};
-  const std::string& file = one_output(options);
-  if (!options.json.empty()) request.format = StabilityFormat::json;
-  if (options.json.empty() && !options.page.empty()) request.format = StabilityFormat::markdown;
-  require_folder(file);
-  const std::string text = stability_text(request);
-  if (file.empty()) return text;
-  write_text_file(file, text);
-  return file + '\n';
-}
-
 std::string answer(ReportCommandOptions& options) {
-  if (options.stability) return stability(options);
   settle(options);
   std::optional<report::Report> older;
   if (!options.against.empty()) {
@@ -209,10 +141,6 @@ void add_output_files(Options& table, ReportCommandOptions& options) {
                    .text = "Write the raw figures as JSON, which --against reads",
                    .type = "FILE"});
   table.push_back({.names = "--csv", .target = &options.csv, .text = "Write the raw figures as CSV", .type = "FILE"});
-  table.push_back({.names = "--plots",
-                   .target = &options.plots,
-                   .text = "Write each plot as an SVG file to this folder",
-                   .type = "DIR"});
 }
 
 void add_what_is_measured(Options& table, ReportCommandOptions& options) {
@@ -268,35 +196,18 @@ void add_comparisons(Options& table, ReportCommandOptions& options) {
   table.push_back({.names = "--no-peers", .target = &options.no_peers, .text = "Measure Welkin alone"});
 }
 
-void add_stability(Options& table, ReportCommandOptions& options) {
-  constexpr const char* kStability = "--stability";
-  table.push_back({.names = kStability,
-                   .target = &options.stability,
-                   .text =
-                       "Measure extreme and stiff cases against their promises instead. Prints a table; --json writes "
-                       "JSON, -o writes Markdown, --quick leaves out the slow cases",
-                   .excludes = {"--csv", "--plots", "--passes", "--environment", "--threads", "--against"}});
-  table.push_back({.names = "--stability-subject",
-                   .target = &options.stability_subject,
-                   .text = "Run only the cases of this subject",
-                   .type = alternatives(report::stability_subjects()),
-                   .words = report::stability_subjects(),
-                   .needs = {kStability}});
-}
-
 Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
-  Command command{"report", "Error against run time of every method and setting", kReportFooter};
+  options->run.program = own_folder() / "welkin-report";  // by a name alone it is looked for on the PATH
+  Command command{"report", "Error against run time of every method and setting", embedded_text("help.txt")};
   add_output_files(command.options, *options);
   in_group(command.options, "Output");
   add_what_is_measured(command.options, *options);
   in_group(command.options, "What is measured");
   add_comparisons(command.options, *options);
   in_group(command.options, "Comparisons");
-  add_stability(command.options, *options);
-  in_group(command.options, "Other measurements");
-  command.everyday = {"--output",  "--json",    "--quick",     "--passes", "--environment",
-                      "--threads", "--against", "--stability", "--quiet"};
+  command.everyday = {"--output",      "--json",    "--quick",   "--passes",
+                      "--environment", "--threads", "--against", "--quiet"};
   command.run = [options](const Given& /*given*/) { print_result(answer(*options)); };
   return command;
 }
@@ -308,5 +219,11 @@ int main(int count, char** words) {
   using welkin::tool::report_command, welkin::tool::run_guarded, welkin::tool::run_program;
   std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
   for (std::string& word : welkin::tool::program_arguments(count, words)) arguments.push_back(std::move(word));
-  return run_guarded([&] { return run_program({"", "", {report_command()}}, arguments); });
+  return run_guarded([&]() -> welkin::tool::ExitCode {
+    if (arguments.size() > 1 && arguments[1] == welkin::report::kFirstCall) {
+      std::printf("%.9g\n", welkin::report::first_call_seconds(std::span(arguments).subspan(2)));
+      return welkin::tool::success;
+    }
+    return run_program({"", "", {report_command()}}, arguments);
+  });
 }

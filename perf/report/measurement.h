@@ -17,7 +17,8 @@ struct Measurement {
   double error_maximum = 0.0;  ///< likewise
   double seconds = 0.0;        ///< of one call, by `Machine::clock`: the least of several runs
   std::string truth;           ///< what the error is measured against
-  std::string peer{};          ///< the other program's name and version, or another method's code; empty: Welkin itself
+  std::string peer{};  ///< the other program's name and version, another method's code, or "first call of a process";
+                       ///< empty: Welkin, warm
 
   friend bool operator==(const Measurement&, const Measurement&) = default;
 };

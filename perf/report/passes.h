@@ -55,7 +55,8 @@ struct PassContext {
   std::filesystem::path file;    ///< the environment as Radiance .hdr
   std::filesystem::path folder;  ///< for what passes and peers write
   const Peers& peers;
-  Control control;  ///< progress of this pass
+  Control control;                  ///< progress of this pass
+  std::filesystem::path program{};  ///< welkin-report, which first calls start; empty: without them
 };
 
 /// What a pass is and how it is measured.
@@ -88,6 +89,13 @@ struct ProjectionWay {
 [[nodiscard]] std::vector<PassRunner> irradiance_passes();
 
 [[nodiscard]] std::vector<PassRunner> prefilter_passes();
+
+/// The argument by which welkin-report is a process of one first call: it prints `first_call_seconds` of the rest.
+inline constexpr const char* kFirstCall = "--first-call";
+
+/// Seconds of a prefilter as a pass times it, in a process that has done nothing yet. Arguments: pass, file, size,
+/// bound, threads. Throws `Error` as reading and prefiltering do.
+[[nodiscard]] double first_call_seconds(std::span<const std::string> arguments);
 
 [[nodiscard]] std::vector<PassRunner> brdf_passes();
 

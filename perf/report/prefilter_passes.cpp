@@ -1,22 +1,33 @@
+// The passes about reflections: error against time from the integral in double to the loosest bound, warm and in first
+// calls, beside importance sampling and cmgen.
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <memory>
 #include <random>
 
 #include "perf/report/error_norms.h"
 #include "perf/report/importance_sampling.h"
 #include "perf/report/passes.h"
+#include "perf/report/process.h"
 #include "perf/report/words.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
+#include "welkin/resampling.h"
 
 namespace welkin::report {
 namespace {
 
 constexpr const char* kTruth = "the integral over all texels in double, at some of the result's texels";
-constexpr int kSmallestMip = 16;  // where cmgen ends
+constexpr const char* kFromFile = "prefilter-file";
+constexpr const char* kFromCube = "prefilter-cube";
+constexpr int kSmallestOfCmgen = 16;  // texels along an edge of its last mip
+constexpr int kFirstCalls = 3;        // of which the shortest counts
+constexpr double kBounds[] = {3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5};
 
 struct Blur {
   const char* id;
@@ -26,13 +37,9 @@ struct Blur {
 
 constexpr Blur kBlurs[] = {{"0.15", 0.15, 128}, {"0.30", 0.30, 64}, {"0.55", 0.55, 32}, {"1.00", 1.00, 16}};
 
-/// One way to do it, but for size and roughness.
-struct Way {
-  std::string method;
-  std::string setting;
-  PrefilterOptions options;
-  int samples = 0;  ///< of importance sampling, which is not the library's; 0: the library prefilters
-};
+constexpr const char* kSampling = "importance sampling";
+
+std::string sample_words(int samples) { return std::to_string(samples) + " samples"; }
 
 std::vector<int> sample_counts(int most) {
   std::vector<int> counts;
@@ -40,136 +47,234 @@ std::vector<int> sample_counts(int most) {
   return counts;
 }
 
-std::vector<Way> ways(const Scale& scale) {
-  std::vector<Way> all;
-  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::spectral}) {
-    for (const double bound : {1e-1, 1e-2, 1e-3, 1e-4}) {
-      PrefilterOptions options;
-      options.method = method;
-      options.rms_error = bound;
-      options.maximum_error = 10.0 * bound;
-      all.push_back({name(method), "bound " + percent(bound), options});
-    }
-  }
-  for (const int samples : sample_counts(scale.most_samples)) {
-    all.push_back({"importance sampling", std::to_string(samples) + " samples", {}, samples});
-  }
-  return all;
+std::string bound_words(double bound) { return "bound " + percent(bound); }
+
+/// What is blurred, of either kind.
+struct Source {
+  std::function<CubemapChain(const PrefilterOptions&)> prefilter;
+  std::function<std::vector<glm::dvec3>(double roughness, const std::vector<glm::dvec3>&)> integral;
+  glm::dvec3 mean{};
+};
+
+template <typename View>
+Source source_of(const View& view) {
+  return {[view](const PrefilterOptions& options) { return prefilter_specular(view, options).cubemap; },
+          [view](double roughness, const std::vector<glm::dvec3>& directions) {
+            return reference_specular(view, roughness, directions);
+          },
+          mean_radiance(project(view).radiance)};
 }
 
-/// The truth of a chain's mips at the same places for every method.
+/// The truth of a chain's mips at the same texels for every method.
 class ChainTruth {
  public:
-  ChainTruth(LatLongView source, int probes) : source_(source), count_(probes) {}
+  ChainTruth(Source source, int probes) : source_(std::move(source)), count_(probes) {}
 
-  /// Over the mips that are not copies; `roughness` has one entry a mip.
+  /// Over the mips that are not copies; `roughness` has one entry per mip.
   ErrorNorms errors(const CubemapChain& chain, const std::vector<double>& roughness) {
     std::vector<ErrorNorms> mips;
     for (int level = 0; level < chain.levels(); ++level) {
-      const double here = roughness[static_cast<std::size_t>(level)];
-      if (here > 0.0)
-        mips.push_back(errors_at(chain, level, probes(chain, level), truth(chain, level, here), mean()).norms);
+      if (roughness[static_cast<std::size_t>(level)] <= 0.0) continue;
+      const Mip& mip = at(chain, level, roughness);
+      mips.push_back(errors_at(chain, level, mip.probes, mip.truth, source_.mean).norms);
     }
     return together(mips);
   }
 
- private:
-  const std::vector<Probe>& probes(const CubemapChain& chain, int level) {
-    const auto index = static_cast<std::size_t>(level);
-    if (probes_.size() <= index) probes_.resize(index + 1);
-    if (probes_[index].empty()) probes_[index] = probes_of(chain, level, count_, random_);
-    return probes_[index];
-  }
-
-  const std::vector<glm::dvec3>& truth(const CubemapChain& chain, int level, double roughness) {
-    const auto index = static_cast<std::size_t>(level);
-    if (truths_.size() <= index) truths_.resize(index + 1);
-    if (truths_[index].empty()) {
-      truths_[index] =
-          reference_specular(source_, roughness, directions_of(probes(chain, level), chain.level_size(level)));
+  /// The integral itself, as floats: its error is that of rounding. Its time is that of a few probes, in proportion to
+  /// all texels.
+  Measurement reference(const PrefilterOptions& shape, const Stopwatch& stopwatch) {
+    const std::vector<double>& roughness = shape.roughness;
+    CubemapChain like(shape.size, static_cast<int>(roughness.size()));
+    double seconds = 0.0;
+    Stopwatch once = stopwatch;
+    once.most_runs = 1;
+    for (int level = 0; level < like.levels(); ++level) {
+      const double here = roughness[static_cast<std::size_t>(level)];
+      if (here <= 0.0) continue;
+      const Mip& mip = at(like, level, roughness);
+      const int size = like.level_size(level);
+      const std::vector<glm::dvec3> few(
+          mip.directions.begin(),
+          mip.directions.begin() + std::min<std::ptrdiff_t>(kTimed, std::ssize(mip.directions)));
+      seconds += once.seconds([&] { (void)source_.integral(here, few); }) * 6.0 * size * size /
+                 static_cast<double>(few.size());
+      for (std::size_t k = 0; k < mip.probes.size(); ++k) {
+        const auto truth = glm::vec3(mip.truth[k]);
+        std::copy_n(&truth.x, 3, like.face(level, 0) + 3 * mip.probes[k].texel);
+      }
     }
-    return truths_[index];
+    const ErrorNorms errors = this->errors(like, roughness);
+    return {"", "the integral in double", "reference", errors.rms, errors.maximum, seconds, kTruth};
   }
 
-  const glm::dvec3& mean() {
-    if (!mean_) mean_ = mean_radiance(project(source_).radiance);
-    return *mean_;
+ private:
+  static constexpr std::ptrdiff_t kTimed = 24;  // probes
+
+  struct Mip {
+    std::vector<Probe> probes;
+    std::vector<glm::dvec3> directions;
+    std::vector<glm::dvec3> truth;
+  };
+
+  const Mip& at(const CubemapChain& chain, int level, const std::vector<double>& roughness) {
+    const auto index = static_cast<std::size_t>(level);
+    if (mips_.size() <= index) mips_.resize(index + 1);
+    Mip& mip = mips_[index];
+    if (mip.probes.empty()) {
+      mip.probes = probes_of(chain, level, count_, random_);
+      mip.directions = directions_of(mip.probes, chain.level_size(level));
+      mip.truth = source_.integral(roughness[index], mip.directions);
+    }
+    return mip;
   }
 
-  LatLongView source_;
+  Source source_;
   int count_;
   std::mt19937 random_{11};
-  std::vector<std::vector<Probe>> probes_;
-  std::vector<std::vector<glm::dvec3>> truths_;
-  std::optional<glm::dvec3> mean_;
+  std::vector<Mip> mips_;
 };
 
-/// None where no method reaches the bounds. `shape`: size and roughness of each mip. `read` gives the lat-long's view,
-/// whose time counts.
-template <typename Read>
-std::optional<Measurement> measured(const Way& way, const Stopwatch& stopwatch, ChainTruth& truth,
-                                    const PrefilterOptions& shape, const Read& read) {
-  try {
-    PrefilterOptions options = way.options;
-    options.size = shape.size;
-    options.roughness = shape.roughness;
-    CubemapChain result;
-    const double seconds = stopwatch.seconds([&] {
-      result = way.samples > 0 ? importance_sampled(read(), options.size, options.roughness, way.samples)
-                               : prefilter_specular(read(), options).cubemap;
-    });
-    const ErrorNorms errors = truth.errors(result, options.roughness);
-    return Measurement{
-        "", way.method, way.setting, errors.rms, errors.maximum, seconds, kTruth, way.samples > 0 ? kSamplingPeer : ""};
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::limit_exceeded) throw;
-    return std::nullopt;
+/// Welkin by each of its bounds, from the tightest one on; none for a bound that no method reaches. `shape`: size and
+/// roughness of each mip. `call` is what is timed.
+std::vector<Measurement> by_bound(const Stopwatch& stopwatch, ChainTruth& truth, const PrefilterOptions& shape,
+                                  const std::function<CubemapChain(const PrefilterOptions&)>& call) {
+  std::vector<Measurement> all;
+  for (const double bound : kBounds) {
+    try {
+      PrefilterOptions options = shape;
+      options.rms_error = bound;
+      CubemapChain result;
+      const double seconds = stopwatch.seconds([&] { result = call(options); });
+      const ErrorNorms errors = truth.errors(result, options.roughness);
+      all.push_back(
+          {"", name(PrefilterMethod::automatic), bound_words(bound), errors.rms, errors.maximum, seconds, kTruth});
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::limit_exceeded) throw;
+    }
   }
+  return all;
+}
+
+std::vector<Measurement> by_samples(const PassContext& context, ChainTruth& truth, const PrefilterOptions& shape) {
+  std::vector<Measurement> all;
+  const LatLongView source = context.environment.image.view();
+  for (const int samples : sample_counts(context.scale.most_samples)) {
+    CubemapChain result;
+    const double seconds =
+        context.stopwatch.seconds([&] { result = importance_sampled(source, shape.size, shape.roughness, samples); });
+    const ErrorNorms errors = truth.errors(result, shape.roughness);
+    all.push_back({"", kSampling, sample_words(samples), errors.rms, errors.maximum, seconds, kTruth, kSamplingPeer});
+  }
+  return all;
 }
 
 std::vector<Measurement> one_roughness(const PassContext& context, const Blur& blur) {
-  const LatLongView source = context.environment.image.view();
+  const Source source = source_of(context.environment.image.view());
   ChainTruth truth(source, context.scale.probes);
-  const std::vector<Way> all_ways = ways(context.scale);
+  const PrefilterOptions shape{.size = blur.size * context.scale.chain_size / 256, .roughness = {blur.roughness}};
+  std::vector<Measurement> all = by_bound(context.stopwatch, truth, shape, source.prefilter);
+  progress(context, 1, 3);
+  for (Measurement& one : by_samples(context, truth, shape)) all.push_back(std::move(one));
+  return all;
+}
+
+/// The chain of a pass: down to where cmgen ends, or the default one.
+PrefilterOptions shape_of(const std::string& pass, int size) {
+  const int mips = pass == kFromFile ? full_chain_levels(size) - full_chain_levels(kSmallestOfCmgen) + 1
+                                     : mips_of_chain(RoughnessSchedule::filament, size);
+  return {.size = size, .roughness = roughness_of_mips(RoughnessSchedule::filament, mips, size)};
+}
+
+/// What a pass about a chain times. A lat-long's file is read in each call, a cubemap's before them.
+std::function<CubemapChain(const PrefilterOptions&)> call_of(const std::string& pass,
+                                                             const std::filesystem::path& file) {
+  if (pass == kFromFile) {
+    return [file](const PrefilterOptions& options) {
+      return prefilter_specular(read_environment(file).lat_long(), options).cubemap;
+    };
+  }
+  const auto cube = std::make_shared<const Environment>(read_environment(file));
+  return [cube](const PrefilterOptions& options) { return prefilter_specular(cube->cubemap(), options).cubemap; };
+}
+
+/// The same settings in the first call of a process, which makes tables and takes memory from the system.
+std::vector<Measurement> first_calls(const PassContext& context, const std::string& pass,
+                                     const std::filesystem::path& file, const std::vector<Measurement>& warm) {
   std::vector<Measurement> all;
-  for (std::size_t k = 0; k < all_ways.size(); ++k) {
-    const PrefilterOptions shape{.size = blur.size * context.scale.chain_size / 256, .roughness = {blur.roughness}};
-    const auto one = measured(all_ways[k], context.stopwatch, truth, shape, [&] { return source; });
-    if (one) all.push_back(*one);
-    progress(context, k + 1, all_ways.size());
+  if (context.program.empty()) return all;
+  const std::filesystem::path output = context.folder / "first_call.txt";
+  for (const double bound : kBounds) {
+    const auto found = std::find_if(warm.begin(), warm.end(),
+                                    [&](const Measurement& one) { return one.setting == bound_words(bound); });
+    if (found == warm.end()) continue;  // no method reached it
+    const std::vector<std::string> arguments{context.program.string(),
+                                             kFirstCall,
+                                             pass,
+                                             file.string(),
+                                             std::to_string(context.scale.chain_size),
+                                             std::to_string(bound),
+                                             std::to_string(context.stopwatch.threads)};
+    Measurement first = *found;
+    first.peer = "first call of a process";
+    first.seconds = HUGE_VAL;
+    for (int run = 0; run < kFirstCalls; ++run) {
+      const ProcessResult result = run_process(arguments, context.stopwatch.threads, context.stopwatch.clock(), output);
+      double seconds = 0.0;
+      if (result.exit_code == 0 && std::ifstream(output) >> seconds) first.seconds = std::min(first.seconds, seconds);
+    }
+    if (std::isfinite(first.seconds)) all.push_back(first);
   }
   return all;
 }
 
-std::vector<Measurement> whole_chain(const PassContext& context) {
-  const Environment read = read_environment(context.file);
-  ChainTruth truth(read.lat_long(), context.scale.probes);
-  const int size = context.scale.chain_size;
-  const int mips = full_chain_levels(size) - full_chain_levels(kSmallestMip) + 1;
-  const std::vector<double> roughness = roughness_of_mips(RoughnessSchedule::filament, mips, size);
-  std::vector<Measurement> all;
-  for (const Way& way : ways(context.scale)) {
-    std::optional<Environment> picture;
-    const auto one = measured(way, context.stopwatch, truth, {.size = size, .roughness = roughness},
-                              [&] { return picture.emplace(read_environment(context.file)).lat_long(); });
-    if (one) all.push_back(*one);
-  }
+std::vector<Measurement> chain(const PassContext& context, const std::string& pass, const Source& source,
+                               const std::filesystem::path& file) {
+  ChainTruth truth(source, context.scale.probes);
+  const PrefilterOptions shape = shape_of(pass, context.scale.chain_size);
+  std::vector<Measurement> all = by_bound(context.stopwatch, truth, shape, call_of(pass, file));
+  progress(context, 1, 3);
+  for (Measurement& one : first_calls(context, pass, file, all)) all.push_back(std::move(one));
+  all.push_back(truth.reference(shape, context.stopwatch));
   progress(context, 2, 3);
+  if (pass != kFromFile) return all;
   const std::vector<int> samples = sample_counts(std::min(context.scale.most_samples, 1024));
   for (const PeerChain& peer :
-       context.peers.prefilter_file(context.file, size, samples, context.folder, context.stopwatch)) {
-    const ErrorNorms errors = truth.errors(peer.cubemap, roughness);
-    all.push_back(
-        {"", "importance sampling", peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
+       context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch)) {
+    const ErrorNorms errors = truth.errors(peer.cubemap, shape.roughness);
+    all.push_back({"", kSampling, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
   }
   return all;
+}
+
+std::vector<Measurement> from_file(const PassContext& context) {
+  return chain(context, kFromFile, source_of(read_environment(context.file).lat_long()), context.file);
+}
+
+std::vector<Measurement> from_cube(const PassContext& context) {
+  const CubemapImage cube = to_cubemap(context.environment.image.view(), context.scale.chain_size);
+  const std::filesystem::path file = context.folder / "cube.pfm";
+  write_environment(file, cube.view());
+  return chain(context, kFromCube, source_of(cube.view()), file);
 }
 
 constexpr const char* kErrors =
     "rms: of the difference over that of the truth, by solid angle. Maximum: the largest |value - truth| / truth of a "
     "texel.";
+constexpr const char* kOverMips = " Over the blurred mips: root mean square, largest.";
+constexpr const char* kOfReference =
+    " First calls are those of a new process. The integral's time is that of some texels in proportion, its error that "
+    "of floats.";
 
 }  // namespace
+
+double first_call_seconds(std::span<const std::string> arguments) {
+  if (arguments.size() != 5) throw Error(ErrorCode::invalid_argument, "a first call takes five arguments");
+  PrefilterOptions options = shape_of(arguments[0], std::stoi(arguments[2]));
+  options.rms_error = std::stod(arguments[3]);
+  const auto call = call_of(arguments[0], arguments[1]);
+  return Stopwatch{std::stoi(arguments[4]), 0.0, 1}.seconds([&] { (void)call(options); });
+}
 
 std::vector<PassRunner> prefilter_passes() {
   std::vector<PassRunner> all;
@@ -181,121 +286,22 @@ std::vector<PassRunner> prefilter_passes() {
                    3.0,
                    [blur](const PassContext& context) { return one_roughness(context, blur); }});
   }
-  all.push_back(
-      {{"prefilter-file", "Reflections, a chain from a file",
-        "A specular chain down to 16 texels, roughness spread as Filament has it, from a Radiance .hdr file, reading "
-        "included. Of cmgen the whole process counts, with writing the levels as OpenEXR.",
-        std::string(kErrors) + " Over the blurred mips: root mean square, largest."},
-       8.0,
-       whole_chain});
+  all.push_back({{kFromFile, "Reflections, a chain from a file",
+                  std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a "
+                              "Radiance .hdr file, reading included. Of cmgen the whole process counts, with writing "
+                              "the levels as OpenEXR.") +
+                      kOfReference,
+                  std::string(kErrors) + kOverMips},
+                 8.0,
+                 from_file});
+  all.push_back({{kFromCube, "Reflections, a chain from a captured cubemap",
+                  std::string("The default specular chain, down to 4 texels, from a cubemap of the same size in "
+                              "memory: a reflection probe.") +
+                      kOfReference,
+                  std::string(kErrors) + kOverMips},
+                 8.0,
+                 from_cube});
   return all;
-}
-
-namespace {
-
-constexpr const char* kTableTruth = "a finer table's texels, each within 1e-5";
-constexpr int kRuns = 3;
-
-/// Two channels of a table, to be looked up as a shader does.
-struct Lookup {
-  const float* values;
-  int width, height, channels;
-
-  [[nodiscard]] double at(int column, int row, int channel) const {
-    const int x = std::clamp(column, 0, width - 1);
-    const int y = std::clamp(row, 0, height - 1);
-    return static_cast<double>(values[(static_cast<std::ptrdiff_t>(y) * width + x) * channels + channel]);
-  }
-
-  /// Bilinear, clamped to the edge; both coordinates in [0, 1].
-  [[nodiscard]] double linear(double across, double down, int channel) const {
-    const double x = across * width - 0.5;
-    const double y = down * height - 0.5;
-    const int column = static_cast<int>(std::floor(x));
-    const int row = static_cast<int>(std::floor(y));
-    const double right = x - column;
-    const double below = y - row;
-    return (1.0 - below) * ((1.0 - right) * at(column, row, channel) + right * at(column + 1, row, channel)) +
-           below * ((1.0 - right) * at(column, row + 1, channel) + right * at(column + 1, row + 1, channel));
-  }
-};
-
-Lookup lookup(const BrdfTable& table) {
-  return {table.values.data(), table.options.width, table.options.height, table.channels};
-}
-
-ErrorNorms errors_of(const Lookup& table, const BrdfTable& truth) {
-  const Lookup exact = lookup(truth);
-  double squares = 0.0;
-  double whole = 0.0;
-  double largest = 0.0;
-  for (int row = 0; row < exact.height; ++row) {
-    for (int column = 0; column < exact.width; ++column) {
-      for (int channel = 0; channel < 2; ++channel) {
-        const double expected = exact.at(column, row, channel);
-        const double error = table.linear((column + 0.5) / exact.width, (row + 0.5) / exact.height, channel) - expected;
-        squares += error * error;
-        whole += expected * expected;
-        largest = std::max(largest, std::abs(error));
-      }
-    }
-  }
-  return {std::sqrt(squares / whole), largest};
-}
-
-/// Tables are kept once made: neighbours a column or two wider stand in for repeats, their time in proportion.
-double seconds_of(BrdfTableOptions options, const Stopwatch& stopwatch) {
-  Stopwatch once = stopwatch;
-  once.most_runs = 1;
-  const int width = options.width;
-  double fastest = HUGE_VAL;
-  for (int run = 1; run <= kRuns; ++run) {
-    options.width = width + run;
-    fastest = std::min(fastest, once.seconds([&] { (void)brdf_table(options); }) * width / options.width);
-  }
-  return fastest;
-}
-
-std::string size_words(int size) { return std::to_string(size) + " x " + std::to_string(size); }
-
-std::vector<Measurement> by_size(const PassContext& context, BrdfModel model) {
-  const int fine = context.scale.table_truth;
-  std::vector<int> sizes;
-  for (int size = 8; size <= context.scale.largest_table; size *= 2) sizes.push_back(size);
-  const auto truth = brdf_table({fine, fine, model, false});
-  std::vector<Measurement> all;
-  for (const int size : sizes) {
-    const BrdfTableOptions options{size, size, model, false};
-    const ErrorNorms errors = errors_of(lookup(*brdf_table(options)), *truth);
-    all.push_back({"", "table", size_words(size), errors.rms, errors.maximum, seconds_of(options, context.stopwatch),
-                   kTableTruth});
-    progress(context, all.size(), sizes.size() + 1);
-  }
-  if (model != BrdfModel::multiple_scattering) return all;
-  for (const PeerTable& peer : context.peers.brdf_table(sizes, context.folder, context.stopwatch)) {
-    const ErrorNorms errors = errors_of({peer.values.data(), peer.size, peer.size, 3}, *truth);
-    all.push_back(
-        {"", "table", size_words(peer.size), errors.rms, errors.maximum, peer.seconds, kTableTruth, peer.peer});
-  }
-  return all;
-}
-
-PassRunner runner(const char* id, const char* title, const char* holds, BrdfModel model) {
-  return {{id, title,
-           std::string("A table of ") + holds +
-               ", without sheen, made anew. Its error is that of looking it up with linear interpolation. Of cmgen the "
-               "whole process counts.",
-           "rms: of the difference over that of the truth. Maximum: the largest difference."},
-          1.0,
-          [model](const PassContext& context) { return by_size(context, model); }};
-}
-
-}  // namespace
-
-std::vector<PassRunner> brdf_passes() {
-  return {runner("brdf-split-sum", "BRDF table, split sum", "scale and bias", BrdfModel::split_sum),
-          runner("brdf-multiple", "BRDF table, multiple scattering", "bias and whole albedo",
-                 BrdfModel::multiple_scattering)};
 }
 
 }  // namespace welkin::report

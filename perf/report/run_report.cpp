@@ -107,7 +107,7 @@ Report run_report(const ReportOptions& options, const Control& control) {
   for (const PassRunner& runner : runners) {
     if (options.begins) options.begins(runner.pass.id);
     const Control part = control_of(control, before / whole, (before + runner.cost) / whole);
-    const PassContext context{size, stopwatch, environment, file, folder.path(), peers, part};
+    const PassContext context{size, stopwatch, environment, file, folder.path(), peers, part, options.program};
     for (Measurement& one : runner.measure(context)) {
       one.pass = runner.pass.id;
       report.measurements.push_back(std::move(one));

@@ -17,6 +17,7 @@ struct ReportOptions {
   int threads = 1;                       ///< of timed calls; 0: all that the process may use
   std::filesystem::path environment{};   ///< a file; empty: the built-in test light
   std::filesystem::path node_modules{};  ///< for Babylon.js and three.js; empty: without
+  std::filesystem::path program{};  ///< welkin-report, by whose processes first calls are measured; empty: none are
   bool peers = true;
   std::function<void(const std::string& pass)> begins{};  ///< called with the id of each pass before it is measured
   double budget_seconds = -1.0;  ///< of repeats, a measurement; below 0: the scale's; 0: one run, for errors alone

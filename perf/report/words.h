@@ -11,10 +11,4 @@ namespace welkin::report {
 /// Three significant digits in ns, us, ms or s; "no number" for a NaN.
 [[nodiscard]] std::string duration(double seconds);
 
-/// & < > " ' as entities: fit for text and for attributes in quotes.
-[[nodiscard]] std::string escaped(const std::string& text);
-
-/// A time as `duration` has it, with a Greek mu.
-[[nodiscard]] std::string duration_markup(double seconds);
-
 }  // namespace welkin::report

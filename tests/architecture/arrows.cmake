@@ -1,9 +1,11 @@
-# cmake -DROOT=<the repository> -P arrows.cmake: every include against the table of rooms in docs/architecture.md.
+# cmake -DROOT=<the repository> -P arrows.cmake: every include, and the weight of every room, against the table of rooms
+# in docs/architecture.md.
 #
 # A row of the table reads
-#   | `room` | `room` `room` or nothing | `header.h` ... or none | what it holds |
+#   | `room` | `room` `room` or nothing | `header.h` ... or none | lines at most | what it holds |
 # Its second cell lists the rooms that it may include besides those that they may include themselves; all of them stand
-# above it, so that no circle is possible. Its third cell lists the public headers that the room defines.
+# above it, so that no circle is possible. Its third cell lists the public headers that the room defines. Its fourth cell
+# is the maximum number of lines of the room's sources in module/.
 cmake_minimum_required(VERSION 3.22)
 
 set(failures 0)
@@ -21,7 +23,14 @@ foreach(row IN LISTS rows)
   list(GET cells 1 room)
   list(GET cells 2 uses)
   list(GET cells 3 headers)
+  list(GET cells 4 most)
   string(REGEX REPLACE "[ `]" "" room "${room}")
+  string(REPLACE " " "" most "${most}")
+  if(NOT most MATCHES "^[0-9]+$")
+    fail("the fourth cell of ${room} is \"${most}\"; it must be the maximum number of lines")
+    set(most 0)
+  endif()
+  set(most_lines_${room} ${most})
   string(REGEX MATCHALL "`[a-z]+`" uses "${uses}")
   string(REGEX MATCHALL "`[a-z0-9_./]+`" headers "${headers}")
   set(reach_${room})
@@ -71,7 +80,16 @@ function(check file room)
   set(checked ${checked} PARENT_SCOPE)
 endfunction()
 
+# lines_of(FILE NAME): how many line breaks the file has.
+function(lines_of file name)
+  file(READ ${file} text)
+  string(REGEX REPLACE "[^\n]+" "" breaks "${text}")
+  string(LENGTH "${breaks}" length)
+  set(${name} ${length} PARENT_SCOPE)
+endfunction()
+
 # ---- the sources
+set(weights)
 file(GLOB folders LIST_DIRECTORIES true RELATIVE ${ROOT}/module ${ROOT}/module/*)
 foreach(folder IN LISTS folders)
   if(NOT IS_DIRECTORY ${ROOT}/module/${folder})
@@ -82,9 +100,17 @@ foreach(folder IN LISTS folders)
     continue()
   endif()
   file(GLOB_RECURSE sources ${ROOT}/module/${folder}/*.h ${ROOT}/module/${folder}/*.cpp)
+  set(lines 0)
   foreach(source IN LISTS sources)
     check(${source} ${folder})
+    lines_of(${source} length)
+    math(EXPR lines "${lines} + ${length}")
   endforeach()
+  string(APPEND weights "\n  ${folder}: ${lines} of ${most_lines_${folder}}")
+  if(lines GREATER most_lines_${folder})
+    message(SEND_ERROR "module/${folder} has ${lines} lines, at most ${most_lines_${folder}} are allowed; remove some, or "
+                       "raise the number in docs/architecture.md in a commit of its own that says why")
+  endif()
 endforeach()
 
 # ---- the public headers, which obey the same arrows
@@ -100,4 +126,4 @@ endforeach()
 if(checked LESS 100)
   message(FATAL_ERROR "only ${checked} includes were found below ${ROOT}")
 endif()
-message(STATUS "${checked} includes obey the arrows between ${count} rooms")
+message(STATUS "${checked} includes obey the arrows between ${count} rooms; lines:${weights}")

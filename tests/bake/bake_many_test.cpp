@@ -57,7 +57,7 @@ struct Probes {
 
 }  // namespace
 
-TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many]") {
+TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][slow]") {
   const PrefilterOptions options = small_chain();
   for (const std::size_t count : {0, 1, 2, 50}) {
     const Probes probes(count);
@@ -130,7 +130,7 @@ TEST_CASE("Errors of many bakes name the first probe that they are about", "[bak
   CHECK(same_bytes<std::byte>(before, room.memory));
 }
 
-TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many]") {
+TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slow]") {
   const Probes probes(60);
   const PrefilterOptions options = small_chain();
   Room room(options, 60);

@@ -24,6 +24,7 @@
 #include "support/sanitized.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/irradiance.h"
 #include "welkin/resampling.h"
@@ -67,7 +68,7 @@ std::span<const float> span_of(const CubemapImage& image) { return image.pixels;
 
 }  // namespace
 
-TEST_CASE("A uniform environment bakes to itself at any size", "[bake]") {
+TEST_CASE("A uniform environment bakes to itself at any size", "[bake][slow]") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
     INFO("size " << size);
     const TestLatLong lat_long = make_lat_long(Content::uniform, 36, 18, 1);
@@ -79,7 +80,7 @@ TEST_CASE("A uniform environment bakes to itself at any size", "[bake]") {
   }
 }
 
-TEST_CASE("Sources of any size are baked", "[bake]") {
+TEST_CASE("Sources of any size are baked", "[bake][slow]") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
     INFO("size " << size);
     check_white_furnace(make_lat_long(Content::uniform, 2 * size, size, 1).view(), small_bake(7));
@@ -301,7 +302,7 @@ void check_bits(const View& view, const BakeOptions& options) {
 
 }  // namespace
 
-TEST_CASE("Bakes of lat-longs and cubemaps have the same bits everywhere", "[bake]") {
+TEST_CASE("Bakes of lat-longs and cubemaps have the same bits everywhere", "[bake][slow]") {
   BakeOptions options = small_bake(48);
   options.bands = 5;
   check_bits(make_lat_long(Content::sun_disc, 400, 200, 5).view(), options);
@@ -367,7 +368,7 @@ void check_memory(const View& view, const BakeOptions& options) {
 
 }  // namespace
 
-TEST_CASE("A bake's memory stays below what was predicted", "[bake]") {
+TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
   for (const int size : {16, 128, 256}) {
     for (const int width : {128, 1024}) {
       INFO("size " << size << ", lat-long " << width);
@@ -407,7 +408,7 @@ BakeOptions specular_alone(const std::vector<double>& roughness) {
 
 }  // namespace
 
-TEST_CASE("A bake's memory stays below what was predicted where thousands of texels are bright", "[bake]") {
+TEST_CASE("A bake's memory stays below what was predicted where thousands of texels are bright", "[bake][slow]") {
   check_memory(lamps(2048, 6000).view(), specular_alone({0.02}));
   check_memory(lamps(2048, 50'000).view(), specular_alone({0.2}));
 }
@@ -533,12 +534,12 @@ TEST_CASE("What stops a bake comes out of it", "[bake]") {
   CHECK_THROWS_WITH(bake(source.view(), small_bake(), throwing), "of the callback");
 }
 
-TEST_CASE("A bake runs out of memory cleanly wherever it does", "[bake]") {
+TEST_CASE("A bake runs out of memory cleanly wherever it does", "[bake][slow]") {
   const TestLatLong picture = make_lat_long(Content::special_values, 40, 20, 5);
   const BakeResult expected = bake(picture.view(), small_bake());
   for (const bool for_good : {false, true}) {
     bool failed = true;
-    for (long number = 1; failed; number += kSanitized ? 11 : 1) {
+    for (long number = 1; failed; number += stride(kSanitized ? 101 : 17)) {
       INFO("allocation " << number << (for_good ? " and all after it" : ""));
       REQUIRE(number < 100'000);
       std::string end;

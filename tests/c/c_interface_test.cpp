@@ -101,7 +101,7 @@ TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]
   welkin_job_release(job);
 }
 
-TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_interface]") {
+TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_interface][slow]") {
   auto options = c_struct<welkin_worker_options>();
   options.threads = 1;
   options.max_bytes = 1000;
@@ -121,7 +121,7 @@ TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_int
   welkin_worker_destroy(worker);
 }
 
-TEST_CASE("C: what a callback throws stays inside", "[c_interface]") {
+TEST_CASE("C: what a callback throws stays inside", "[c_interface][slow]") {
   const CWorker worker(1);
   welkin_job* job = nullptr;
   REQUIRE(welkin_post_function(
@@ -220,7 +220,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
   REQUIRE(released.load() == owed);
 }
 
-TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless", "[c_interface]") {
+TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless", "[c_interface][slow]") {
   const unsigned seed = 20261122;
   INFO("seed " << seed);
   std::mt19937 random(seed);
@@ -329,7 +329,7 @@ TEST_CASE("C: a handle is shared by many threads", "[c_interface]") {
   REQUIRE(wrong.load() == 0);
 }
 
-TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and terminates", "[c_interface]") {
+TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and terminates", "[c_interface][slow]") {
   constexpr int kThreads = 3;
   constexpr int kPosts = 60;
   const unsigned seed = 4711;
@@ -342,7 +342,6 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
     auto options = c_struct<welkin_worker_options>();
     options.threads = 2;
     options.max_jobs = 16;
-    options.overflow = static_cast<welkin_overflow_policy>(round % 3);
     welkin_worker* worker = nullptr;
     REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
     std::vector<std::thread> threads;

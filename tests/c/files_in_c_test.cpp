@@ -131,7 +131,7 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
                                nullptr) == WELKIN_FILE_ACCESS);
 }
 
-TEST_CASE("C: textures in blocks are the bytes that the C++ calls write, with each effort", "[c_interface]") {
+TEST_CASE("C: textures in blocks are the bytes that the C++ calls write, with each effort", "[c_interface][slow]") {
   const TemporaryDirectory directory;
   const Reflections reflections;
   const std::string in_c = directory.file("c.ktx2").string();

@@ -117,22 +117,6 @@ TEST_CASE("C: conventions and Babylon.js's polynomial are the C++ calls'", "[c_i
   REQUIRE(welkin_engine_light_in_place(3, plain(light).data(), WELKIN_ENGINE_BABYLON, &form) == WELKIN_OK);
   REQUIRE(same_triple(form.terms[0], polynomial.x));
   REQUIRE(same_triple(form.terms[6], polynomial.yz));
-  const double normal[3] = {0.0, 0.6, -0.8};
-  double value[3];
-  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_OK);
-  REQUIRE(same_triple(value, evaluate(polynomial, {0.0, 0.6, -0.8})));
-
-  const double colour[3] = {0.25, 0.5, 4.0};
-  REQUIRE(welkin_babylon_constant(colour, &form) == WELKIN_OK);
-  REQUIRE(form.engine == WELKIN_ENGINE_BABYLON);
-  REQUIRE(form.term_count == 9);
-  const BabylonPolynomial constant = babylon_constant_polynomial({0.25, 0.5, 4.0});
-  REQUIRE(same_triple(form.terms[0], constant.x));
-  REQUIRE(same_triple(form.terms[4], constant.yy));
-  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_OK);
-  REQUIRE(same_triple(value, evaluate(constant, {0.0, 0.6, -0.8})));
-  form.engine = WELKIN_ENGINE_UNITY;
-  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_INVALID_ARGUMENT);
 }
 
 }  // namespace welkin::test

@@ -187,6 +187,13 @@ TEST_CASE("options: every field of a prefilter counts, but what it does not use 
            [](Options& o) {
              o.roughness = {0.5, 0.5};
            },
+           [](Options& o) { o.lobe_roughness = {0.5}; }, [](Options& o) { o.lobe = LobeFamily::phong; },
+           [](Options& o) {
+             o.spectra = {{1.0, 0.5}};
+           },
+           [](Options& o) {
+             o.spectra = {{1.0}, {0.5}};
+           },
            [](Options& o) { o.method = PrefilterMethod::spectral; }, [](Options& o) { o.rms_error = 0.5; },
            [](Options& o) { o.maximum_error = 0.5; }, [](Options& o) { o.pixels.gamma = true; },
            [](Options& o) { o.pixels.clamp = RadianceClamp{}; }});
@@ -203,9 +210,10 @@ TEST_CASE("options: every field of a bake counts, but its limit and what is not 
        [](Options& o) { o.irradiance->method = IrradianceMethod::direct; },
        [](Options& o) { o.irradiance->method = IrradianceMethod::harmonics; },
        [](Options& o) { o.irradiance->rms_error = 1e-4; }, [](Options& o) { o.bands = 4; },
-       [](Options& o) { o.brdf.reset(); }, [](Options& o) { o.brdf->width = 4; },
-       [](Options& o) { o.brdf->height = 4; }, [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; },
-       [](Options& o) { o.brdf->sheen = false; }, [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});
+       [](Options& o) { o.total_radiance = false; }, [](Options& o) { o.brdf.reset(); },
+       [](Options& o) { o.brdf->width = 4; }, [](Options& o) { o.brdf->height = 4; },
+       [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; }, [](Options& o) { o.brdf->sheen = false; },
+       [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});
   check_without_effect<Options>({}, [](Options& o) {
     o.memory_limit_bytes = 5;
     o.specular->pixels.gamma = true;
@@ -351,9 +359,8 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
   const std::vector<EntryName> names = names_in(options.folder);
   REQUIRE(names.size() > 10);
   const std::vector<std::vector<std::uint8_t>> others = {
-      std::vector<std::uint8_t>(16, 0),          std::vector<std::uint8_t>(4096, 0),
-      cache::encode(CubemapChain(1, 1)),         cache::encode(Projection{SphericalHarmonics(7), {}}),
-      cache::encode(projection::FaceSums(1, 2)), cache::encode(SkyTables())};
+      std::vector<std::uint8_t>(16, 0), std::vector<std::uint8_t>(4096, 0), cache::encode(CubemapChain(1, 1)),
+      cache::encode(Projection{SphericalHarmonics(7), {}}), cache::encode(projection::FaceSums(1, 2))};
   for (const std::vector<std::uint8_t>& other : others) {
     INFO("entries of " << other.size() << " bytes");
     EntryFolder folder(options.folder, kLarge);

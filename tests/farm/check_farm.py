@@ -23,10 +23,13 @@ def whole_results(results):
 
 def records(results):
     """All records of all reports, each with the shard whose report it is in."""
-    for path in sorted((results / "reports").glob("*.json")):
-        report = json.loads(path.read_text(encoding="utf-8"))
-        for record in report["jobs"]:
-            yield f"{report['shard']}/{report['shards']}", record
+    for path in sorted((results / "reports").glob("shard-*.jsonl")):
+        _, number, _, count, *_ = path.name.split("-")
+        for line in path.read_text(encoding="utf-8").splitlines():
+            try:
+                yield f"{number}/{count}", json.loads(line)
+            except json.JSONDecodeError:
+                pass  # the last line of a process that was killed in the middle of it
 
 
 def seconds(time):

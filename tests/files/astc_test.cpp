@@ -113,7 +113,7 @@ TEST_CASE("headers of ASTC textures are as their specifications have them", "[co
   }
 }
 
-TEST_CASE("cubemaps come back from ASTC, every level and face of every size", "[codec][textures][astc]") {
+TEST_CASE("cubemaps come back from ASTC, every level and face of every size", "[codec][textures][astc][slow]") {
   const TemporaryDirectory directory;
   for (const auto& [format, edge] : kFormats) {
     for (const int size : {1, 2, 5, 6, 7, 61, 70}) {
@@ -216,7 +216,7 @@ TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "
   CHECK(measure_environment(path).nans == 3 * 16);
 }
 
-TEST_CASE("ASTC's bytes do not depend on the number of threads", "[codec][textures][astc]") {
+TEST_CASE("ASTC's bytes do not depend on the number of threads", "[codec][textures][astc][slow]") {
   const CubemapChain chain = noisy_chain(70, full_chain_levels(70), 3);
   for (const auto& [format, edge] : kFormats) {
     std::vector<std::vector<std::byte>> files;

@@ -55,7 +55,7 @@ bool is_recorded(const CubemapChain& chain, const std::vector<RecordedBlock>& bl
 
 }  // namespace
 
-TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][textures][bc6h]") {
+TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][textures][bc6h][slow]") {
   const TemporaryDirectory directory;
   for (const auto range : {image::Bc6hRange::positive, image::Bc6hRange::signed_values}) {
     const std::vector<RecordedBlock> blocks = blocks_of(range);

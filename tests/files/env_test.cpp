@@ -179,7 +179,7 @@ TEST_CASE("every byte of RGBD decodes to its power, and a divisor of 0 is taken 
   }
 }
 
-TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env]") {
+TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env][slow]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 2, 4, 64, 256}) {
     CAPTURE(size);

@@ -239,7 +239,8 @@ bool same(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {
 
 }  // namespace
 
-TEST_CASE("solid angles of a cube face's texels equal their closed form and make up a sixth of the sphere", "[codec]") {
+TEST_CASE("solid angles of a cube face's texels equal their closed form and make up a sixth of the sphere",
+          "[codec][slow]") {
   for (const int size : {1, 2, 3, 5, 8, 31, 32, 33, 64, 256, 1024}) {
     CAPTURE(size);
     std::vector<double> angles(static_cast<std::size_t>(size));
@@ -342,7 +343,7 @@ TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
   CHECK(found.total_radiance == glm::dvec3(0.0));
 }
 
-TEST_CASE("statistics are the same bits on any number of threads and however the file is cut", "[codec]") {
+TEST_CASE("statistics are the same bits on any number of threads and however the file is cut", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("cut.exr");
   const std::vector<float> pixels = some_pixels(64, 384);

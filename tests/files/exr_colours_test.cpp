@@ -383,7 +383,7 @@ TEST_CASE("a strip with the envmap attribute of a cube is turned to Welkin's fra
   }
 }
 
-TEST_CASE("a cube of OpenEXR's has the same light and statistics as its faces in a plain strip", "[codec]") {
+TEST_CASE("a cube of OpenEXR's has the same light and statistics as its faces in a plain strip", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("cube.exr");
   const int size = 120;

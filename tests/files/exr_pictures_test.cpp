@@ -217,7 +217,7 @@ void check_any_rows(const files::RowSource& source, const std::vector<float>& pi
 
 }  // namespace
 
-TEST_CASE("data windows, line orders and the rows that are asked for change no pixel", "[codec]") {
+TEST_CASE("data windows, line orders and the rows that are asked for change no pixel", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("window.exr");
   std::mt19937 random(7);
@@ -421,7 +421,7 @@ void check_values(const Environment& read, const std::filesystem::path& path, co
 
 }  // namespace
 
-TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled", "[codec]") {
+TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.exr");
   const int width = 130;

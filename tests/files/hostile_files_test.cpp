@@ -73,12 +73,12 @@ void check_damage(Damage damage, const std::string& extension, bool may_load) {
 
 }  // namespace
 
-TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage]") {
+TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage][slow]") {
   for (const char* extension : {".exr", ".pfm", ".hdr"}) check_damage(for_each_truncation, extension, false);
   check_damage(for_each_truncation, ".png", true);  // nothing that is needed follows the last row
 }
 
-TEST_CASE("no changed byte does harm", "[codec][damage]") {
+TEST_CASE("no changed byte does harm", "[codec][damage][slow]") {
   for (const char* extension : {".exr", ".pfm", ".hdr", ".png"}) {
     check_damage(for_each_changed_byte, extension, true);
   }
@@ -88,11 +88,11 @@ TEST_CASE("no extreme number in a header of text does harm", "[codec][damage]") 
   for (const char* extension : {".pfm", ".hdr"}) check_damage(for_each_extreme_number, extension, true);
 }
 
-TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage]") {
+TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage][slow]") {
   check_damage(for_each_extreme_field, ".exr", true);
 }
 
-TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage]") {
+TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage][slow]") {
   for (const char* extension : {".pfm", ".hdr", ".png"}) check_damage(for_each_extreme_field, extension, true);
 }
 
@@ -176,19 +176,19 @@ void check_texture_damage(Damage damage, bool may_load) {
 
 }  // namespace
 
-TEST_CASE("a texture that is cut off is refused, wherever the cut is", "[codec][textures][damage]") {
+TEST_CASE("a texture that is cut off is refused, wherever the cut is", "[codec][textures][damage][slow]") {
   check_texture_damage(for_each_truncation, false);
 }
 
-TEST_CASE("no changed byte of a texture does harm", "[codec][textures][damage]") {
+TEST_CASE("no changed byte of a texture does harm", "[codec][textures][damage][slow]") {
   check_texture_damage(for_each_changed_byte, true);
 }
 
-TEST_CASE("no extreme field of a texture does harm", "[codec][textures][damage]") {
+TEST_CASE("no extreme field of a texture does harm", "[codec][textures][damage][slow]") {
   check_texture_damage(for_each_extreme_field, true);
 }
 
-TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][damage]") {
+TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][damage][slow]") {
   const TemporaryDirectory directory;
   const SoundFile sound = env(directory);
   Tally tally;
@@ -386,7 +386,7 @@ TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
   refusal_of(zlib, {0x78, 0x9C}, 400000);
 }
 
-TEST_CASE("a streamed picture needs a few blocks of memory", "[codec]") {
+TEST_CASE("a streamed picture needs a few blocks of memory", "[codec][slow]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
   WARN("left out: address space cannot be limited under a sanitizer");
 #else
@@ -411,7 +411,7 @@ TEST_CASE("a streamed picture needs a few blocks of memory", "[codec]") {
 #endif
 }
 
-TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming]") {
+TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming][slow]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
   WARN("left out: address space cannot be limited under a sanitizer");
 #else
@@ -444,7 +444,7 @@ TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming]")
 #endif
 }
 
-TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread", "[codec][streaming]") {
+TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread", "[codec][streaming][slow]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
   WARN("left out: a sanitizer's own memory is in the way");
 #else

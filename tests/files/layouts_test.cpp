@@ -216,7 +216,7 @@ TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
   }
 }
 
-TEST_CASE("layouts are read alike from blocks and tiles, on any number of threads", "[codec][layout]") {
+TEST_CASE("layouts are read alike from blocks and tiles, on any number of threads", "[codec][layout][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("cube.exr");
   const int size = 133;
@@ -426,7 +426,7 @@ TEST_CASE("Positive axes have their primary colour, negative ones its complement
   }
 }
 
-TEST_CASE("Lat-long and cubemap are the same map", "[testmap]") {
+TEST_CASE("Lat-long and cubemap are the same map", "[testmap][slow]") {
   const LatLongImage map = test_map_lat_long(512, 256);
   const CubemapImage cube = test_map_cubemap(128);
   const LatLongImage from_cube = to_lat_long(cube.view(), 512, 256);
@@ -439,7 +439,7 @@ TEST_CASE("Lat-long and cubemap are the same map", "[testmap]") {
   CHECK(std::sqrt(squares / static_cast<double>(map.pixels.size())) < 0.08);
 }
 
-TEST_CASE("From inside, letters read from left to right and arrows point up", "[testmap]") {
+TEST_CASE("From inside, letters read from left to right and arrows point up", "[testmap][slow]") {
   // On each wall of the lat-long: the sign stands to the left of the letter. The upper half of an X, Z or its like and
   // the word below it are not symmetric to the arrow above.
   const int width = 1024;

@@ -325,7 +325,7 @@ const PassRecord* find_pass(const Projection& projection, const std::string& pas
 
 }  // namespace
 
-TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec]") {
+TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.exr");
   for (const auto& [width, height] : {std::pair{640, 320}, {514, 257}, {30, 15}}) {

@@ -84,7 +84,7 @@ CubemapChain half_chain(int size, int levels) {
 
 }  // namespace
 
-TEST_CASE("textures come back rounded as their format says, at every size", "[codec][textures]") {
+TEST_CASE("textures come back rounded as their format says, at every size", "[codec][textures][slow]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 2, 3, 7, 64, 257}) {
     for (const int levels : {1, full_chain_levels(size)}) {
@@ -198,7 +198,7 @@ TEST_CASE("a DDS file has face after face, with its levels from the largest to t
   CHECK(right);
 }
 
-TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames", "[codec][textures]") {
+TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames", "[codec][textures][slow]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("sky.exr");
   for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f}) {
@@ -250,7 +250,7 @@ TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]")
   }
 }
 
-TEST_CASE("a texture's bytes do not depend on the number of threads", "[codec][textures]") {
+TEST_CASE("a texture's bytes do not depend on the number of threads", "[codec][textures][slow]") {
   const TemporaryDirectory directory;
   const CubemapChain chain = noisy_chain(128, 8);
   for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
@@ -458,7 +458,7 @@ ThrownError stopped_while(const Work& work) {
 
 }  // namespace
 
-TEST_CASE("packing in blocks gives what packing in one go gives", "[codec][textures]") {
+TEST_CASE("packing in blocks gives what packing in one go gives", "[codec][textures][slow]") {
   // Around the block's megabyte, and over it.
   for (const std::size_t count : {std::size_t{24}, (std::size_t{1} << 20U) - 1, std::size_t{1} << 20U,
                                   (std::size_t{1} << 20U) + 1, (std::size_t{5} << 19U) + 3}) {
@@ -496,7 +496,7 @@ TEST_CASE("packing in blocks gives what packing in one go gives", "[codec][textu
   }
 }
 
-TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textures]") {
+TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textures][slow]") {
   const Bytes bytes = noise(std::size_t{16} << 20U);  // half a second of zlib
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
     const ThrownError error =
@@ -510,7 +510,7 @@ TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textur
   CHECK(error.says("cancelled"));
 }
 
-TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env]") {
+TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env][slow]") {
   constexpr int size = 2048;
   const Bytes rgba = noise(std::size_t{4} * size * size);
   const ThrownError written =

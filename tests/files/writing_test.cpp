@@ -348,7 +348,7 @@ TEST_CASE("Saved sky tables come back with all their parameters and bits", "[sky
   CHECK(std::distance(std::filesystem::directory_iterator(directory.file("")), {}) == 1);
 }
 
-TEST_CASE("Sky tables cut off anywhere or changed in any byte are refused", "[sky][codec]") {
+TEST_CASE("Sky tables cut off anywhere or changed in any byte are refused", "[sky][codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.tables");
   save_sky_tables(precompute_sky(earth(), tiny_options(ScatteringLayout::compact)), path);

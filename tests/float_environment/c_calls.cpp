@@ -109,32 +109,6 @@ void call_c(Calls& calls) {
     result.numbers.insert(result.numbers.end(), texels.begin(), texels.end());
     return result;
   });
-  welkin_kernel_options kernels;
-  WELKIN_INIT(kernels);
-  kernels.size = 4;
-  kernels.mips = 1;
-  kernels.lobe = WELKIN_LOBE_PHONG;
-  const double power = 7.0;
-  kernels.numbers = &power;
-  const auto blurred = [&](const auto& prefilter) {
-    Given result{WELKIN_INTERNAL, {}};
-    welkin_cubemap_chain* chain = nullptr;
-    result.status = prefilter(&chain);
-    welkin_mip mip;
-    WELKIN_INIT(mip);
-    if (result.status == WELKIN_OK) welkin_cubemap_chain_get_mip(chain, 0, &mip);
-    result.numbers.assign(mip.mean, mip.mean + 3);
-    result.numbers.push_back(mip.error_estimate);
-    welkin_cubemap_chain_destroy(chain);
-    return result;
-  };
-  calls.call("welkin_prefilter_cubemap_by_kernels", [&] {
-    return blurred([&](auto** chain) { return welkin_prefilter_cubemap_by_kernels(&faces, &kernels, nullptr, chain); });
-  });
-  calls.call("welkin_prefilter_lat_long_by_kernels", [&] {
-    return blurred(
-        [&](auto** chain) { return welkin_prefilter_lat_long_by_kernels(&lat_long, &kernels, nullptr, chain); });
-  });
   calls.call("welkin_fitted_roughness_of_mips", [&] {
     Given result{WELKIN_INTERNAL, std::vector<double>(5)};
     result.status = welkin_fitted_roughness_of_mips(WELKIN_ROUGHNESS_FILAMENT, 5, 32, result.numbers.data());

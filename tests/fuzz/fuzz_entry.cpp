@@ -37,18 +37,6 @@ void decode_mips(ByteSpan payload) {
   if (decode_mip(payload, static_cast<int>(size) + 1, larger.data())) std::abort();
 }
 
-/// The smallest that there can be.
-welkin::SkyTableOptions small_tables() {
-  return {.layout = welkin::ScatteringLayout::compact,
-          .heights = 2,
-          .view_zeniths = 4,
-          .sun_zeniths = 4,
-          .transmittance_heights = 2,
-          .transmittance_zeniths = 2,
-          .irradiance_heights = 2,
-          .irradiance_sun_zeniths = 2};
-}
-
 /// Each asked for with the shape that the bytes state, if there is such a one, and with one that they may not have.
 void decode_all(ByteSpan payload) {
   std::uint64_t first = 0;
@@ -73,9 +61,6 @@ void decode_all(ByteSpan payload) {
         payload, [=](ByteSpan bytes) { return decode_face_sums(bytes, functions_bands, tiles); },
         [](const auto& sums) { return encode(*sums); });
   }
-  const welkin::Atmosphere air;
-  round_trip(
-      payload, [&](ByteSpan bytes) { return decode_sky_tables(bytes, air, small_tables()); }, plain);
 }
 
 }  // namespace

@@ -278,8 +278,6 @@ void make_entry_seeds(const std::filesystem::path& directory) {
   write_entry(directory / "mip", Kind::specular_mip, cache::encode_mip(chain.mips.front(), chain.cubemap.face(0, 0)));
   write_entry(directory / "cubemap", Kind::cubemap, cache::encode(build_mips(image.view())));
   write_entry(directory / "faces", Kind::face_sums, cache::encode(*project_faces(image.view()).face(0)));
-  SkyTableOptions options{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
-  write_entry(directory / "sky", Kind::sky_tables, cache::encode(precompute_sky(earth(), options)));
 }
 
 }  // namespace

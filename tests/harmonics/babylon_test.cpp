@@ -260,7 +260,7 @@ TEST_CASE("Babylon.js's polynomial of cubemaps with NaN, infinities, negatives a
   check_group("nan_bearing");
 }
 
-TEST_CASE("Babylon.js's polynomial with a target size: sizes 64, 100, 256 to 8, 16, 32, 48, 64", "[babylon]") {
+TEST_CASE("Babylon.js's polynomial with a target size: sizes 64, 100, 256 to 8, 16, 32, 48, 64", "[babylon][truth]") {
   check_group("target_size");
 }
 

@@ -97,7 +97,7 @@ TEST_CASE("One turn after another is their product, and the inverse undoes", "[s
   }
 }
 
-TEST_CASE("Ten thousand small steps end where one turn does, with all their power", "[sh][turn]") {
+TEST_CASE("Ten thousand small steps end where one turn does, with all their power", "[sh][turn][truth]") {
   for (const int bands : {3, 16}) {
     RandomLight light(4);
     const SphericalHarmonics original = light.harmonics(bands);
@@ -446,7 +446,7 @@ void check_coefficients(Image image, const glm::dvec3& place, double radius) {
 
 }  // namespace
 
-TEST_CASE("A map's coefficients are those without the sun and those of its light", "[image][sun]") {
+TEST_CASE("A map's coefficients are those without the sun and those of its light", "[image][sun][truth]") {
   for (const glm::dvec3& place : {glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0), glm::dvec3(-3, 2, 4)}) {
     for (const double radius : {0.8, 1.6, 2.4}) {
       check_coefficients(grey_lat_long(512, 256, 1.0F), place, radius);

@@ -94,7 +94,7 @@ TEST_CASE("Minima known in closed form are found, on rings and at poles too", "[
 }
 
 TEST_CASE("Of several valleys that run around the sphere, level or nearly so, the lowest place is found",
-          "[sh][minimum]") {
+          "[sh][minimum][truth]") {
   RandomLight light(41);
   for (const int bands : {3, 5, 8, 12}) {
     for (int k = 0; k < 40; ++k) {
@@ -245,7 +245,7 @@ TEST_CASE("The minimum-Laplacian window is found where the minimum falls before 
   CHECK(apply_window(light(0.7001), Window::min_laplacian).parameter == 0.0);  // although windows in between would ring
 }
 
-TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser one does", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser one does", "[sh][window][truth]") {
   RandomLight light(41);
   for (const int bands : {2, 3, 4, 5, 7, 16}) {
     for (const double strength : {6.0, 20.0, 1e3, 222208.0, 1e30}) {
@@ -283,7 +283,7 @@ TEST_CASE("The minimum-Laplacian window is the same for the turned light", "[sh]
 }
 
 TEST_CASE("The minimum-Laplacian window does not depend on the light's unit, and is 0 where nothing is negative",
-          "[sh][window]") {
+          "[sh][window][truth]") {
   RandomLight light(43);
   const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, 3);
   const double lambda = apply_window(radiance, Window::min_laplacian).parameter;

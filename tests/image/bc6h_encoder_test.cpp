@@ -285,7 +285,7 @@ TEST_CASE("BC6H keeps the mean of each channel where a sun has most of the light
   }
 }
 
-TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bounds", "[image][bc6h][pictures]") {
+TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bounds", "[image][bc6h][pictures][slow]") {
   if (!shared_pictures_are_here()) return;
   std::array<double, 3> sums{};
   const std::array names{"dikhololo_night_1k.hdr", "lebombo_1k.hdr",        "pmndrs_city.exr",

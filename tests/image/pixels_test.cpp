@@ -152,7 +152,7 @@ TEST_CASE("A lat-long's neighbours cross the seam and the poles", "[image][sun]"
   CHECK(neighbour_set(grid, 25) == std::set<std::int64_t>{24, 26, 16, 17, 18, 28, 29, 30});
 }
 
-TEST_CASE("Solid angles of a face are computed once for each size, texel by texel", "[image]") {
+TEST_CASE("Solid angles of a face are computed once for each size, texel by texel", "[image][slow]") {
   for (const int size : {1, 2, 5, 31, 32, 63, 64, 257, 512}) {
     const auto angles = image::FaceSolidAngles::get(size);
     CHECK(image::FaceSolidAngles::get(size) == angles);
@@ -295,7 +295,7 @@ TEST_CASE("Every level has the total radiance of the first", "[mips]") {
   }
 }
 
-TEST_CASE("A uniform cubemap's mips are exactly uniform", "[mips]") {
+TEST_CASE("A uniform cubemap's mips are exactly uniform", "[mips][slow]") {
   for (const MipFilter filter : kFilters) {
     for (const int size : {1, 2, 3, 6, 7, 64, 257, 600}) {
       const CubemapImage map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 1.0F)};
@@ -323,7 +323,7 @@ TEST_CASE("Level 0 is the source, decoded, whichever its format", "[mips]") {
   }
 }
 
-TEST_CASE("Mips have the same bits everywhere, and their tiles allocate nothing", "[mips]") {
+TEST_CASE("Mips have the same bits everywhere, and their tiles allocate nothing", "[mips][slow]") {
   const InstructionSet before = active_instruction_set();
   for (const MipFilter filter : kFilters) {
     for (const int size : {96, 257, 300}) {

@@ -250,7 +250,7 @@ double lone_texel_error(int width, int height, int column, int row, int size) {
 
 }  // namespace
 
-TEST_CASE("A lone bright texel keeps its total radiance wherever it lies", "[area]") {
+TEST_CASE("A lone bright texel keeps its total radiance wherever it lies", "[area][slow]") {
   struct Shape {
     int width, height;
   };
@@ -273,7 +273,7 @@ TEST_CASE("A lone bright texel keeps its total radiance wherever it lies", "[are
   }
 }
 
-TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes and at all seams", "[area]") {
+TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes and at all seams", "[area][slow]") {
   std::mt19937 generator(11);
   const auto upto = [&](int count) { return static_cast<int>(generator() % static_cast<unsigned>(count)); };
   for (int k = 0; k < 60; ++k) {
@@ -311,7 +311,7 @@ TEST_CASE("Light stays where it is", "[area]") {
   }
 }
 
-TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area]") {
+TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][slow]") {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
     const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
     for (const int size : {1, 2, 3, 7, 64, 257}) {
@@ -338,7 +338,7 @@ TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels"
   }
 }
 
-TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[area]") {
+TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[area][slow]") {
   for (const int width : {256, 255}) {
     LatLongImage map = black(width, 128);
     const auto radiance = [](const glm::dvec3& d) {
@@ -378,7 +378,7 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
 }
 
 TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and allocates nothing in its tiles",
-          "[area]") {
+          "[area][slow]") {
   const InstructionSet before = active_instruction_set();
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     for (const auto& [width, height] : {std::pair{320, 160}, {333, 301}}) {
@@ -403,7 +403,7 @@ TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and 
   force_instruction_set(before);
 }
 
-TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by area", "[area]") {
+TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by area", "[area][slow]") {
   for (const int size : {1, 2, 3, 8, 15, 24}) {
     for (const auto& [width, height] : {std::pair{4 * size, 2 * size}, {7, 3}, {33, 50}, {64, 32}}) {
       double worst = 0.0;

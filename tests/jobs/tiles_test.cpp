@@ -128,7 +128,7 @@ TEST_CASE("What a tile throws comes out, and the next job runs", "[jobs]") {
   }
 }
 
-TEST_CASE("Threads that share an arena for one keep their workers apart", "[jobs]") {
+TEST_CASE("Threads that share an arena for one keep their workers apart", "[jobs][slow]") {
   tbb::task_arena arena(1);
   std::atomic<bool> shared{false};
   std::vector<std::thread> threads;
@@ -380,7 +380,7 @@ TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {
   });
 }
 
-TEST_CASE("Projection allocates nothing while it runs", "[jobs][allocation]") {
+TEST_CASE("Projection allocates nothing while it runs", "[jobs][allocation][slow]") {
   for (const int threads : {1, 2, 4}) {
     run_with_threads(threads, [] {
       for (const int size : {64, 1024}) {

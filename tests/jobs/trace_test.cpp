@@ -1,16 +1,12 @@
-// What a call does, taken down on one thread, and how long that would take on many.
+// What a call does, taken down on one thread.
 
 #include "jobs/trace.h"
 
 #include <chrono>
 #include <thread>
-#include <typeinfo>
-#include <utility>
-#include <vector>
 
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
-#include "perf/report/schedule.h"
 #include "support/catch.h"
 #include "welkin/core.h"
 
@@ -19,16 +15,6 @@ namespace {
 
 using jobs::TracedRegion;
 using jobs::TracedWork;
-
-TracedWork serial(double seconds) { return {{{seconds, {}}}}; }
-
-/// Serial work, parts side by side, serial work.
-TracedWork forked(double before, std::vector<TracedWork> parts, double after,
-                  std::vector<std::vector<std::size_t>> waits = {}) {
-  TracedWork work = {{{before, {}}, {after, {}}}};
-  work.stretches.front().region.push_back({&typeid(int), std::move(parts), std::move(waits)});
-  return work;
-}
 
 void wait_a_little() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
 
@@ -66,9 +52,6 @@ TEST_CASE("a recording has the regions of a call, with the regions inside their 
     REQUIRE(tile.stretches.size() == 1);
     CHECK(tile.stretches[0].seconds >= 0.002);
   }
-  // Five waits in all; of the three tiles two can be done beside another.
-  CHECK(report::scheduled_seconds(trace, 1) >= 0.010);
-  CHECK(report::scheduled_seconds(trace, 64) < report::scheduled_seconds(trace, 1) - 0.0039);
 }
 
 TEST_CASE("without a recording nothing is taken down, nor after it has ended", "[jobs][trace]") {
@@ -84,28 +67,6 @@ TEST_CASE("without a recording nothing is taken down, nor after it has ended", "
   CHECK(recording.finish().stretches.front().region.empty());
   tiles();
   CHECK(recording.finish().stretches.size() == 2);
-}
-
-TEST_CASE("work is scheduled on workers without idle ones while something is ready", "[report][trace]") {
-  using report::critical_path_seconds;
-  using report::scheduled_seconds;
-  const TracedWork even = forked(1.0, std::vector<TracedWork>(8, serial(1.0)), 0.5);
-  CHECK(scheduled_seconds(even, 1) == 9.5);
-  CHECK(scheduled_seconds(even, 2) == 5.5);
-  CHECK(scheduled_seconds(even, 3) == 4.5);  // 3, 3 and 2 tiles
-  CHECK(scheduled_seconds(even, 100) == 2.5);
-  CHECK(critical_path_seconds(even) == 2.5);
-
-  // A diamond whose one side is a region itself.
-  const TracedWork side = forked(0.0, {serial(2.0), serial(2.0)}, 0.0);
-  const TracedWork diamond = forked(0.0, {serial(1.0), side, serial(3.0), serial(1.0)}, 0.0, {{}, {0}, {0}, {1, 2}});
-  CHECK(scheduled_seconds(diamond, 1) == 9.0);
-  CHECK(critical_path_seconds(diamond) == 5.0);
-  CHECK(scheduled_seconds(diamond, 3) == 5.0);
-  CHECK(scheduled_seconds(diamond, 2) == 6.0);  // 1, then 2 + 2 beside 3, then 1
-
-  CHECK(scheduled_seconds({}, 4) == 0.0);
-  CHECK(scheduled_seconds(forked(1.0, {}, 1.0), 4) == 2.0);
 }
 
 }  // namespace welkin::test

@@ -11,6 +11,7 @@
 #include "support/catch.h"
 #include "support/kept_memory.h"
 #include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/welkin.h"
 
 namespace welkin::test {
@@ -22,6 +23,21 @@ using platform::take_working_memory;
 using platform::WorkingMemory;
 
 constexpr std::size_t kMebi = std::size_t{1} << 20U;
+
+/// A resource that is the heap, but not the process's default one.
+memory_resource* own_heap() {
+  class Heap final : public memory_resource {
+    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+      return new_delete_resource()->allocate(bytes, alignment);
+    }
+    void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+      new_delete_resource()->deallocate(memory, bytes, alignment);
+    }
+    [[nodiscard]] bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+  };
+  static Heap heap;
+  return &heap;
+}
 
 }  // namespace
 
@@ -188,6 +204,23 @@ TEST_CASE("A test can fill blocks before they are used", "[platform][memory]") {
   CHECK(small.data()[99] == 0xFF);
   CHECK(large.data()[0] == 0xFF);
   CHECK(large.data()[kMebi - 1] == 0xFF);
+}
+
+TEST_CASE("Large chains leave their memory to the next one, unless the caller gave it", "[platform][memory]") {
+  const KeptMemory kept(64 * kMebi);
+  CubemapChain first(256, 2);
+  const float* const pixels = first.face(0, 0);
+  first = {};
+  CHECK(kept_working_memory() >= 6 * kMebi - kMebi / 2);
+  const CubemapChain second(256, 2);
+  CHECK(second.face(0, 0) == pixels);
+  CHECK(kept_working_memory() == 0);
+  { const CubemapChain small(32, 2); }
+  { const CubemapChain elsewhere(256, 2, own_heap()); }
+  CHECK(kept_working_memory() == 0);
+  keep_working_memory(0);
+  { const CubemapChain third(256, 2); }
+  CHECK(kept_working_memory() == 0);
 }
 
 }  // namespace welkin::test

@@ -163,7 +163,7 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
 }
 
 TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums over all texels, rms 0.1 and 0.25 %",
-          "[probes]") {
+          "[probes][slow]") {
   const dvec3 room(6, 3, 4);
   for (const double margin : {0.25, 0.5}) {
     const ProbeGrid grid{.counts = {5, 3, 4}, .origin = dvec3(margin), .spacing = (room - 2 * margin) / dvec3(4, 2, 3)};

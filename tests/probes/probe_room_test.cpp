@@ -47,7 +47,7 @@ double error_of(const BakedProbes& probes, const std::vector<Surface>& places, c
 
 }  // namespace
 
-TEST_CASE("probes in a room: each weight brings the light nearer to that of paths", "[probes]") {
+TEST_CASE("probes in a room: each weight brings the light nearer to that of paths", "[probes][slow]") {
   const Room room;
   const ProbeGrid grid = Room::grid();
   const Captures captures = room.capture(grid, 12, 4, Followed::reflected);

@@ -357,7 +357,7 @@ double share_left_out(int bands) {
 
 }  // namespace
 
-TEST_CASE("A lone small sun is off by what the cosine lobe's spectrum leaves out", "[sh][irradiance]") {
+TEST_CASE("A lone small sun is off by what the cosine lobe's spectrum leaves out", "[sh][irradiance][truth]") {
   LatLongImage image{128, 64, std::vector<float>(128 * 64 * 3)};
   for (std::size_t c = 0; c < 3; ++c) image.pixels[3 * (20 * 128 + 45) + c] = 1e6F;
   const SphericalHarmonics radiance = project(image.view(), {.bands = 9}).radiance;
@@ -420,7 +420,7 @@ TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "
 
 namespace fs = std::filesystem;
 
-TEST_CASE("The irradiance cubemap of a bake of a real environment is within its bound", "[irradiance][shared]") {
+TEST_CASE("The irradiance cubemap of a bake of a real environment is within its bound", "[irradiance][shared][truth]") {
   const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
   for (const char* const name : {"blender_sunrise.exr", "blender_studio.exr", "openexr_KernerEnvCube.exr"}) {
     CAPTURE(name);
@@ -441,7 +441,7 @@ TEST_CASE("The irradiance cubemap of a bake of a real environment is within its 
   }
 }
 
-TEST_CASE("Bands of real environments are off by no more than the docs say", "[sh][irradiance][shared]") {
+TEST_CASE("Bands of real environments are off by no more than the docs say", "[sh][irradiance][shared][truth]") {
   const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
   if (!fs::exists(folder)) {
     WARN("no real environments: " << folder << " is not there");

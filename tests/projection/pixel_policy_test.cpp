@@ -137,7 +137,7 @@ TEST_CASE("A replaced infinity counts as the clamp's maximum, or the largest hal
   }
 }
 
-TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy]") {
+TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy][truth]") {
   for (const int size : kSizes) {
     TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
     TestCubemap lifted = cubemap;
@@ -191,7 +191,7 @@ TEST_CASE("A NaN in alpha matters to nobody", "[sh][policy]") {
   }
 }
 
-TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
+TEST_CASE("A clamp reports what it takes away", "[sh][policy][truth]") {
   for (const bool preserve : {false, true}) {
     for (const int size : kSizes) {
       const TestCubemap cubemap = make_cubemap(Content::clamped, size, 3, 1);
@@ -217,7 +217,7 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
   }
 }
 
-TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][policy]") {
+TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][policy][truth]") {
   for (const int size : {1, 7, 64, 257}) {
     for (const float maximum : {0.5F, 1.0F}) {
       const TestCubemapBytes cubemap = make_cubemap_bytes(Content::random, size, 3, 1);

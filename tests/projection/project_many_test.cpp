@@ -96,7 +96,7 @@ TEST_CASE("Many probes in one call have the bits of a call for each", "[projecti
   }
 }
 
-TEST_CASE("Many probes are projected with all options that one is", "[projection][many]") {
+TEST_CASE("Many probes are projected with all options that one is", "[projection][many][truth]") {
   const Probes probes(60);
   ProjectionOptions clamped{.bands = 5, .target_size = 12, .pixels = {.clamp = RadianceClamp{0.8F, true}}};
   clamped.pixels.negative = NegativePolicy::replace;

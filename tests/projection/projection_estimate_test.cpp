@@ -41,7 +41,7 @@ void check_honest(const View& view, const ProjectionOptions& options, double mos
 }  // namespace
 
 // Seen: 266 times the estimate, which lacked what band 0 leaks into bands 4, 6 and 8 on a cube.
-TEST_CASE("An even cubemap does not deceive the midpoint rule's estimate", "[sh][estimates]") {
+TEST_CASE("An even cubemap does not deceive the midpoint rule's estimate", "[sh][estimates][truth]") {
   for (const int size : {16, 32, 64, 128}) {
     for (const int bands : {5, 7, 9}) {
       CAPTURE(size);
@@ -73,7 +73,7 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
 
 // Seen: 905 times the estimate, which was made of the coefficients alone, and those know nothing of a pattern that
 // cells average away.
-TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target][estimates]") {
+TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target][estimates][truth]") {
   for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
     for (const int period : {1, 3}) {
       const CubemapImage cubemap = checkers(72, period);

@@ -51,7 +51,7 @@ void require_exact(const LatLongView& view, const ProjectionOptions& options) {
 
 }  // namespace
 
-TEST_CASE("Cubemaps of any size and content project to double precision's result", "[sh][projection]") {
+TEST_CASE("Cubemaps of any size and content project to double precision's result", "[sh][projection][truth]") {
   for (const Content content :
        {Content::random, Content::smooth, Content::blocks, Content::high_range, Content::one_texel_sun}) {
     for (const int size : {1, 2, 3, 4, 5, 7, 16, 31, 32, 33, 64, 100, 128, 129, 200}) {
@@ -61,7 +61,7 @@ TEST_CASE("Cubemaps of any size and content project to double precision's result
   }
 }
 
-TEST_CASE("Large cubemaps project to double precision's result", "[sh][projection]") {
+TEST_CASE("Large cubemaps project to double precision's result", "[sh][projection][truth]") {
   for (const int size : {257, 512}) {
     require_exact(make_cubemap(Content::one_texel_sun, size, 3, 11).view(), {});
   }
@@ -69,7 +69,7 @@ TEST_CASE("Large cubemaps project to double precision's result", "[sh][projectio
   require_exact(make_cubemap(Content::blocks, 512, 3, 11).view(), {});
 }
 
-TEST_CASE("Every number of bands is as exact as three", "[sh][projection]") {
+TEST_CASE("Every number of bands is as exact as three", "[sh][projection][truth]") {
   for (int bands = 1; bands <= kMaximumBands; ++bands) {
     ProjectionOptions options;
     options.bands = bands;
@@ -81,7 +81,7 @@ TEST_CASE("Every number of bands is as exact as three", "[sh][projection]") {
   require_exact(make_cubemap(Content::one_texel_sun, 150, 3, 5).view(), ten);
 }
 
-TEST_CASE("The midpoint rule is its textbook loop", "[sh][projection]") {
+TEST_CASE("The midpoint rule is its textbook loop", "[sh][projection][truth]") {
   for (const int bands : {1, 3, 6}) {
     ProjectionOptions options;
     options.bands = bands;
@@ -94,7 +94,7 @@ TEST_CASE("The midpoint rule is its textbook loop", "[sh][projection]") {
   }
 }
 
-TEST_CASE("Lat-longs of any shape project to double precision's result", "[sh][projection]") {
+TEST_CASE("Lat-longs of any shape project to double precision's result", "[sh][projection][truth]") {
   const int shapes[][2] = {{1, 1},   {2, 1},   {1, 2},    {3, 2},     {7, 5},     {16, 8},
                            {31, 17}, {64, 32}, {257, 64}, {520, 260}, {1024, 512}};
   for (const auto& shape : shapes) {
@@ -508,7 +508,7 @@ TEST_CASE("Any number of threads gives the same bits", "[sh][determinism]") {
   }
 }
 
-TEST_CASE("A hundred repetitions under load in a foreign arena give the same bits", "[sh][determinism]") {
+TEST_CASE("A hundred repetitions under load in a foreign arena give the same bits", "[sh][determinism][truth]") {
   const TestCubemap cubemap = make_cubemap(Content::high_range, 256, 3, 31);
   const SphericalHarmonics expected = project(cubemap.view()).radiance;
   std::atomic<bool> done{false};

@@ -209,7 +209,7 @@ TEST_CASE("Moments times weights are the sums of double precision on every instr
   }
 }
 
-TEST_CASE("What moments weigh gives every texel its integral", "[projection][strip]") {
+TEST_CASE("What moments weigh gives every texel its integral", "[projection][strip][truth]") {
   for (const bool midpoint : {false, true}) {
     for (const int size : {256, 288, 512, 1024, 2048}) {
       const auto place = projection::TexelWeights::get({size, 3, midpoint, size})->place();
@@ -268,7 +268,7 @@ TEST_CASE("The weights of strips that are kept are those that would be computed"
   }
 }
 
-TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[projection]") {
+TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[projection][truth]") {
   for (const auto& [size, bands] : {std::pair{256, 4}, {384, 6}, {640, 10}, {1024, 16}, {129, 4}}) {
     const auto table = projection::TexelWeights::get({size, bands, false, size});
     platform::AlignedBuffer<float> scratch(table->scratch_size());

@@ -64,7 +64,7 @@ void check_disc(Image image, const glm::dvec3& place, double radius, double texe
 
 }  // namespace
 
-TEST_CASE("A disc's light, place and size do not depend on the resolution", "[image][sun]") {
+TEST_CASE("A disc's light, place and size do not depend on the resolution", "[image][sun][truth]") {
   for (const glm::dvec3& place : places()) {
     check_disc(grey_lat_long(256, 128, 1.0F), place, 0.9, 360.0 / 256);
     check_disc(grey_cubemap(64, 1.0F), place, 1.9, 115.0 / 64);  // a texel at a face's middle, the widest
@@ -346,7 +346,7 @@ void check_energy(Image image, bool expect_sun) {
 
 }  // namespace
 
-TEST_CASE("Map plus sun is the map that was, at every size and place", "[image][sun]") {
+TEST_CASE("Map plus sun is the map that was, at every size and place", "[image][sun][truth]") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
     for (const glm::dvec3& place : kPlaces) {
       CAPTURE(size, place.x, place.y, place.z);
@@ -507,7 +507,7 @@ void print_row(const std::string& name, const LatLongImage& before) {
 
 }  // namespace
 
-TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun][shared]") {
+TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun][shared][truth]") {
   // Largest radius in degrees and least share of the light; 0: no sun. The hotel room's spotlight is as good as a sun.
   const std::map<std::string, std::pair<double, double>> expected{
       {"blender_city.exr", {0.6, 0.2}},         {"blender_sunrise.exr", {0.8, 0.5}},

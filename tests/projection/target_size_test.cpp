@@ -153,7 +153,7 @@ struct Chain {
 
 }  // namespace
 
-TEST_CASE("Averaging by solid angle matches the readable twin at any ratio", "[sh][target]") {
+TEST_CASE("Averaging by solid angle matches the readable twin at any ratio", "[sh][target][truth]") {
   const int shapes[][2] = {{64, 8}, {64, 48}, {64, 63},  {64, 1},   {7, 3},
                            {7, 2},  {3, 1},   {100, 64}, {101, 16}, {130, 32}};
   for (const auto& [size, target] : shapes) {
@@ -305,7 +305,7 @@ std::map<std::string, std::vector<glm::dvec3>> recorded_radiance() {
 
 }  // namespace
 
-TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][shared]") {
+TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][shared][truth]") {
   for (const fs::path& path : lat_longs()) {
     const Environment environment = read_environment(path);
     const SphericalHarmonics found = project_file(path).radiance;

@@ -57,6 +57,34 @@ TEST_CASE("Each looser bound takes fewer bands and rings", "[specular][bands]") 
   CHECK(reflections::rings_within(kAlpha, {}) <= 320.0);
 }
 
+TEST_CASE("Each looser bound takes fewer bands, rings and texels of small probes too", "[specular][bands]") {
+  int bands = 10'000;
+  int rows = 10'000;
+  int face = 64;
+  for (const double rms : {1e-4, 1e-3, 3e-3, 1e-2, 3e-2}) {
+    const reflections::PrefilterPlan plan =
+        reflections::plan_prefilter(PrefilterOptions{.size = 64, .mips = 3, .rms_error = rms}).with_near_sums(64);
+    CAPTURE(rms);
+    CHECK(plan.bands < bands);
+    CHECK(plan.rows_for_cubemap() <= rows);
+    CHECK(plan.face_for_cubemap(64) <= face);
+    bands = plan.bands;
+    rows = plan.rows_for_cubemap();
+    face = plan.face_for_cubemap(64);
+  }
+  CHECK(rows <= 60);
+  CHECK(face <= 32);
+}
+
+TEST_CASE("A picture takes its bands at once where the transform has enough", "[specular][bands]") {
+  const CubemapImage fine = stripes(64, 20.0);
+  const PrefilteredSpecular result =
+      prefilter_specular(fine.view(), {.size = 64, .mips = 3, .method = PrefilterMethod::spectral, .rms_error = 3e-2});
+  const auto again = [](const PassRecord& pass) { return pass.name == "energies"; };
+  CHECK(std::ranges::none_of(result.pixels.passes, again));
+  CHECK(*result.mips[1].error_estimate <= 3e-2);
+}
+
 TEST_CASE("Pictures with more energy than most take more bands", "[specular][bands]") {
   const PrefilterOptions options{.size = 16, .mips = 1, .roughness = {0.2}, .method = PrefilterMethod::spectral};
   const int usual = reflections::plan_prefilter(options).bands;
@@ -118,7 +146,7 @@ TEST_CASE("No estimate is above the bound that was asked for", "[specular][bands
 
 // Texels of a coarse mip may miss a lamp whose lobe is narrower than they are: what is left is dark beside the lamp's
 // own errors.
-TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands]") {
+TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands][truth]") {
   int integrated = 0;
   for (std::size_t texel = 0; texel < 6144; texel += 61) {
     TestCubemap source = make_cubemap(Content::random, 32, 3, 17);

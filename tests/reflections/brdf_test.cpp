@@ -70,7 +70,7 @@ Albedos by_rules(double roughness) {
 
 }  // namespace
 
-TEST_CASE("GGX albedo is the light hemisphere's integral to 1e-5 from grazing to normal view", "[brdf]") {
+TEST_CASE("GGX albedo is the light hemisphere's integral to 1e-5 from grazing to normal view", "[brdf][truth]") {
   double worst = 0.0;
   for (const double roughness : kRoughness) {
     const Albedos found = by_rules(roughness);
@@ -87,7 +87,7 @@ TEST_CASE("GGX albedo is the light hemisphere's integral to 1e-5 from grazing to
   CHECK(worst > 1e-8);  // in float: anything else compared nothing
 }
 
-TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf]") {
+TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf][truth]") {
   for (const double roughness : kRoughness) {
     const Albedos found = by_rules(roughness);
     for (std::size_t k = 0; k < kCosines.size(); ++k) {

@@ -105,7 +105,7 @@ Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflection
 
 }  // namespace
 
-TEST_CASE("Lights that are merged give what their texels give", "[specular][bright]") {
+TEST_CASE("Lights that are merged give what their texels give", "[specular][bright][truth]") {
   for (const reflections::PictureShape& shape :
        {reflections::PictureShape{false, 1024, 512}, reflections::PictureShape{true, 256, 256}}) {
     const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
@@ -127,7 +127,41 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
   }
 }
 
-TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright]") {
+TEST_CASE("Lights may be left out of texels where they are dim, and of no others", "[specular][bright]") {
+  constexpr int size = 64;
+  constexpr std::size_t values = std::size_t{18} * size * size;
+  const reflections::PictureShape shape{true, 256, 256};
+  const reflections::BrightLights lights(disc(shape, 9), shape, {reflections::LightsOf::ggx, 0.012}, kReach);
+  const auto lit = [&](double alpha, double least, double& left_out) {
+    const reflections::Lobe ggx(alpha);
+    std::vector<float> pixels(values, 0.0F);
+    std::array<float*, 6> faces{};
+    for (std::size_t face = 0; face < 6; ++face) faces[face] = pixels.data() + face * values / 6;
+    left_out = lights.add({ggx, 0.0, least}, size, faces, {});
+    return pixels;
+  };
+  for (const double alpha : {0.012, 0.3}) {
+    double left_out = 0.0;
+    const std::vector<float> whole = lit(alpha, 0.0, left_out);
+    CHECK(left_out == 0.0);
+    const double largest = *std::ranges::max_element(whole);
+    for (const double least : {1e-4 * largest, 1e-2 * largest}) {
+      const std::vector<float> rest = lit(alpha, least, left_out);
+      CAPTURE(alpha, least);
+      CHECK(left_out == Approx(rest == whole ? left_out : least));
+      int fewer = 0;
+      double most = 0.0;
+      for (std::size_t k = 0; k < values; ++k) {
+        most = std::max(most, std::abs(static_cast<double>(whole[k]) - static_cast<double>(rest[k])));
+        if (rest[k] == 0.0F && whole[k] > 0.0F) ++fewer;
+      }
+      CHECK(most <= 1.001 * least);
+      if (alpha < 0.1) CHECK(fewer > 30'000);
+    }
+  }
+}
+
+TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright][truth]") {
   const reflections::PictureShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
   for (const ZonalKernel& kernel : {ZonalKernel::lambert(), ZonalKernel::charlie(0.3), ZonalKernel::phong(0.5)}) {

@@ -37,7 +37,7 @@ void check(const EstimateTrials& trials) {
 
 }  // namespace
 
-TEST_CASE("True errors lie under their estimates", "[estimates][specular][projection]") {
+TEST_CASE("True errors lie under their estimates", "[estimates][specular][projection][truth]") {
   EstimateTrials trials;
   add_estimate_trials(100'000, 300, {0.12, 1.0}, {}, trials);
   CHECK(trials.size() >= 9);
@@ -46,7 +46,7 @@ TEST_CASE("True errors lie under their estimates", "[estimates][specular][projec
 
 // Small sources beside large chains, lamps of 1e4 to 1e8, half black maps, checkers, uniform maps, noise of sigma 4:
 // 150 environments.
-TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][specular][projection]") {
+TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][specular][projection][truth]") {
   EstimateTrials trials;
   add_family_trials(120'000, 150, {0.12, 1.0}, false, trials);
   std::erase_if(trials, [](const auto& entry) {
@@ -61,7 +61,7 @@ TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][
   }
 }
 
-TEST_CASE("True errors of narrow lobes lie under their estimates", "[estimates][specular][narrow]") {
+TEST_CASE("True errors of narrow lobes lie under their estimates", "[estimates][specular][narrow][truth]") {
   EstimateTrials trials;
   add_estimate_trials(110'000, 30, {0.02, 0.0545}, {}, trials);
   add_family_trials(111'000, 30, {0.02, 0.0545}, false, trials);
@@ -71,7 +71,7 @@ TEST_CASE("True errors of narrow lobes lie under their estimates", "[estimates][
 }
 
 // Panels, lamps, noise and all else, within 1e-3 and 1e-4. Lights at horizons were 10 to 300 times as wrong once.
-TEST_CASE("True errors of other lobes lie under their estimates, and few are refused", "[estimates][zonal]") {
+TEST_CASE("True errors of other lobes lie under their estimates, and few are refused", "[estimates][zonal][truth]") {
   EstimateTrials trials;
   CHECK(add_lobe_trials(130'000, 24, {}, trials) <= 2);
   for (const auto& [kind, honesty] : trials) {
@@ -82,7 +82,7 @@ TEST_CASE("True errors of other lobes lie under their estimates, and few are ref
 
 // Seen: 7e-5, 3.5 times the estimate. Parts of lamps, which are there for texels whose horizon cuts them, served all
 // texels of a block, and a block of the smallest mips reaches from a lamp's peak to its horizon.
-TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][specular][bright]") {
+TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][specular][bright][truth]") {
   RandomEnvironments random(5);
   for (int k = 0; k < 4; ++k) {
     const CubemapImage lamps = random.cubemap(Family::lamps, 67);
@@ -115,7 +115,7 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
 }
 
 // Weights of a table of rings are floats: what even light loses to them was above the estimate where lobes are narrow.
-TEST_CASE("Estimates count what tables of rings round", "[estimates][specular]") {
+TEST_CASE("Estimates count what tables of rings round", "[estimates][specular][truth]") {
   for (const int size : {4, 8, 10, 16}) {
     const CubemapImage even{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.37F)};
     for (const double roughness : {0.07, 0.15, 0.3}) {

@@ -158,11 +158,11 @@ TEST_CASE("Lamps on cubemaps of any size leave small chains within their bounds"
   check_lamps({{1, 0}, {2, 0}, {3, 0}, {7, 0}, {8, 0}, {32, 0}, {64, 0}}, {8, 16}, kLights, 60);
 }
 
-TEST_CASE("Lamps on lat-longs of any size leave small chains within their bounds", "[specular][bright][lamps]") {
+TEST_CASE("Lamps on lat-longs of any size leave small chains within their bounds", "[specular][bright][lamps][truth]") {
   check_lamps({{4, 2}, {3, 5}, {32, 16}, {64, 32}, {128, 64}, {256, 128}}, {8, 16}, kLights, 60);
 }
 
-TEST_CASE("Lamps leave large chains within their bounds", "[specular][bright][lamps]") {
+TEST_CASE("Lamps leave large chains within their bounds", "[specular][bright][lamps][truth]") {
   check_lamps({{8, 0}, {32, 0}, {64, 0}, {32, 16}, {64, 32}, {128, 64}, {256, 128}}, {64}, kLights, 100);
   check_lamps({{32, 0}, {64, 32}, {128, 64}, {256, 128}}, {256}, {1e8F}, 100);
 }
@@ -176,7 +176,8 @@ TEST_CASE("Several lamps, some a thousand times as bright as others, leave all m
   }
 }
 
-TEST_CASE("Lamps over a picture of many values leave all mips within their bounds", "[specular][bright][lamps]") {
+TEST_CASE("Lamps over a picture of many values leave all mips within their bounds",
+          "[specular][bright][lamps][truth]") {
   for (const float light : kLights) {
     TestLatLong source = make_lat_long(Content::random, 32, 16, 3);
     for (const std::size_t texel : {33U, 300U, 301U, 511U}) std::fill_n(source.pixels.begin() + 3 * texel, 3, light);

@@ -87,7 +87,7 @@ TEST_CASE("The spectrum of alpha 1 is the cosine lobe's", "[specular][lobe]") {
   }
 }
 
-TEST_CASE("The spectrum is that of dense integration, l = 0 being 1", "[specular][lobe]") {
+TEST_CASE("The spectrum is that of dense integration, l = 0 being 1", "[specular][lobe][truth]") {
   for (const double alpha : {0.7, 0.1, 0.0123, 2e-3}) {
     const std::vector<double> spectrum = reflections::lobe_spectrum(alpha, 61);
     CHECK(spectrum[0] == 1.0);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "reflections/lobe.h"
-#include "reflections/narrow_kernels.h"
+#include "reflections/near_kernels.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
@@ -116,7 +116,7 @@ TEST_CASE("Narrow lobes beside a pole see how columns narrow", "[narrow][specula
   }
 }
 
-TEST_CASE("Narrow lobes keep the bounds", "[specular][prefilter][narrow]") {
+TEST_CASE("Narrow lobes keep the bounds", "[specular][prefilter][narrow][truth]") {
   check_bounds(make_lat_long(Content::random, 256, 128, 3).view(), kNarrow, 32, 101);
   check_bounds(make_lat_long(Content::one_texel_sun, 256, 128, 3).view(), kNarrow, 16, 23);
   check_bounds(blocks(512, 8).view(), {0.01, 0.0548}, 64, 389);
@@ -144,7 +144,8 @@ TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow l
 }
 
 // Beside a lamp in the dark each weight shows: those that the near part ends within were 1.3 % too low.
-TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it", "[specular][prefilter][narrow]") {
+TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
+          "[specular][prefilter][narrow][truth]") {
   constexpr int size = 64;
   CubemapImage image{size, std::vector<float>(std::size_t{18} * size * size, 0.0F)};
   const auto lamp = static_cast<std::size_t>(40 * size + 36);
@@ -172,12 +173,13 @@ TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
   }
 }
 
-TEST_CASE("Narrow lobes keep the bounds beside lamps a million times as bright", "[specular][prefilter][narrow]") {
+TEST_CASE("Narrow lobes keep the bounds beside lamps a million times as bright",
+          "[specular][prefilter][narrow][truth]") {
   check_bounds(studio(512).view(), {0.01, 0.048, 0.0548}, 32, 13);
 }
 
 TEST_CASE("Narrow lobes keep the bounds near the poles and where texels are not square",
-          "[specular][prefilter][narrow]") {
+          "[specular][prefilter][narrow][truth]") {
   // the upper and lower face's centres: every texel of small ones is close to a pole
   const TestLatLong source = make_lat_long(Content::random, 128, 64, 3);
   check_bounds(source.view(), {0.01, 0.0548}, 2, 1);
@@ -199,7 +201,7 @@ TEST_CASE("Narrow lobes keep the bounds near the poles and where texels are not 
     CHECK(static_cast<double>(fine.cubemap.face(0, 0)[3 * places[k]]) == Approx(truth[k].x).epsilon(kMaximum));
 }
 
-TEST_CASE("Narrow lobes keep the bounds in small and larger mips", "[specular][prefilter][narrow]") {
+TEST_CASE("Narrow lobes keep the bounds in small and larger mips", "[specular][prefilter][narrow][truth]") {
   check_bounds(make_lat_long(Content::random, 64, 32, 3).view(), {0.005, 0.04}, 4, 1);
   check_bounds(make_lat_long(Content::random, 64, 32, 3).view(), {0.03}, 256, 10007);
   // columns that do not divide by four have no quarter turns, odd sizes texels that are their own images
@@ -207,7 +209,7 @@ TEST_CASE("Narrow lobes keep the bounds in small and larger mips", "[specular][p
   check_bounds(make_lat_long(Content::random, 64, 33, 3).view(), {0.03}, 9, 5);
 }
 
-TEST_CASE("Narrow lobes of cubemaps keep the bounds", "[specular][prefilter][narrow]") {
+TEST_CASE("Narrow lobes of cubemaps keep the bounds", "[specular][prefilter][narrow][truth]") {
   check_bounds(noisy_cube(48).view(), kNarrow, 16, 37);
   // all directions lie on corners of the source's texels
   check_bounds(noisy_cube(32).view(), {0.002, 0.0548}, 16, 29);
@@ -231,7 +233,7 @@ TEST_CASE("A lobe's far part and near part are the lobe", "[specular][prefilter]
 }
 
 TEST_CASE("Across the bound between the methods a mip changes by no more than both may err",
-          "[specular][prefilter][narrow]") {
+          "[specular][prefilter][narrow][truth]") {
   const TestLatLong source = make_lat_long(Content::random, 512, 256, 3);
   const auto mip_of = [&](double roughness) {
     return prefilter_specular(source.view(), {.size = 32, .mips = 1, .roughness = {roughness}});
@@ -251,7 +253,8 @@ TEST_CASE("Across the bound between the methods a mip changes by no more than bo
 }
 
 // Far parts of chains of many mips are mixed from a few; what those lose must not be lost.
-TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds", "[specular][prefilter][narrow]") {
+TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds",
+          "[specular][prefilter][narrow][truth]") {
   const std::vector<double> many{0.005, 0.011, 0.017, 0.023, 0.029, 0.035, 0.041, 0.047, 0.0545};
   for (const int width : {1024, 2048}) {
     LatLongImage even{width, width / 2, {}};
@@ -291,7 +294,7 @@ TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds
 // A lamp that only one of few texels sees, where windows end, is off by 0.9 % (below the largest error that is
 // allowed), and so is the mip: the bound of the mean is promised from 16 texels on.
 TEST_CASE("Small mips beside a lamp in the dark keep the bounds, and say what they err by",
-          "[specular][prefilter][narrow]") {
+          "[specular][prefilter][narrow][truth]") {
   LatLongImage image{257, 129, std::vector<float>(std::size_t{3} * 257 * 129, 1.0F)};
   for (int row = 0; row < 129; ++row) {
     for (int column = 0; column < 257; ++column) {

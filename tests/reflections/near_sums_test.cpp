@@ -2,10 +2,15 @@
 #include "reflections/near_sums.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "image/cube_symmetry.h"
@@ -22,11 +27,92 @@
 
 namespace welkin::test {
 
-using reflections::NearSplit, reflections::NearSums;
+using reflections::NearSplit, reflections::NearTable;
 
 namespace {
 
 constexpr NearSplit kSplit{.face = 16, .size = 8, .alpha = 0.07, .reach = 0.4, .bands = 24};
+
+/// The near sums of packed faces.
+std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& faces) {
+  const auto face_floats = std::size_t{3} * static_cast<std::size_t>(split.size * split.size);
+  std::vector<float> sums(6 * face_floats, 0.0F);
+  std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * split.face));
+  for (int row = 0; row < 6 * split.face; ++row) rows.push_back(faces.data() + std::ptrdiff_t{3} * split.face * row);
+  reflections::NearMip mip{std::make_shared<const NearTable>(split)};
+  for (std::size_t face = 0; face < 6; ++face) mip.faces[face] = sums.data() + face * face_floats;
+  reflections::add_near_sums(rows, {mip}, {});
+  return sums;
+}
+
+/// A lobe's near part, and the lobe, in double, by their definition.
+class NearPart {
+ public:
+  NearPart(const NearSplit& split, const glm::dvec3& direction) : split_(split), direction_(direction) {
+    const double q = split.alpha * split.alpha / (1.0 - split.alpha * split.alpha);
+    // of the whole lobe: Int_0^1/2 (1 - 2 s) / (q + s)^2 ds
+    const double whole = (1.0 + 2.0 * q) * (1.0 / q - 1.0 / (q + 0.5)) - 2.0 * std::log((q + 0.5) / q);
+    scale_ = 1.0 / (4.0 * std::numbers::pi * whole * split.end() * split.end());
+    offset_ = q / split.end();
+  }
+
+  /// Integrates over columns and rows of a part of the source, halved until they are small beside the lobe or their
+  /// distance.
+  [[nodiscard]] glm::dvec2 over(int part, double column, double row, double width) const {
+    const glm::dvec3 middle = at(part, column + 0.5 * width, row + 0.5 * width).direction;
+    const double size = width * std::numbers::pi / (split_.cubemap() ? split_.face : split_.rows);
+    if (size > 0.4 * std::max(split_.alpha, glm::distance(middle, direction_)) || size > 0.1 * split_.reach) {
+      glm::dvec2 sum(0.0);
+      for (const double x : {0.0, 0.5}) {
+        for (const double y : {0.0, 0.5}) sum += over(part, column + x * width, row + y * width, 0.5 * width);
+      }
+      return sum;
+    }
+    constexpr std::array<double, 3> points{0.1127016653792583, 0.5, 0.8872983346207417};
+    constexpr std::array<double, 3> weights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+    glm::dvec2 sum(0.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        const Point point = at(part, column + points[i] * width, row + points[j] * width);
+        sum += weights[i] * weights[j] * point.area * near(point.direction);
+      }
+    }
+    return sum * width * width;
+  }
+
+ private:
+  struct Point {
+    glm::dvec3 direction;
+    double area;  ///< steradians of a texel of its size
+  };
+
+  [[nodiscard]] Point at(int part, double column, double row) const {
+    if (!split_.cubemap()) {
+      const double angles = 2.0 * std::numbers::pi * std::numbers::pi / (split_.face * split_.rows);
+      return {image::lat_long_direction(split_.face, split_.rows, column, row),
+              angles * std::sin(std::numbers::pi * row / split_.rows)};
+    }
+    const int face = reflections::kNearFaces[static_cast<std::size_t>(part)];
+    const glm::dvec3 direction = image::face_direction(split_.face, face, column, row);
+    const double inverse = glm::dot(direction, image::face_frame(face).normal);
+    return {direction, 4.0 / (split_.face * split_.face) * inverse * inverse * inverse};
+  }
+
+  [[nodiscard]] glm::dvec2 near(const glm::dvec3& direction) const {
+    const glm::dvec3 way = direction - direction_;
+    const double s = 0.25 * glm::dot(way, way);
+    const double x = offset_ + s / split_.end();
+    const double cosine = scale_ * (1.0 - 2.0 * s);
+    const double whole = cosine / (x * x);
+    return {x < 1.0 ? whole - cosine * reflections::far_polynomial(x) : 0.0, whole};
+  }
+
+  NearSplit split_;
+  glm::dvec3 direction_;
+  double scale_;
+  double offset_;
+};
 
 TestCubemap noise_of(int size) { return make_cubemap(Content::random, size, 3, 5); }
 
@@ -34,8 +120,7 @@ TestCubemap noise_of(int size) { return make_cubemap(Content::random, size, 3, 5
 
 TEST_CASE("near sums of uniform light have the near part's share of it", "[prefilter][near]") {
   const std::vector<float> white(std::size_t{18} * 16 * 16, 1.0F);
-  std::vector<float> sums(std::size_t{18} * 8 * 8, -1.0F);
-  NearSums(kSplit).write(white.data(), sums.data(), {});
+  const std::vector<float> sums = near_sums(kSplit, white);
   const double share = 1.0 - reflections::far_spectrum(kSplit.alpha, kSplit.end(), 1).front();
   CHECK(share > 0.3);
   for (const float sum : sums) REQUIRE(std::abs(static_cast<double>(sum) - share) < 1e-6);
@@ -45,8 +130,7 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
   // the texel of +X in the middle, seen from each texel of the mip that is near enough
   std::vector<float> faces(std::size_t{18} * 16 * 16, 0.0F);
   faces[3 * (7 * 16 + 8)] = 1.0F;
-  std::vector<float> sums(std::size_t{18} * 8 * 8);
-  NearSums(kSplit).write(faces.data(), sums.data(), {});
+  const std::vector<float> sums = near_sums(kSplit, faces);
   const glm::dvec3 from = image::face_direction(16, 0, 8.5, 7.5);
   const double texel = image::FaceSolidAngles::get(16)->at(7, 8);
   int seen = 0;
@@ -66,6 +150,50 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
   CHECK(std::count_if(sums.begin(), sums.end(), [](float value) { return value > 0.0F; }) < 80);
 }
 
+// In double, texels halved until each piece is small: lobes wider and far narrower than texels, at corners and poles.
+TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow]") {
+  const NearSplit split =
+      GENERATE(NearSplit{.face = 64, .size = 6, .alpha = 0.0125, .reach = 0.2, .bands = 42},
+               NearSplit{.face = 64, .size = 5, .alpha = 1e-3, .reach = 0.1, .bands = 120},
+               NearSplit{.face = 96, .size = 24, .alpha = 3e-3, .reach = 0.08, .bands = 150},
+               NearSplit{.face = 128, .size = 5, .alpha = 3e-3, .reach = 0.1, .bands = 120, .rows = 64},
+               NearSplit{.face = 512, .size = 6, .alpha = 3e-3, .reach = 0.1, .bands = 120, .rows = 128},
+               NearSplit{.face = 128, .size = 24, .alpha = 1e-4, .reach = 0.1, .bands = 120, .rows = 64});
+  CAPTURE(split.face, split.rows, split.alpha, split.size);
+  const NearTable table(split);
+  reflections::NearTile room;
+  reflections::NearWeights::Room weights;
+  double worst = 0.0;
+  double worst_sum = 0.0;
+  for (std::size_t index = 0; index < table.weights().tiles(); ++index) {
+    const reflections::NearTile& tile = table.tile(index, room, weights);
+    auto run = tile.runs.begin();
+    const float* weight = tile.weights.data();
+    for (std::size_t k = 0; k < tile.runs_ends.size(); ++k) {
+      const glm::dvec3 direction(table.weights().directions()[reflections::NearWeights::first_of(index) + k]);
+      const NearPart near(split, glm::normalize(direction));
+      const auto end = tile.runs.begin() + static_cast<std::ptrdiff_t>(tile.runs_ends[k]);
+      double share = 0.0;
+      double errors = 0.0;
+      std::vector<std::pair<double, glm::dvec2>> pairs;
+      for (; run != end; ++run) {
+        const int rows = split.cubemap() ? split.face : split.rows;
+        for (int column = run->first; column < run->first + run->count; ++column)
+          pairs.emplace_back(static_cast<double>(*weight++), near.over(run->row / rows, column, run->row % rows, 1.0));
+      }
+      for (const auto& [own, truth] : pairs) share += own;
+      const double images = std::round((1.0 - table.far().front()) / share);
+      for (const auto& [own, truth] : pairs) {
+        errors += std::abs(images * own - truth.x);
+        worst = std::max(worst, std::abs(images * own - truth.x) / (truth.y + 1e-6));
+      }
+      worst_sum = std::max(worst_sum, errors);
+    }
+  }
+  CHECK(worst < 3e-3);  // of the lobe over the texel
+  CHECK(worst_sum < 2e-4);
+}
+
 // Two images have the texels on the diagonals of a face.
 TEST_CASE("near sums of a turned picture are turned near sums, to the last bit", "[prefilter][near]") {
   const auto turned = [](const std::vector<float>& faces, int size) {
@@ -79,11 +207,7 @@ TEST_CASE("near sums of a turned picture are turned near sums, to the last bit",
   };
   const TestCubemap cube = noise_of(16);
   const std::vector<float> faces(cube.pixels.begin(), cube.pixels.end());
-  std::vector<float> sums(std::size_t{18} * 8 * 8);
-  std::vector<float> sums_of_turned(sums.size());
-  NearSums(kSplit).write(faces.data(), sums.data(), {});
-  NearSums(kSplit).write(turned(faces, 16).data(), sums_of_turned.data(), {});
-  CHECK(same_bytes<float>(sums_of_turned, turned(sums, 8)));
+  CHECK(same_bytes<float>(near_sums(kSplit, turned(faces, 16)), turned(near_sums(kSplit, faces), 8)));
 }
 
 TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]") {

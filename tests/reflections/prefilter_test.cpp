@@ -53,7 +53,8 @@ void check_same_bits(const View& view, PrefilterOptions options) {
 
 }  // namespace
 
-TEST_CASE("The prefilter gives the same bits on any threads and instruction set", "[specular][prefilter][bits]") {
+TEST_CASE("The prefilter gives the same bits on any threads and instruction set",
+          "[specular][prefilter][bits][truth]") {
   const TestLatLong source = make_lat_long(Content::one_texel_sun, 256, 128, 3);
   check_same_bits(source.view(), {.size = 64});
   check_same_bits(make_lat_long(Content::one_texel_sun, 16, 8, 3).view(), {.size = 16});  // a sun wider than lobes
@@ -63,7 +64,7 @@ TEST_CASE("The prefilter gives the same bits on any threads and instruction set"
                   {.size = 4, .method = PrefilterMethod::reference});
 }
 
-TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap]") {
+TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap][truth]") {
   const TestLatLong large = make_lat_long(Content::one_texel_sun, 256, 128, 3);
   const TestLatLong small = make_lat_long(Content::one_texel_sun, 64, 32, 3);
   for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
@@ -243,7 +244,7 @@ TEST_CASE("A black environment is black in every mip", "[specular][prefilter]") 
   }
 }
 
-TEST_CASE("A chain may have one mip, of any roughness", "[specular][prefilter]") {
+TEST_CASE("A chain may have one mip, of any roughness", "[specular][prefilter][truth]") {
   const TestLatLong source = make_lat_long(Content::blocks, 64, 32, 3);
   for (const double roughness : {0.0, 0.3, 1.0}) {
     CAPTURE(roughness);

@@ -240,14 +240,14 @@ TEST_CASE("report: the record is whole", "[report]") {
 }
 
 TEST_CASE("report: recommended projections stay on the front", "[report]") { check_pass("project"); }
-TEST_CASE("report: recommended prefilters stay on the front", "[report]") { check_pass("prefilter"); }
+TEST_CASE("report: recommended prefilters stay on the front", "[report][slow]") { check_pass("prefilter"); }
 TEST_CASE("report: recommended bands stay on the front", "[report]") { check_pass("irradiance"); }
 TEST_CASE("report: recommended BRDF tables stay on the front", "[report]") { check_pass("brdf"); }
 TEST_CASE("report: recommended blocks stay on the front", "[report]") { check_pass("blocks"); }
 TEST_CASE("report: recommended sky quadratures stay on the front", "[report]") { check_pass("sky-harmonics"); }
-TEST_CASE("report: recommended sky tables stay on the front", "[report]") { check_pass("sky-tables"); }
+TEST_CASE("report: recommended sky tables stay on the front", "[report][slow]") { check_pass("sky-tables"); }
 
-TEST_CASE("report: errors are the same on every run and number of threads", "[report]") {
+TEST_CASE("report: errors are the same on every run and number of threads", "[report][slow]") {
   ReportOptions options;
   options.scale = "tiny";
   options.passes = {"project-lat-long", "prefilter-0.30"};

@@ -22,6 +22,15 @@ mkdir -p "$work"
   cat "$work/browser.log"
   exit 1
 }
+if grep -q 'NaN\|Infinity\|undefined' "$work/dom.html" && ! grep -q 'NaN\|Infinity\|undefined' "$work/page.html"; then
+  echo "FAILED: the page shows a value that is none"
+  exit 1
+fi
+plots=$(grep -o '<svg xmlns="[^"]*" viewBox="0 0 860 [0-9]' "$work/dom.html" | wc -l)
+if [ "$plots" -lt 2 ]; then
+  echo "FAILED: $plots plots"
+  exit 1
+fi
 points=$(grep -c '"setting":' "$work/page.json")
 recommended=$(grep -c '"target":' "$work/page.json")
 wanted=$((points - recommended))
@@ -29,7 +38,7 @@ if ! grep -q "data-ready=\"$wanted\"" "$work/dom.html"; then
   echo "FAILED: the page's script did not find $wanted points: $(grep -o 'data-ready="[0-9]*"' "$work/dom.html" || echo it did not end)"
   exit 1
 fi
-rows=$(grep -o '<tr data-label=' "$work/dom.html" | wc -l)
+rows=$(grep -o '<tr data-label="[^$]' "$work/dom.html" | wc -l)
 if [ "$rows" -ne "$wanted" ]; then
   echo "FAILED: $rows rows for $wanted settings"
   exit 1

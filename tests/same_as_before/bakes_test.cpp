@@ -46,7 +46,7 @@ BakeOptions unusual_bake() {
   return options;
 }
 
-/// Three of five bands that are projected.
+/// Three of five bands.
 template <class View>
 BakeResult light_alone(const View& view) {
   BakeOptions five_bands = small_bake();
@@ -69,7 +69,6 @@ const std::vector<NamedNeeds>& scenes() {
        {.diffuse_bands = 1, .irradiance_cubemap = false, .glossy = std::nullopt, .background = false}},
       {"no_glossy", {.glossy = std::nullopt}},
       {"rough", {.glossy = RoughnessRange{0.4, 1.0}}},
-      {"rough_of_other_bits", {.glossy = RoughnessRange{0.4, 1.0}, .same_bits = false}},
       {"smooth", {.glossy = RoughnessRange{0.0, 0.3}, .background_mips = false}},
       {"backdrop", {.diffuse_bands = 0, .irradiance_cubemap = false, .glossy = std::nullopt, .brdf_table = false}},
   };

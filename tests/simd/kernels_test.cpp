@@ -284,7 +284,7 @@ std::vector<int> identity(int count) {
 
 }  // namespace
 
-TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables]") {
+TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slow]") {
   for (const bool midpoint : {false, true}) {
     for (const int bands : {1, 3, 10}) {
       const std::vector<int> place = identity(bands * bands);
@@ -350,6 +350,39 @@ TEST_CASE("The bandwidth yardstick reads everything", "[simd][perf]") {
   for (const float value : values) expected += static_cast<double>(value);
   for (const InstructionSet set : available_instruction_sets()) {
     CHECK(static_cast<double>(image::image_kernels(set).read_all(values.data(), 11)) == Approx(expected).margin(1e-3));
+  }
+}
+
+TEST_CASE("Halves are converted many at a time as one by one", "[simd][bits]") {
+  std::vector<std::uint16_t> halves(65536);
+  std::vector<float> values;  // each half, what lies about it, and what no half is
+  for (std::size_t k = 0; k < halves.size(); ++k) {
+    halves[k] = static_cast<std::uint16_t>(k);
+    const float value = image::float_from_half(halves[k]);
+    const float next = image::float_from_half(static_cast<std::uint16_t>(k + 1));
+    for (const float near :
+         {value, 0.5F * value + 0.5F * next, std::nextafter(value, 1e9F), std::nextafter(value, -1e9F)})
+      values.push_back(near);
+  }
+  values.insert(values.end(), {65519.0F, 65520.0F, -1e30F, 1e-30F, INFINITY, -INFINITY, NAN, -0.0F});
+  int beyond = 0;
+  std::vector<std::uint16_t> expected;
+  for (const float value : values) {
+    if (!(std::abs(value) <= 65504.0F)) ++beyond;
+    expected.push_back(std::isnan(value) ? std::uint16_t{0} : image::half_from_float(value));
+  }
+  for (const InstructionSet set : available_instruction_sets()) {
+    CAPTURE(name(set));
+    const image::ImageKernels& kernels = image::image_kernels(set);
+    std::vector<std::uint16_t> found(values.size());
+    CHECK(kernels.halves_of_floats(values.data(), static_cast<int>(values.size()), found.data()) == beyond);
+    CHECK(found == expected);
+    std::vector<float> floats(halves.size());
+    kernels.floats_of_halves(halves.data(), static_cast<int>(halves.size()), floats.data());
+    for (std::size_t k = 0; k < halves.size(); ++k) {
+      const float one = image::float_from_half(halves[k]);
+      if (std::memcmp(&floats[k], &one, sizeof one) != 0) FAIL("half " << k);
+    }
   }
 }
 

@@ -101,7 +101,7 @@ TEST_CASE("asymmetries: the same at all wavelengths is the bits of one", "[sky][
 
 // Wavelengths share the places where rays are cut and the brightness that they are read by between suns, which leaves
 // 0.2 % on the light of one order, and on that of four what nodes so few leave undetermined.
-TEST_CASE("asymmetries: each wavelength has the sky of its own", "[sky][asymmetries]") {
+TEST_CASE("asymmetries: each wavelength has the sky of its own", "[sky][asymmetries][truth]") {
   for (const AerosolPhase phase : {AerosolPhase::henyey_greenstein, AerosolPhase::cornette_shanks}) {
     for (const int orders : {1, 4}) {
       const SkyView all(tables_of(haze(phase), orders), 0.0);
@@ -156,7 +156,7 @@ TEST_CASE("asymmetries: light scattered once and often is that of paths", "[sky]
   }
 }
 
-TEST_CASE("asymmetries: folded channels have the mean of their wavelengths", "[sky][asymmetries]") {
+TEST_CASE("asymmetries: folded channels have the mean of their wavelengths", "[sky][asymmetries][truth]") {
   std::vector<double> wavelengths;
   for (int i = 0; i < 15; ++i) wavelengths.push_back(400.0 + 20.0 * i);
   Atmosphere air = with_aerosol(earth(wavelengths), {.optical_depth = 0.4});

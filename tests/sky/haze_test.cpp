@@ -131,7 +131,7 @@ TEST_CASE("haze: the recorded paths are those of the oracle", "[sky][haze][truth
   }
 }
 
-TEST_CASE("haze: harmonics of a narrow lobe hold the mean of its radiance to 1.5 %", "[sky][haze]") {
+TEST_CASE("haze: harmonics of a narrow lobe hold the mean of its radiance to 1.5 %", "[sky][haze][truth]") {
   const SkyProjector projector(view());
   for (const double elevation : {90.0, 75.0, 60.0, 45.0, 30.0, 20.0, 10.0, 4.0}) {
     const dvec3 sun = sun_direction(elevation, 0.0);

@@ -154,7 +154,7 @@ TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][nigh
 }
 
 // Light at night has been scattered often.
-TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky][twilight][night]") {
+TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky][twilight][night][truth]") {
   SkyTableOptions options;
   options.heights = 12;
   options.view_zeniths = 32;
@@ -181,7 +181,8 @@ TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky
 }
 
 // Promise: down to -18 degrees the default holds the light of all orders, though it follows but four of them.
-TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon to night", "[sky][twilight][night]") {
+TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon to night",
+          "[sky][twilight][night][truth]") {
   struct Planet {
     Atmosphere air;
     double bound;

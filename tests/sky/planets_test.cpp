@@ -109,7 +109,8 @@ TEST_CASE("planets: aerosols out of range are refused by the name of the value",
   CHECK(thrown_by([] { (void)aerosol_model(static_cast<AerosolKind>(4)); }).says("4"));
 }
 
-TEST_CASE("planets: a clear day is as bright as the Illuminating Engineering Society measured", "[sky][planets]") {
+TEST_CASE("planets: a clear day is as bright as the Illuminating Engineering Society measured",
+          "[sky][planets][truth]") {
   SkyTableOptions options;
   options.colour = SkyColour::linear_srgb;
   options.heights = 8;

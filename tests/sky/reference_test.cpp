@@ -59,7 +59,7 @@ std::vector<std::array<double, kCoefficients>> quadrature(const Atmosphere& air,
 
 }  // namespace
 
-TEST_CASE("sky paths: first orders are the quadrature of the single-scattering truth", "[sky][air]") {
+TEST_CASE("sky paths: first orders are the quadrature of the single-scattering truth", "[sky][air][truth]") {
   Atmosphere hazy = mars();
   hazy.aerosol_phase = AerosolPhase::cornette_shanks;
   hazy.aerosol_asymmetry = -0.4;
@@ -89,7 +89,7 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   }
 }
 
-TEST_CASE("sky paths: air and ground that absorb nothing lose nothing", "[sky][air]") {
+TEST_CASE("sky paths: air and ground that absorb nothing lose nothing", "[sky][air][truth]") {
   // Light from everywhere alike, L, stays alike inside: what is scattered into a ray makes up for what is scattered out
   // of it. Light from all suns alike is such light: the mean over suns of scattered radiance is L (1 - transmittance to
   // space), with L = E / (4 pi).
@@ -129,7 +129,7 @@ TEST_CASE("sky paths: air and ground that absorb nothing lose nothing", "[sky][a
   }
 }
 
-TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][air]") {
+TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][air][truth]") {
   const glm::dvec3 sun = sun_direction(25.0, 0.0);
   const auto light = [&](int lowest, int highest) {
     return trace_sky_harmonics(earth_bruneton(), 0.0, sun, 1,
@@ -150,7 +150,7 @@ TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][a
   CHECK(std::abs(sum - all.radiance[2][0]) < 4.0 * std::sqrt(variance));
 }
 
-TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air]") {
+TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air][truth]") {
   std::vector<double> values;
   double claimed = 0.0;
   constexpr int repetitions = 60;
@@ -168,7 +168,7 @@ TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air]") 
 }
 
 TEST_CASE("sky paths: the same bits on any number of threads, without allocation, and others for another seed",
-          "[sky][air]") {
+          "[sky][air][truth]") {
   TracedHarmonics one;
   TracedHarmonics many;
   const auto trace = [](std::uint64_t seed) {
@@ -267,7 +267,7 @@ TEST_CASE("sky paths: drawn angles have their distributions", "[sky][air]") {
   }
 }
 
-TEST_CASE("sky paths: random atmospheres give finite light that is not negative", "[sky][air]") {
+TEST_CASE("sky paths: random atmospheres give finite light that is not negative", "[sky][air][truth]") {
   RandomAtmospheres random(29);
   for (int i = 0; i < trials(120); ++i) {
     const Atmosphere air = random.next(random.chance(0.1) ? 96 : 3);
@@ -455,7 +455,7 @@ TEST_CASE("sky reference: a thin shell of scale height 10 m is not missed in ten
   }
 }
 
-TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air]") {
+TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air][truth]") {
   for (const Atmosphere& air : {earth_bruneton(), mars()}) {
     for (const double sun_elevation : {40.0, 1.0, -4.0}) {
       for (const double view_elevation : {90.0, 20.0, 2.0}) {

@@ -120,7 +120,8 @@ TEST_CASE("sky pictures: the same bits on any threads and instruction set", "[sk
   force_instruction_set(before);
 }
 
-TEST_CASE("sky pictures: the disc's total radiance is the directional light's irradiance", "[sky][view][pictures]") {
+TEST_CASE("sky pictures: the disc's total radiance is the directional light's irradiance",
+          "[sky][view][pictures][truth]") {
   for (const double altitude : {0.0, 900.0, 400'000.0}) {
     const SkyView& view = view_at(altitude);
     // High, low, half set, a sliver, below the horizon of the ground but not of the hill, straight up, gone.
@@ -145,7 +146,7 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
   }
 }
 
-TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]") {
+TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures][truth]") {
   const double radius = 0.2678;
   const double turn = radius * 3.14159265358979324 / 180.0;
   const double whole = 2.0 * 3.14159265358979324 * (1.0 - std::cos(turn));

@@ -349,7 +349,8 @@ std::uint64_t hash(const SkyTables& tables) {
 
 }  // namespace
 
-TEST_CASE("Sky tables are the same bits on any number of threads and instruction set", "[sky][tables][same_bits]") {
+TEST_CASE("Sky tables are the same bits on any number of threads and instruction set",
+          "[sky][tables][same_bits][truth]") {
   for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
     SkyTableOptions options = small_options();
     options.layout = layout;
@@ -430,7 +431,7 @@ TEST_CASE("Orders stop when one changes too little", "[sky][tables]") {
   CHECK(precompute_sky(earth_bruneton(), options).scattering == tables.scattering);
 }
 
-TEST_CASE("Sky tables keep their memory limit and predict what they take", "[sky][tables]") {
+TEST_CASE("Sky tables keep their memory limit and predict what they take", "[sky][tables][truth]") {
   SkyTableOptions options = small_options();
   options.memory_limit_bytes = 1000;
   const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), options)); });

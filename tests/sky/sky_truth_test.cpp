@@ -104,7 +104,7 @@ TEST_CASE("Transmittance tables match the truth to 1e-5 of the optical depth, gr
   }
 }
 
-TEST_CASE("Single scattering matches the truth at texels", "[sky][tables]") {
+TEST_CASE("Single scattering matches the truth at texels", "[sky][tables][truth]") {
   for (const Atmosphere& air : {earth_bruneton(), mars()}) {
     const SkyTables tables =
         precompute_sky(air, {.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 5, .orders = 1});
@@ -207,7 +207,7 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
 
 }  // namespace
 
-TEST_CASE("The second order matches direct integration over all directions", "[sky][tables]") {
+TEST_CASE("The second order matches direct integration over all directions", "[sky][tables][truth]") {
   Atmosphere air = with_ground_albedo(earth_hillaire(), 0.4);
   air.aerosol_asymmetry = 0.5;  // that the brute force gets along with few directions
   air.rayleigh.density = exponential_profile(8000.0);
@@ -288,7 +288,7 @@ void check_against_paths(const Atmosphere& air, std::int64_t paths, double error
 
 }  // namespace
 
-TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables]") {
+TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables][truth]") {
   check_against_paths(with_ground_albedo(earth_bruneton(), 0.0), 200'000, 0.02);
 }
 

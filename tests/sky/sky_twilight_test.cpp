@@ -65,7 +65,8 @@ dvec3 integral_of_radiance(const SkyView& view, const dvec3& sun) {
 
 }  // namespace
 
-TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % down to -9 degrees", "[sky][twilight]") {
+TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % down to -9 degrees",
+          "[sky][twilight][truth]") {
   for (const auto& tables : {four_orders(), all_orders()}) {
     const SkyView view(tables, 0.0);
     for (const double elevation : {90.0, 60.0, 30.0, 10.0, 2.0,  0.3,  0.0,  -0.3,  -1.0,  -2.0,  -3.0,  -4.0, -5.0,
@@ -82,7 +83,7 @@ TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % do
 }
 
 TEST_CASE("sky view: earth()'s radiances at 8 azimuths integrate to its irradiance to 0.65 %, at 16 to 0.2 %",
-          "[sky][twilight]") {
+          "[sky][twilight][truth]") {
   for (const int angles : {8, 16}) {
     const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), {.sun_angles = angles})), 0.0);
     double most = 0.0;

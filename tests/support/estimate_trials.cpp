@@ -179,7 +179,7 @@ class Trial {
       : seed_(seed),
         family_(family),
         roughness_(family && roughness.least < 0.1 && random.chance(0.4)
-                       ? RoughnessSpan{std::max(0.02, roughness.least), 0.1}
+                       ? RoughnessSpan{std::max(0.02, roughness.least), 0.1, roughness.rms_error}
                        : roughness),
         bands_(random.chance(0.5) ? 3 : random.whole(1, family ? 9 : 6)),
         random_(random),
@@ -237,13 +237,14 @@ class Trial {
 
   template <class View>
   void prefilter_it(const View& view, const std::string& layout) {
-    PrefilterOptions options{.mips = 1};
+    PrefilterOptions options{.mips = 1, .rms_error = roughness_.rms_error};
     options.roughness = {random_.scale(roughness_.least, roughness_.most)};
     options.size = size_for(options.roughness[0], random_);
     judge(view, layout, options, 0);
     if (!family_ || !random_.chance(0.3)) return;
     // a whole chain, whose narrowest lobe decides for all
-    judge(view, layout, {.size = random_.chance(0.5) ? 16 : 64}, random_.whole(1, 4));
+    judge(view, layout, {.size = random_.chance(0.5) ? 16 : 64, .rms_error = roughness_.rms_error},
+          random_.whole(1, 4));
   }
 
   template <class View>

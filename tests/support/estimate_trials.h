@@ -18,6 +18,7 @@ using EstimateTrials = std::map<std::string, std::unique_ptr<Honesty>>;
 struct RoughnessSpan {
   double least;
   double most;
+  double rms_error = 1e-3;  ///< asked for
 };
 
 /// Makes `count` environments of the seeds from `seed` on (of suns, noise, patterns, gradients, horizons; dark ones;

@@ -11,17 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "support/sanitized.h"
+#include "support/trials.h"
 #include "welkin/atmosphere.h"
 
 namespace welkin::test {
-
-/// How many atmospheres a test draws: some tens or hundreds, fewer under a sanitizer. WELKIN_RANDOM_TRIALS=20 makes it
-/// twenty times as many, for an hour when nobody waits.
-inline int trials(int usual) {
-  if (const char* const factor = std::getenv("WELKIN_RANDOM_TRIALS")) return usual * std::max(1, std::atoi(factor));
-  return kSanitized ? std::max(1, usual / 10) : usual;
-}
 
 class RandomAtmospheres {
  public:

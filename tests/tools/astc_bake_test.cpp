@@ -12,7 +12,8 @@
 
 namespace welkin::test {
 
-TEST_CASE("bake: --ktx2-format astc4x4 and astc6x6 pack background and reflections of KTX2", "[tools][bake][astc]") {
+TEST_CASE("bake: --ktx2-format astc4x4 and astc6x6 pack background and reflections of KTX2",
+          "[tools][bake][astc][slow]") {
   const TemporaryFolder scratch;
   const std::string options = "--sky --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto floats = scratch.path() / "floats";

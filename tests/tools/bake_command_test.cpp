@@ -100,7 +100,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
         roughness_of_mips(RoughnessSchedule::babylon, 6, 32));
 }
 
-TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake]") {
+TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, "--sky --size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews --formats ktx2,env");
@@ -111,7 +111,7 @@ TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller
   check_manifest_matches(folder);
 }
 
-TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake]") {
+TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder,
@@ -139,10 +139,10 @@ TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular 
   CHECK(run_welkin("bake --sky -o " + quoted(folder) + " --lobe velvet").exit_code == 2);
 }
 
-TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake]") {
+TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const std::string options =
-      "--sky --size 32 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
+      "--sky --size 8 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
   const auto said = [&](const std::string& more) {
     return bake_into(scratch.path() / "out", options + more).at("options");
   };
@@ -168,7 +168,7 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
   CHECK(irradiance() == truth);
 }
 
-TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a formula", "[tools][bake]") {
+TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a formula", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto manifest = [&](const std::string& more) {
     return bake_into(scratch.path() / "out", "--sky --size 32 --mips 4 --irradiance 4 --no-brdf --no-previews " + more);
@@ -227,7 +227,7 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
   }
 }
 
-TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothing else", "[tools][bake]") {
+TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothing else", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const std::string options = "--sky --size 64 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto blocks = scratch.path() / "blocks";
@@ -313,7 +313,7 @@ TEST_CASE("bake: --json prints the manifest", "[tools][bake]") {
   CHECK_FALSE(manifest.contains("previews"));
 }
 
-TEST_CASE("bake: what is not asked for is not there", "[tools][bake]") {
+TEST_CASE("bake: what is not asked for is not there", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, "--sky --size 8 --formats ktx2 --no-brdf --no-previews --bands 0 --irradiance 0");
@@ -322,7 +322,8 @@ TEST_CASE("bake: what is not asked for is not there", "[tools][bake]") {
   CHECK(read_babylon_environment(folder / "environment.env").polynomial.has_value());
 }
 
-TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left", "[tools][bake]") {
+TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
+          "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --no-previews") + kSmall);
@@ -337,7 +338,7 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
   CHECK(names_in(folder) == expected);
 }
 
-TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake]") {
+TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --no-previews --for three --bands 4") + kSmall);
@@ -361,7 +362,7 @@ TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools
         std::vector<std::string>{"welkin", "babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
 }
 
-TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake]") {
+TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto plain = scratch.path() / "plain";
   const auto babylon = scratch.path() / "babylon";
@@ -402,7 +403,7 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
   CHECK(clamped.at("diagnostics").at("clamped") == 2);
 }
 
-TEST_CASE("bake: textures and .env files are read as every command reads them", "[tools][bake]") {
+TEST_CASE("bake: textures and .env files are read as every command reads them", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto first = scratch.path() / "first";
   const auto out = scratch.path() / "out";
@@ -499,7 +500,7 @@ TEST_CASE("bake: a clamp is put down to the format that needs it", "[tools][bake
   CHECK(file_of(manifest, "specular.pfm").at("values_clamped") == 0);
 }
 
-TEST_CASE("bake: the .env's own chain counts towards the memory limit, before any work", "[tools][bake]") {
+TEST_CASE("bake: the .env's own chain counts towards the memory limit, before any work", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const std::string options = " --no-previews --size 64 --background-size 1 --mips 1 --irradiance 1 --brdf 8";
   const auto needed = [&](const std::string& formats) {
@@ -539,7 +540,7 @@ TEST_CASE("bake: odd names do no harm", "[tools][bake][posix]") {
   }
 }
 
-TEST_CASE("bake: the examples of --help-all work", "[tools][bake]") {
+TEST_CASE("bake: the examples of --help-all work", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(scratch.path() / "city.hdr")).exit_code == 0);
   std::ofstream(scratch.path() / "scene.json") << R"({"glossy": null})";

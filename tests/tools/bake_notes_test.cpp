@@ -5,7 +5,8 @@
 using namespace welkin;
 using namespace welkin::test;
 
-TEST_CASE("bake: what an engine's folder does not have, or its shader contradicts, is noted", "[tools][bake][notes]") {
+TEST_CASE("bake: what an engine's folder does not have, or its shader contradicts, is noted",
+          "[tools][bake][notes][slow]") {
   const TemporaryFolder scratch;
   const auto notes = [&](const std::string& options) {
     return bake_into(scratch.path() / "out", "--sky --size 16 --irradiance 4 --no-previews " + options)

@@ -71,7 +71,7 @@ std::array<float, 3> on_ball(const Preview& balls, int column, int row, double u
 
 }  // namespace
 
-TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake]") {
+TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   for (const std::string options : {"--sky --size 64", "--sky --size 5 --irradiance 0 --no-brdf", "--sky --size 1"}) {
@@ -203,7 +203,7 @@ std::vector<float> half_lit(double share, float lit, float dark, float sun) {
 
 }  // namespace
 
-TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tools][bake]") {
+TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto in = scratch.path() / "in.pfm";
   const auto exposure_of = [&](const std::vector<float>& pixels, const std::string& options = "") {
@@ -226,7 +226,7 @@ TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tool
   CHECK(run_welkin("bake " + quoted(in) + " --exposure bright -o " + quoted(scratch.path() / "no")).exit_code == 2);
 }
 
-TEST_CASE("bake: the studios and the outdoor pictures are shown alike", "[tools][bake]") {
+TEST_CASE("bake: the studios and the outdoor pictures are shown alike", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   for (const char* name : {"blender_studio.exr", "pmndrs_studio.exr", "studio_small_03_1k.hdr", "venice_sunset_1k.hdr",
                            "blender_city.exr", "dikhololo_night_1k.hdr"}) {
@@ -285,7 +285,7 @@ const std::string kOptions = "--sky --size 64 --irradiance 16 --brdf 16 --format
 
 }  // namespace
 
-TEST_CASE("bake: the same files on any number of threads", "[tools][bake]") {
+TEST_CASE("bake: the same files on any number of threads", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const auto expected = scratch.path() / "one";
   bake_into(expected, kOptions + "--threads 1");
@@ -293,16 +293,5 @@ TEST_CASE("bake: the same files on any number of threads", "[tools][bake]") {
     INFO(threads);
     bake_into(scratch.path() / "many", kOptions + threads);
     check_same(scratch.path() / "many", expected);
-  }
-}
-
-TEST_CASE("bake: the same files on every instruction set", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto expected = scratch.path() / "expected";
-  bake_into(expected, kOptions);
-  for (const InstructionSet set : available_instruction_sets()) {
-    INFO(name(set));
-    bake_into(scratch.path() / "set", kOptions, std::string("WELKIN_ISA=") + name(set));
-    check_same(scratch.path() / "set", expected);
   }
 }

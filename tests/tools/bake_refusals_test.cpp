@@ -15,7 +15,8 @@ constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 ";
 
 }  // namespace
 
-TEST_CASE("bake: an input that would be written over is refused before any work, and kept", "[tools][bake][posix]") {
+TEST_CASE("bake: an input that would be written over is refused before any work, and kept",
+          "[tools][bake][posix][slow]") {
   const TemporaryFolder scratch;
   const auto own = scratch.path() / "own";
   const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);

@@ -1,11 +1,13 @@
 // Batches for the tests of `welkin batch`: small pictures, plans, results and reports.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -60,15 +62,24 @@ class Batch {
     run_well("merge", "-o " + quoted(path() / "index"));
     return nlohmann::json::parse(file_text(path() / "index" / "index.json"));
   }
+  /// The records of a shard's runs, in the order of their beginning.
   [[nodiscard]] nlohmann::json report(const std::string& shard = "1-of-1") const {
-    return nlohmann::json::parse(file_text(results() / "reports" / ("shard-" + shard + ".json"))).at("jobs");
+    std::vector<nlohmann::json> records;
+    for (const std::string& name : names_in(results() / "reports")) {
+      if (!name.starts_with("shard-" + shard + '-')) continue;
+      std::istringstream lines(file_text(results() / "reports" / name));
+      for (std::string line; std::getline(lines, line);) records.push_back(nlohmann::json::parse(line));
+    }
+    std::ranges::stable_sort(records, {},
+                             [](const auto& record) { return record.at("start").template get<std::string>(); });
+    return records;
   }
 
   /// The folders of results, by their names.
   [[nodiscard]] std::vector<std::string> result_names() const {
     std::vector<std::string> names;
     for (const std::string& name : names_in(results())) {
-      if (name != "reports" && name != "partial" && name != "by-name") names.push_back(name);
+      if (name != "reports" && name != "partial") names.push_back(name);
     }
     return names;
   }

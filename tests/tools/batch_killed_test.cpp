@@ -42,7 +42,7 @@ constexpr int kJobs = 300;  // a second of work: time enough for the shell to st
 
 }  // namespace
 
-TEST_CASE("A batch that is killed goes on where it was", "[command][batch]") {
+TEST_CASE("A batch that is killed goes on where it was", "[command][batch][slow]") {
   const Batch batch(kJobs);
   const CommandResult killed = shell(batch, kRunToTwenty + "kill -KILL $child; wait $child; echo $?");
   INFO(killed.errors);
@@ -59,7 +59,7 @@ TEST_CASE("A batch that is killed goes on where it was", "[command][batch]") {
   CHECK(batch.merged() == other.merged());
 }
 
-TEST_CASE("A batch that is told to stop does so, and leaves nothing half done", "[command][batch]") {
+TEST_CASE("A batch that is told to stop does so, and leaves nothing half done", "[command][batch][slow]") {
   const Batch batch(kJobs);
   const CommandResult stopped = shell(batch, kRunToTwenty + "kill -TERM $child; wait $child; echo $?");
   INFO(stopped.errors);
@@ -73,24 +73,6 @@ TEST_CASE("A batch that is told to stop does so, and leaves nothing half done", 
   for (const auto& record : batch.report()) CHECK(record.at("state") == "computed");
   CHECK(batch.run_well("status").at("done") == there);
   CHECK(batch.run_well("run").at("present") == there);
-}
-
-TEST_CASE("A batch ends when it is told to while another process keeps the reports locked", "[command][batch]") {
-  const Batch batch(kJobs);
-  const CommandResult stopped = shell(batch,
-                                      "mkdir -p \"$results/reports\"\n"
-                                      "command -v flock >/dev/null || { echo no flock; exit; }\n"
-                                      "flock \"$results/reports\" sleep 20 & holder=$!\n" +
-                                          kRunToTwenty +
-                                          "kill -TERM $child; wait $child; echo $?\n"
-                                          "kill $holder 2>/dev/null && echo held");
-  INFO(stopped.errors);
-  if (stopped.output == "no flock\n") {
-    WARN("there is no flock(1) here");
-    return;
-  }
-  CHECK(stopped.output == "143\nheld\n");
-  CHECK(names_in(batch.results() / "partial").empty());
 }
 
 TEST_CASE("A folder of results that is full is no job's failure", "[command][batch]") {
@@ -125,7 +107,7 @@ TEST_CASE("What dead processes left is removed, but not that of a machine with a
   CHECK(names_in(partial) == std::vector<std::string>{"node12-999999999-0", "node_2d12-1-999999999-0"});
 }
 
-TEST_CASE("Two runs at once share the work", "[command][batch]") {
+TEST_CASE("Two runs at once share the work", "[command][batch][slow]") {
   const Batch batch(kJobs);
   const CommandResult both = shell(batch,
                                    "(run --threads 1) & one=$!\n(run --threads 2) & other=$!\n"
@@ -135,7 +117,7 @@ TEST_CASE("Two runs at once share the work", "[command][batch]") {
   CHECK(both.errors.empty());
   CHECK(whole_results(batch) == kJobs);
   CHECK(names_in(batch.results() / "partial").empty());
-  // Both reported, in one file: each job was computed by one of them, and found by the other.
+  // Both reported: each job was computed by one of them, and found by the other.
   std::size_t computed = 0;
   for (const auto& record : batch.report()) computed += record.at("state") == "computed" ? 1 : 0;
   CHECK(computed == kJobs);

@@ -176,9 +176,9 @@ TEST_CASE("Pipes in the place of a batch's JSON are refused and not waited for",
     CHECK(batch.run_well("run", "--verify 1").at("computed") == 1);  // as any other damaged result
   }
   SECTION("a report") {
-    put_pipe(batch.results() / "reports" / "shard-1-of-1.json");
+    put_pipe(batch.results() / "reports" / "shard-1-of-1-h-1.jsonl");
     const nlohmann::json status = batch.run_well("status");
-    CHECK(contains(status.at("notes").at(0).get<std::string>(), "shard-1-of-1.json: is not a regular file"));
+    CHECK(contains(status.at("notes").at(0).get<std::string>(), "shard-1-of-1-h-1.jsonl: is not a regular file"));
   }
   SECTION("a file that an option names") {
     std::ofstream(batch.path() / "needs.json") << "{}";
@@ -382,7 +382,7 @@ TEST_CASE("Jobs of no known cost are cut by their number", "[command][batch]") {
   for (const auto& shard : cut_of(batch, 3)) CHECK((shard.size() == 3 || shard.size() == 4));
 }
 
-TEST_CASE("A damaged plan is an error that names it", "[command][batch]") {
+TEST_CASE("A damaged plan is an error that names it", "[command][batch][slow]") {
   const Batch batch(2);
   const std::string text = file_text(batch.jobs());
   const auto run = [&](const std::string& damaged) {

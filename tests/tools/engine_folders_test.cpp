@@ -177,7 +177,7 @@ double mean(const CubemapChain& chain, int level) {
 }  // namespace
 
 TEST_CASE("bake --for: each engine's folder has its files and no other, and our readers take them",
-          "[tools][bake][engine_folders]") {
+          "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   for (const auto& [engine, files] : folders()) {
     INFO(engine);
@@ -208,7 +208,7 @@ TEST_CASE("bake --for: each engine's folder has its files and no other, and our 
 }
 
 TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no file of the one before",
-          "[tools][bake][engine_folders]") {
+          "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   for (const auto& [engine, names] : folders()) {
     for (const int run : {1, 2}) {
@@ -219,7 +219,7 @@ TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no
   }
 }
 
-TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[tools][bake][engine_folders]") {
+TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto formats = scratch.path() / "formats";
   const auto folder = scratch.path() / "folder";
@@ -249,7 +249,7 @@ TEST_CASE("bake --for three: the last mip is the diffuse light", "[tools][bake][
 }
 
 TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
-          "[tools][bake][engine_folders]") {
+          "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --for filament") + kSmall);
@@ -278,7 +278,7 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
 }
 
 TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise",
-          "[tools][bake][engine_folders][posix]") {
+          "[tools][bake][engine_folders][posix][slow]") {
   // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
   if (std::system("command -v cmgen >/dev/null 2>&1") != 0) {
     WARN("left out: there is no cmgen (Debian's libfilament-tools)");
@@ -318,7 +318,7 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
 }
 
 TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irradiance over pi",
-          "[tools][bake][engine_folders]") {
+          "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const std::string options = std::string(" --roughness linear --fit-lookups off --ktx2-format rgba32f") + kSmall;
   const auto plain = scratch.path() / "plain";
@@ -341,7 +341,7 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
 }
 
 TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and whose coefficients are sh.json's",
-          "[tools][bake][engine_folders]") {
+          "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   const nlohmann::json manifest = bake_into(folder, std::string("--sky --for gltf") + kSmall);
@@ -464,7 +464,7 @@ TEST_CASE("bake --for: the README names no file that the scene made needless", "
   CHECK(contains(file_text(three / "README.md"), "reads none of the files"));
 }
 
-TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders]") {
+TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   const std::string bake = std::string("--sky --for godot --no-previews") + kSmall;
@@ -479,7 +479,7 @@ TEST_CASE("bake --for: a README that is somebody's own is not written over", "[t
   CHECK(file_text(folder / "README.md") == "# My project\n");
 }
 
-TEST_CASE("bake --for: READMEs say all that the engine's users need", "[tools][bake][engine_folders]") {
+TEST_CASE("bake --for: READMEs say all that the engine's users need", "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto has = [&](const std::string& engine, const Names& parts) {
     INFO(engine);
@@ -506,7 +506,7 @@ TEST_CASE("bake --for: READMEs say all that the engine's users need", "[tools][b
   CHECK_FALSE(std::filesystem::exists(scratch.path() / "unity" / "sh.h"));
 }
 
-TEST_CASE("bake --for: README's Python is Python", "[tools][bake][engine_folders][posix]") {
+TEST_CASE("bake --for: README's Python is Python", "[tools][bake][engine_folders][posix][slow]") {
   // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
   if (std::system("command -v python3 >/dev/null 2>&1") != 0) {
     WARN("left out: there is no python3");
@@ -524,7 +524,7 @@ TEST_CASE("bake --for: README's Python is Python", "[tools][bake][engine_folders
   }
 }
 
-TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][engine_folders]") {
+TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto input = scratch.path() / "map.hdr";
   REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);

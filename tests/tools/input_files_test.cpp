@@ -90,40 +90,6 @@ TEST_CASE("info: a table for a person", "[tools]") {
   }
 }
 
-// Every photograph that the project shares goes through the command.
-
-namespace {
-
-std::vector<std::filesystem::path> shared_files() {
-  std::vector<std::filesystem::path> files;
-  const auto folder = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env";
-  if (!std::filesystem::exists(folder)) return files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    files.push_back(entry.path());
-  }
-  return files;
-}
-
-}  // namespace
-
-TEST_CASE("command: sh and info agree on the light of real environments", "[tools]") {
-  const auto files = shared_files();
-  if (files.empty()) WARN("no shared environments here");
-  for (const auto& file : files) {
-    INFO(file.string());
-    const nlohmann::json light = run_sh_json(quoted(file));
-    const CommandResult info = run_welkin("info --json " + quoted(file));
-    REQUIRE(info.exit_code == 0);
-    const nlohmann::json content = nlohmann::json::parse(info.output);
-    CHECK(content.at("source") == light.at("source"));
-    // c(0,0) is the total radiance divided by sqrt(4 pi); files with values to replace would differ.
-    if (light.at("diagnostics").at("replaced") != 0) continue;
-    const double constant = light.at("radiance").at(0).at(1).get<double>();
-    const double total_radiance = content.at("pixels").at("total_radiance").at(1).get<double>();
-    CHECK(std::abs(constant * std::sqrt(4.0 * std::numbers::pi) - total_radiance) <= 1e-6 * std::abs(total_radiance));
-  }
-}
-
 // The command meets damaged files: it reads them or says in one line why not, within 512 MB and ten seconds.
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -169,7 +135,7 @@ std::string output_of(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix]") {
+TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]") {
   const TemporaryDirectory directory;
   std::filesystem::create_directory(directory.file("corpus"));
   const int files = write_corpus(directory.file("corpus"), directory.file(""));

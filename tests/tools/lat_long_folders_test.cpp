@@ -128,7 +128,8 @@ TEST_CASE("bake --for: a lat-long of another size or of a cubemap is resampled o
   CHECK((pixels_in(out / "environment.exr") == to_lat_long(cube.view(), 96, 48).pixels));
 }
 
-TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan says so", "[tools][bake][lat_long]") {
+TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan says so",
+          "[tools][bake][lat_long][slow]") {
   const TemporaryFolder scratch;
   const auto pass_of = [](const nlohmann::json& list, const std::string& name) {
     const auto found =

@@ -11,7 +11,7 @@
 
 namespace welkin::test {
 
-TEST_CASE("command: files whose names have characters of any language are written, read and named") {
+TEST_CASE("command: files whose names have characters of any language are written, read and named", "[command][slow]") {
   const TemporaryFolder folder;
   // Of two, three and four bytes in UTF-8; the last is a pair in UTF-16.
   for (const char* const name : {"H\xC3\xB6he.pfm", "\xE5\xA4\xA9\xE7\xA9\xBA.pfm", "\xF0\x9F\x8C\x84 sunrise.pfm"}) {

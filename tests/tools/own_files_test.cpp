@@ -58,7 +58,7 @@ TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "
   check_refused(bake_line(folder), folder, "manifest.json");
 }
 
-TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][bake][own_files][posix]") {
+TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][bake][own_files][posix][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky") + kSmall);
@@ -79,7 +79,7 @@ TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][b
   bake_into(folder, std::string("--sky") + kSmall);
 }
 
-TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][own_files]") {
+TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][own_files][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   std::filesystem::create_directory(folder);
@@ -98,7 +98,7 @@ TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][
   CHECK(file_text(folder / "specular.dds") == "somebody's");
 }
 
-TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bake][own_files]") {
+TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bake][own_files][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --for unreal") + kSmall);
@@ -116,7 +116,7 @@ TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bak
 }
 
 TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if it is as it was",
-          "[tools][bake][own_files]") {
+          "[tools][bake][own_files][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky") + kSmall);

@@ -43,7 +43,7 @@ std::uint64_t hash_of(const std::vector<float>& values) {  // FNV-1a of the bits
 
 }  // namespace
 
-TEST_CASE("sample: a room with a sun, lamps and dark corners, within what half floats hold", "[tools][sample]") {
+TEST_CASE("sample: a room with a sun, lamps and dark corners, within what half floats hold", "[tools][sample][slow]") {
   std::vector<float> values = sample("", 128);
   std::sort(values.begin(), values.end());
   CHECK(values.front() >= 0.0F);
@@ -56,7 +56,7 @@ TEST_CASE("sample: a room with a sun, lamps and dark corners, within what half f
   CHECK(median < 2.0F);
 }
 
-TEST_CASE("sample: the same bits on any number of threads and instruction set", "[tools][sample]") {
+TEST_CASE("sample: the same bits on any number of threads and instruction set", "[tools][sample][slow]") {
   constexpr std::uint64_t kRecorded = 0xfd87c9b39e7ca489U;
   CHECK(hash_of(sample(" --threads 1")) == kRecorded);
   CHECK(hash_of(sample(" --threads 3")) == kRecorded);

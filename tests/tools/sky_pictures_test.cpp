@@ -29,7 +29,7 @@ nlohmann::json bake_sky(const std::filesystem::path& folder, const std::string& 
 
 }  // namespace
 
-TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake]") {
+TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake][slow]") {
   const TemporaryFolder scratch;
   const auto sky = scratch.path() / "sky";
   const auto baked = scratch.path() / "baked";
@@ -80,7 +80,7 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
   }
 }
 
-TEST_CASE("sky -o: sizes, and the manifest on standard output", "[tools][sky][bake]") {
+TEST_CASE("sky -o: sizes, and the manifest on standard output", "[tools][sky][bake][slow]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
   const nlohmann::json manifest = bake_sky(out, "--picture-height 32 --no-previews");
@@ -222,7 +222,7 @@ nlohmann::json same_light(const nlohmann::json& document) {
 
 }  // namespace
 
-TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky]") {
+TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky][slow]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "air.json";
   for (const char* preset : {"earth", "dusty", "earth-bruneton", "earth-hillaire", "mars", "no-aerosol"}) {

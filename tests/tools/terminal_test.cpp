@@ -99,7 +99,7 @@ TEST_CASE("command: several pictures are answered with the command that takes th
   CHECK(contains(errors_of("bake a.hdr b.hdr -o out"), "b.hdr is an argument too many; 'welkin batch plan'"));
 }
 
-TEST_CASE("command: options may stand before their command", "[tools][posix]") {
+TEST_CASE("command: options may stand before their command", "[tools][posix][slow]") {
   const TemporaryFolder folder;
   const std::string small = " --sky --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto baked = [&](const std::string& arguments, const char* name) {
@@ -114,37 +114,7 @@ TEST_CASE("command: options may stand before their command", "[tools][posix]") {
   CHECK(contains(errors_of("--sise 4 bake --sky"), "bake: there is no option --sise; did you mean --size?"));
 }
 
-TEST_CASE("command: --help has the defaults, and what makes a bake quick", "[tools]") {
-  const auto one_line = [](const std::string& command) {
-    std::istringstream words(run_welkin(command + " --help").output);
-    std::string text;
-    for (std::string word; words >> word;) text += word + ' ';
-    return text;
-  };
-  const auto has = [&](const char* command, const std::vector<const char*>& parts) {
-    const std::string help = one_line(command);
-    INFO(help);
-    for (const char* const part : parts) {
-      INFO(part);
-      CHECK(contains(help, part));
-    }
-  };
-  has("bake", {"faces (default 256)", "Roughness of mips (default filament, or by --for)",
-               "Formats of cubemaps (default ktx2, or by --for)", "(default by the picture)",
-               "-o,--output DIR The folder to write to (default the input's name without extension, or sky)",
-               "--no-previews No previews, which take two thirds of the time", "(default no limit)", "(default 0)",
-               "Threads to work with (default 0, for all)"});
-  has("sky", {"(default 40)", "(default earth)", "(default spectral, but srgb with --sweep)", "(default 32"});
-  has("sh", {"C# for --for unity (default table)", "to 16 (default 3)", "ringing (default none)", "(default welkin)"});
-  has("convert", {"(default half, 8bit for .png)", "(default as large as IN)", "sphere (default automatic)"});
-  has("testmap", {"(default 512, or 2048 for a lat-long)", "(default exr)", "(default testmap.exr, here"});
-  has("importance", {"counts (default luminance)", "(default as many)"});
-  has("info", {"(default automatic, by its header", "(default rec709"});
-  has("batch", {"to run, which are predicted to take equally long (default 1/1)", "(default 8GiB)", "(default 256"});
-  has("report", {"(default 1)"});
-}
-
-TEST_CASE("command: words are taken whatever their case", "[tools]") {
+TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
   const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
   CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
   const TemporaryFolder folder;
@@ -154,7 +124,7 @@ TEST_CASE("command: words are taken whatever their case", "[tools]") {
   CHECK(file_of(manifest, "specular.exr").at("mips") == 3);
 }
 
-TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools]") {
+TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools][slow]") {
   const TemporaryFolder folder;
   const std::string bake =
       "bake --sky --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
@@ -173,7 +143,7 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
   for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
 }
 
-TEST_CASE("command: a batch shows on a terminal how far it is, and wipes that at the end", "[tools][batch]") {
+TEST_CASE("command: a batch shows on a terminal how far it is, and wipes that at the end", "[tools][batch][slow]") {
   if (run_program("/usr/bin/env", "script --version").exit_code != 0) {
     WARN("left out: there is no script(1) to make a terminal");
     return;
@@ -208,11 +178,11 @@ TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
   CHECK(contains(on_terminal("--help", "NO_COLOR="), escape));  // empty is as good as not there
 }
 
-TEST_CASE("command: a terminal is told stage, share and time left", "[tools]") {
+TEST_CASE("command: a terminal is told stage, share and time left", "[tools][slow]") {
   if (run_program("/usr/bin/env", "script --version").exit_code != 0) return;
   const TemporaryFolder folder;
   const std::string slow =
-      "bake --sky --size 16 --method reference --threads 1 --no-previews -o " + (folder.path() / "o").string();
+      "bake --sky --size 8 --method reference --threads 1 --no-previews -o " + (folder.path() / "o").string();
   const std::string shown = on_terminal(slow);
   INFO(shown);
   CHECK(contains(shown, "bake  ["));
@@ -291,7 +261,7 @@ TEST_CASE("command: bash completes commands, options and words", "[tools]") {
   CHECK(completed("welkin bake --size 5", 3) == "\n");
 }
 
-TEST_CASE("command: zsh completes commands, options and words where there is a zsh", "[tools]") {
+TEST_CASE("command: zsh completes commands, options and words where there is a zsh", "[tools][slow]") {
   const std::string script = run_welkin("completion zsh").output;
   CHECK(script.rfind("#compdef welkin", 0) == 0);
   CHECK(contains(script, "'--for["));
@@ -355,7 +325,7 @@ TEST_CASE("bake: no file that is written holds an absolute path", "[tools][bake]
 
 // Promise: what is baked for an engine has the roughness that its shader looks for.
 
-TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake]") {
+TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]") {
   const TemporaryFolder folder;
   const std::string small = " --irradiance 0 --no-brdf --no-previews ";
   const auto roughness = [&](const std::string& options) {
@@ -378,7 +348,7 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake]") {
   CHECK(roughness("--size 64") == of_library);
 }
 
-TEST_CASE("bake: an .env is made where it is asked for", "[tools][bake]") {
+TEST_CASE("bake: an .env is made where it is asked for", "[tools][bake][slow]") {
   const TemporaryFolder folder;
   const auto out = folder.path() / "out";
   const std::string small = "--sky --size 8 --irradiance 0 --no-brdf --no-previews ";
@@ -395,7 +365,7 @@ TEST_CASE("bake: an .env is made where it is asked for", "[tools][bake]") {
 
 // Promise: a map for an engine names that engine's axes, where the engine looks for them.
 
-TEST_CASE("testmap: --for writes the engine's axes", "[tools]") {
+TEST_CASE("testmap: --for writes the engine's axes", "[tools][slow]") {
   const TemporaryFolder folder;
   const auto drawn = [&](const std::string& options) {
     const auto file = folder.path() / "map.exr";

@@ -71,7 +71,8 @@ Ended bake_and_signal(const TemporaryFolder& folder, const std::filesystem::path
 
 }  // namespace
 
-TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no temporary file", "[command][unlucky]") {
+TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no temporary file",
+          "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const std::filesystem::path input = large_picture(folder);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -120,7 +121,7 @@ TEST_CASE("What killed runs left in a folder is tidied by the next one, and bloc
   CHECK(std::filesystem::exists(out / "manifest.json"));
 }
 
-TEST_CASE("With too little address space for its threads a command works or says so", "[command][unlucky]") {
+TEST_CASE("With too little address space for its threads a command works or says so", "[command][unlucky][slow]") {
   if (kSanitized) return;  // sanitizers need more than there is
   const TemporaryFolder folder;
   const std::filesystem::path input = folder.path() / "in.pfm";
@@ -177,7 +178,7 @@ TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]"
   CHECK(run_welkin("convert " + quoted(map) + " " + quoted(folder.path() / "small.hdr") + " --size 32").exit_code == 0);
 }
 
-TEST_CASE("A repeated bake with a cache takes its files from there", "[command][unlucky]") {
+TEST_CASE("A repeated bake with a cache takes its files from there", "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const std::filesystem::path input = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
@@ -203,7 +204,7 @@ TEST_CASE("A repeated bake with a cache takes its files from there", "[command][
 }
 
 TEST_CASE("Two bakes into one folder come one after the other, and caches keep none of the other's files",
-          "[command][unlucky]") {
+          "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const std::filesystem::path input = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(input)).exit_code == 0);
@@ -237,7 +238,7 @@ TEST_CASE("Two bakes into one folder come one after the other, and caches keep n
   }
 }
 
-TEST_CASE("A bake that waits for another in its folder ends by a signal", "[command][unlucky]") {
+TEST_CASE("A bake that waits for another in its folder ends by a signal", "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   std::filesystem::create_directory(out);
@@ -254,7 +255,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
   CHECK(names_in(out).empty());
 }
 
-TEST_CASE("Standard streams that the caller has closed become nobody's", "[command][unlucky]") {
+TEST_CASE("Standard streams that the caller has closed become nobody's", "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const auto run = [&](const std::string& command, const std::string& closed) {
     write_text(folder.path() / "run.sh", "exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
@@ -301,12 +302,12 @@ TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
   CHECK(manifest_of(folder.path() / "out").at("source").at("layout") == "lat-long");
 }
 
-TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky]") {
+TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky][slow]") {
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   for (const std::string& command :
-       {std::string("sleep 20 | timeout --foreground -s INT 1 '" WELKIN_COMMAND "' sh -"),
+       {std::string("sleep 2 | timeout --foreground -s INT 1 '" WELKIN_COMMAND "' sh -"),
         "timeout --foreground -s INT 1 '" WELKIN_COMMAND "' bake -o out " + quoted(pipe)}) {
     write_text(folder.path() / "run.sh", command);
     // Killed later, it would not say so. (Without --foreground timeout sends each signal twice.)

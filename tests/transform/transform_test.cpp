@@ -108,7 +108,7 @@ LatLongImage image_of(Content content, int width, int height, std::uint32_t seed
 
 }  // namespace
 
-TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][transform]") {
+TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][transform][truth]") {
   // More bands than texels, fewer, even, odd, prime; rows of any ratio.
   const std::pair<int, int> sizes[] = {{1, 1},  {2, 1},  {1, 2},   {3, 2},    {2, 3},   {7, 7},    {1, 64},
                                        {64, 1}, {64, 3}, {7, 257}, {257, 64}, {64, 32}, {128, 64}, {257, 2}};
@@ -156,7 +156,7 @@ SphericalHarmonics harmonics_of(const transforms::Spectrum& spectrum, int bands)
 
 }  // namespace
 
-TEST_CASE("The first bands are those of the reference projection", "[specular][transform]") {
+TEST_CASE("The first bands are those of the reference projection", "[specular][transform][truth]") {
   for (const auto& [width, height] : {std::pair{64, 32}, std::pair{33, 17}, std::pair{2, 1}, std::pair{512, 256}}) {
     for (const int bands : {1, 3, 16}) {
       CAPTURE(width, height, bands);

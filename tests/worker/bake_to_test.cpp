@@ -175,39 +175,6 @@ TEST_CASE("BakeTo: the latest of a key wins, and the one before writes nothing m
   CHECK(new_room == expected);
 }
 
-TEST_CASE("BakeTo: equal requests run once, and targets tell requests apart", "[worker][bake]") {
-  const TestCubemapHalf cube = halves(24);
-  const Room room;
-  const Room other_room;
-  const BakeTo request{source_of(cube), room.targets(), bake_of()};
-  Worker worker(options_with(1));
-  {
-    Hold hold(worker);
-    auto first = worker.post(request);
-    auto second = worker.post(request);
-    auto other = worker.post(BakeTo{source_of(cube), other_room.targets(), bake_of()});
-    hold.let_go();
-    CHECK(take(first) == take(second));
-    CHECK(take(other));
-  }
-  CHECK(room == other_room);
-  CHECK(request == BakeTo(request));
-  CHECK(request.bytes() == 6 * 24 * 24 * 8);
-  const auto differs = [&](const auto& change) {
-    BakeTo changed = request;
-    change(changed);
-    return !(changed == request);
-  };
-  CHECK(differs([](BakeTo& changed) { changed.targets.background.pop_back(); }));
-  CHECK(differs([](BakeTo& changed) { changed.targets.specular[1].faces[5] = nullptr; }));
-  CHECK(differs([](BakeTo& changed) { changed.targets.specular[2].row_stride_bytes *= 2; }));
-  CHECK(differs([](BakeTo& changed) { changed.targets.irradiance->format = TexelFormat::rgba32f; }));
-  CHECK(differs([](BakeTo& changed) { changed.targets.irradiance->size = 6; }));
-  CHECK(differs([](BakeTo& changed) { changed.targets.irradiance.reset(); }));
-  CHECK(differs([](BakeTo& changed) { changed.options.bands = 2; }));
-  CHECK(differs([](BakeTo& changed) { changed.owner = std::make_shared<int>(1); }));
-}
-
 TEST_CASE("BakeTo: the owner keeps the targets' memory until the job is ready", "[worker][bake]") {
   const TestCubemapHalf cube = halves(24);
   Worker worker(options_with(1));

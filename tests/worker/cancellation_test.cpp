@@ -239,23 +239,6 @@ TEST_CASE("who gives up a continuation stops the job that it follows", "[worker]
   expect_usable(worker);
 }
 
-TEST_CASE("a continuation of a shared run is given up without the others", "[worker]") {
-  struct Seven {
-    int operator()(const Control&) const { return 7; }
-    bool operator==(const Seven&) const = default;
-  };
-  Worker worker(options_with(1));
-  Hold hold(worker);
-  bool followed = false;
-  auto follower = worker.post(Seven{}).then([&](int) { followed = true; });
-  auto other = worker.post(Seven{});
-  CHECK(follower.cancel());
-  hold.let_go();
-  CHECK(other.get() == 7);
-  CHECK(outcome(follower) == "cancelled");
-  CHECK_FALSE(followed);
-}
-
 TEST_CASE("a running continuation is told to stop", "[worker]") {
   Worker worker(options_with(1));
   std::atomic<bool> inside{false};

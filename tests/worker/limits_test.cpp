@@ -145,15 +145,14 @@ TEST_CASE("priorities decide on every number of threads", "[worker]") {
   }
 }
 
-// Promise: a worker holds no more jobs and bytes than it may; beyond that posts wait, are refused, or drop another.
+// Promise: a worker holds no more jobs and bytes than it may; beyond that posts are refused.
 
 namespace {
 
 /// Beside the job that holds the thread.
-WorkerOptions options_for(std::size_t waiting_jobs, OverflowPolicy overflow) {
+WorkerOptions options_for(std::size_t waiting_jobs) {
   WorkerOptions options = options_with(1);
   options.max_jobs = waiting_jobs + 1;
-  options.overflow = overflow;
   return options;
 }
 
@@ -164,7 +163,7 @@ Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std:
 }  // namespace
 
 TEST_CASE("a full worker refuses", "[worker]") {
-  Worker worker(options_for(2, OverflowPolicy::refuse));
+  Worker worker(options_for(2));
   Hold hold(worker);
   auto first = post(worker);
   auto second = post(worker);
@@ -183,140 +182,9 @@ TEST_CASE("a full worker refuses", "[worker]") {
   CHECK(worker.load().jobs == 0);
 }
 
-TEST_CASE("a full worker drops the oldest of the lowest priority", "[worker]") {
-  Worker worker(options_for(5, OverflowPolicy::drop_oldest));
-  Hold hold(worker);
-  auto high = post(worker, TaskPriority::high);
-  auto normal_1 = post(worker, TaskPriority::normal);
-  auto low_1 = post(worker, TaskPriority::low);
-  auto normal_2 = post(worker, TaskPriority::normal);
-  auto low_2 = post(worker, TaskPriority::low);
-  CHECK_FALSE(low_1.ready());
-
-  auto normal_3 = post(worker, TaskPriority::normal);
-  CHECK(low_1.ready());
-  CHECK_FALSE(low_2.ready());
-  auto low_3 = post(worker, TaskPriority::low);  // among equals the oldest goes
-  CHECK(low_2.ready());
-  CHECK_FALSE(low_3.ready());
-  auto high_2 = post(worker, TaskPriority::high);
-  CHECK(low_3.ready());
-  auto low_4 = post(worker, TaskPriority::low);  // lower than all that wait
-  CHECK(low_4.ready());
-  auto high_3 = post(worker, TaskPriority::high);
-  CHECK(normal_1.ready());
-  CHECK_FALSE(normal_2.ready());
-
-  hold.let_go();
-  for (auto* dropped : {&low_1, &low_2, &low_3, &low_4, &normal_1}) CHECK(outcome(*dropped) == "queue_full");
-  for (auto* kept : {&high, &normal_2, &normal_3, &high_2, &high_3}) CHECK(outcome(*kept) == "result");
-}
-
-TEST_CASE("where nothing waits the new job is dropped, never a running one", "[worker]") {
-  Worker worker(options_for(0, OverflowPolicy::drop_oldest));
-  Hold hold(worker);
-  CHECK(outcome(post(worker, TaskPriority::high)) == "queue_full");
-  hold.let_go();
-  CHECK(eventually([&] { return worker.load().jobs == 0; }));
-  CHECK(outcome(post(worker)) == "result");
-}
-
-TEST_CASE("set priorities decide what is dropped", "[worker]") {
-  Worker worker(options_for(2, OverflowPolicy::drop_oldest));
-  Hold hold(worker);
-  auto first = post(worker, TaskPriority::normal);
-  auto second = post(worker, TaskPriority::normal);
-  second.set_priority(TaskPriority::low);
-  auto third = post(worker, TaskPriority::normal);
-  CHECK(second.ready());
-  CHECK_FALSE(first.ready());
-  hold.let_go();
-  CHECK(outcome(second) == "queue_full");
-  CHECK(outcome(third) == "result");
-  CHECK(outcome(first) == "result");
-}
-
-TEST_CASE("what follows a dropped job gets its error", "[worker]") {
-  Worker worker(options_for(1, OverflowPolicy::drop_oldest));
-  Hold hold(worker);
-  auto follower = post(worker).then([](int value) { return value; });
-  auto newer = post(worker);
-  hold.let_go();
-  CHECK(outcome(follower) == "queue_full");
-  CHECK(outcome(newer) == "result");
-}
-
-TEST_CASE("a post waits until there is room", "[worker]") {
-  Worker worker(options_for(1, OverflowPolicy::wait));
-  Hold hold(worker);
-  auto first = post(worker);
-  std::atomic<bool> posted{false};
-  std::atomic<std::size_t> most{0};
-  std::string end;
-  std::thread poster([&] {
-    auto job = post(worker);
-    posted = true;
-    end = outcome(job);
-  });
-  // It cannot be seen that somebody waits; but nothing is let in beyond the limit, however long we look.
-  for (int look = 0; look < 200; ++look) {
-    most = std::max(most.load(), worker.load().jobs);
-    std::this_thread::yield();
-  }
-  CHECK(most == 2);
-  CHECK_FALSE(posted);
-  CHECK(first.cancel());
-  CHECK(eventually([&] { return posted.load(); }));
-  hold.let_go();
-  poster.join();
-  CHECK(end == "result");
-}
-
-TEST_CASE("many who wait for room all get in", "[worker]") {
-  WorkerOptions options = options_with(2);
-  options.max_jobs = 3;
-  Worker worker(options);
-  std::atomic<int> results{0};
-  std::atomic<int> too_many{0};
-  std::vector<std::thread> posters;
-  for (int t = 0; t < 4; ++t) {
-    posters.emplace_back([&] {
-      std::vector<Job<int>> jobs;
-      for (int k = 0; k < 100; ++k) {
-        jobs.push_back(post(worker));
-        if (worker.load().jobs > 3) ++too_many;
-      }
-      for (auto& job : jobs) results += take(job);
-    });
-  }
-  for (std::thread& poster : posters) poster.join();
-  CHECK(results == 400);
-  CHECK(too_many == 0);
-}
-
-TEST_CASE("a post that waits for room is stopped by terminate", "[worker]") {
-  Worker worker(options_for(1, OverflowPolicy::wait));
-  Hold hold(worker);
-  auto first = post(worker);
-  std::string end;
-  std::atomic<bool> about_to_post{false};
-  std::thread poster([&] {
-    about_to_post = true;
-    end = outcome(post(worker));
-  });
-  CHECK(eventually([&] { return about_to_post.load(); }));
-  std::thread ender([&] { worker.terminate(); });
-  poster.join();  // the thread is still held: no room is made
-  CHECK(end == "stopped");
-  hold.let_go();
-  ender.join();
-  CHECK(outcome(first) == "stopped");
-}
-
 TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
   WorkerOptions options = options_with(1);
   options.max_bytes = 6 * 8 * 8 * 12 + 100;
-  options.overflow = OverflowPolicy::refuse;
   Worker worker(options);
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   const auto request = [&] { return ProjectCubemap{CubemapImage{8, cubemap.pixels}}; };
@@ -347,83 +215,39 @@ TEST_CASE("bytes come back when a job is given up", "[worker]") {
   CHECK(worker.load().bytes == 0);
 }
 
-TEST_CASE("as many are dropped as the new one's bytes need", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_bytes = 100;
-  options.overflow = OverflowPolicy::drop_oldest;
-  Worker worker(options);
-  Hold hold(worker);
-  std::vector<Job<int>> jobs;
-  for (int k = 0; k < 5; ++k) jobs.push_back(post(worker, k == 1 ? TaskPriority::low : TaskPriority::normal, 20));
-  auto large = post(worker, TaskPriority::normal, 50);
-  hold.let_go();
-  CHECK(outcome(jobs[1]) == "queue_full");
-  CHECK(outcome(jobs[0]) == "queue_full");
-  CHECK(outcome(jobs[2]) == "queue_full");
-  CHECK(outcome(jobs[3]) == "result");
-  CHECK(outcome(jobs[4]) == "result");
-  CHECK(outcome(large) == "result");
-}
-
-TEST_CASE("nobody is dropped in vain", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_bytes = 100;
-  options.overflow = OverflowPolicy::drop_oldest;
-  Worker worker(options);
-  Hold hold(worker);
-  auto high = post(worker, TaskPriority::high, 60);
-  auto low = post(worker, TaskPriority::low, 40);
-  auto normal = post(worker, TaskPriority::normal, 50);  // needs more than the low one has
-  CHECK(normal.ready());
-  CHECK_FALSE(low.ready());
-  hold.let_go();
-  CHECK(outcome(normal) == "queue_full");
-  CHECK(outcome(low) == "result");
-  CHECK(outcome(high) == "result");
-}
-
 TEST_CASE("a request larger than the limit can never be let in", "[worker]") {
-  for (const OverflowPolicy overflow : {OverflowPolicy::wait, OverflowPolicy::refuse, OverflowPolicy::drop_oldest}) {
-    WorkerOptions options = options_with(1);
-    options.max_bytes = 100;
-    options.overflow = overflow;
-    Worker worker(options);
-    Hold hold(worker);
-    auto bystander = post(worker, TaskPriority::low, 100);
-    auto large = post(worker, TaskPriority::high, 101);
-    CHECK(large.ready());
-    CHECK(outcome(large) == "limit_exceeded");
-    hold.let_go();
-    CHECK(outcome(bystander) == "result");
-    CHECK(outcome(post(worker, TaskPriority::normal, 100)) == "result");
-  }
+  WorkerOptions options = options_with(1);
+  options.max_bytes = 100;
+  Worker worker(options);
+  Hold hold(worker);
+  auto bystander = post(worker, TaskPriority::low, 100);
+  auto large = post(worker, TaskPriority::high, 101);
+  CHECK(large.ready());
+  CHECK(outcome(large) == "limit_exceeded");
+  hold.let_go();
+  CHECK(outcome(bystander) == "result");
+  CHECK(outcome(post(worker, TaskPriority::normal, 100)) == "result");
 }
 
-TEST_CASE("what the worker's own threads post never waits", "[worker]") {
-  for (const OverflowPolicy overflow : {OverflowPolicy::wait, OverflowPolicy::refuse, OverflowPolicy::drop_oldest}) {
-    WorkerOptions options = options_with(1);
-    options.max_jobs = 1;
-    options.max_bytes = 100;
-    options.overflow = overflow;
-    Worker worker(options);
-    auto job = worker.post(
-        [&](const Control&) {
-          std::vector<std::string> ends;
-          for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, TaskPriority::low, 60).get(); }));
-          auto one = post(worker, TaskPriority::normal, 60);
-          auto two = post(worker, TaskPriority::normal, 60).then([](int value) { return value + 10; });
-          ends.push_back(outcome_of([&] { one.get(); }));
-          ends.push_back(outcome_of([&] { two.get(); }));
-          return ends;
-        },
-        {.bytes = 100});
-    // Let in beyond the limits where others would wait; else as everybody.
-    CHECK(take(job) == std::vector<std::string>(5, overflow == OverflowPolicy::wait ? "result" : "queue_full"));
-  }
+TEST_CASE("what the worker's own threads post is refused at the limits too", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_jobs = 1;
+  options.max_bytes = 100;
+  Worker worker(options);
+  auto job = worker.post(
+      [&](const Control&) {
+        std::vector<std::string> ends;
+        for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, TaskPriority::low, 60).get(); }));
+        auto followed = post(worker, TaskPriority::normal, 60).then([](int value) { return value + 10; });
+        ends.push_back(outcome_of([&] { followed.get(); }));
+        return ends;
+      },
+      {.bytes = 100});
+  CHECK(take(job) == std::vector<std::string>(4, "queue_full"));
 }
 
 TEST_CASE("continuations are never refused", "[worker]") {
-  Worker worker(options_for(1, OverflowPolicy::refuse));
+  Worker worker(options_for(1));
   Hold hold(worker);
   auto last = post(worker);
   for (int k = 0; k < 10; ++k) {
@@ -434,7 +258,7 @@ TEST_CASE("continuations are never refused", "[worker]") {
 }
 
 TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]") {
-  Worker worker(options_for(0, OverflowPolicy::refuse));
+  Worker worker(options_for(0));
   Hold hold(worker);
   std::atomic<bool> ran{false};
   auto refused = worker.post([&](const Control&) { ran = true; });

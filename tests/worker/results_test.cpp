@@ -181,7 +181,7 @@ std::vector<Case> all_cases(const TemporaryDirectory& directory) {
 
 }  // namespace
 
-TEST_CASE("a worker's results are the direct calls' bits", "[worker]") {
+TEST_CASE("a worker's results are the direct calls' bits", "[worker][slow]") {
   const TemporaryDirectory directory;
   const std::vector<Case> cases = all_cases(directory);
   for (const int threads : {1, 2, 5}) {
@@ -193,7 +193,7 @@ TEST_CASE("a worker's results are the direct calls' bits", "[worker]") {
   }
 }
 
-TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker]") {
+TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker][slow]") {
   const TemporaryDirectory directory;
   const std::vector<Case> cases = all_cases(directory);
   for (const int slots : {1, 3}) {
@@ -238,23 +238,6 @@ TEST_CASE("bakes in a worker have the call's bits", "[worker][bake]") {
       CHECK(same_bits(*found, k % 2 == 0 ? expected_lat_long : expected_cube));
     }
   }
-}
-
-TEST_CASE("equal bakes are run once", "[worker][bake]") {
-  const auto image = picture(64);
-  Worker worker(options_with(1));
-  std::vector<Job<std::shared_ptr<const BakeResult>>> jobs;
-  Hold hold(worker);
-  for (int k = 0; k < 4; ++k) jobs.push_back(worker.post(Bake{image, small_bake()}));
-  auto other = worker.post(Bake{image, small_bake(8)});
-  hold.let_go();
-  const auto first = take(jobs.front());
-  for (std::size_t k = 1; k < jobs.size(); ++k) CHECK(take(jobs[k]) == first);  // the very same result
-  CHECK(take(other) != first);
-  CHECK(Bake{image, small_bake()} == Bake{image, small_bake()});
-  CHECK(!(Bake{image, small_bake()} == Bake{picture(64), small_bake()}));
-  CHECK(!(Bake{image, small_bake()} == Bake{cubemap(8), small_bake()}));
-  CHECK(Bake{image, small_bake()}.bytes() == 12 * 64 * 32);
 }
 
 TEST_CASE("a running bake stops when it is told to", "[worker][bake]") {
@@ -383,37 +366,9 @@ TEST_CASE("a request may be a member of what it is posted with, or a function", 
   CHECK(worker.post(function).get() == 9);
 }
 
-TEST_CASE("of jobs that share a run all but one get a copy", "[worker]") {
-  struct Seven {
-    Copied operator()(const Control&) const { return Copied(7); }
-    bool operator==(const Seven&) const = default;
-  };
-  Worker worker(options_with(1));
-  copies = 0;
-  // A result that can be copied but not assigned is not std::copyable, which sharing asks for: three runs, no copy.
-  std::vector<Job<Copied>> jobs;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Seven{}));
-  }
-  for (auto& job : jobs) CHECK(take(job).value() == 7);
-  CHECK(copies == 0);
-
-  struct Vector {
-    std::vector<int> operator()(const Control&) const { return std::vector<int>(1000, 7); }
-    bool operator==(const Vector&) const = default;
-  };
-  std::vector<Job<std::vector<int>>> vectors;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 3; ++k) vectors.push_back(worker.post(Vector{}));
-  }
-  for (auto& vector : vectors) CHECK(take(vector) == std::vector<int>(1000, 7));
-}
-
 // Promise: the hot loops allocate nothing when a worker runs them either.
 
-TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocation]") {
+TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocation][slow]") {
   if (kSanitized) return;  // sanitizers bring a heap of their own
   for (const int threads : {1, 2, 4}) {
     Worker worker(options_with(threads));

@@ -221,7 +221,7 @@ TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dy
   }));
 }
 
-TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky]") {
+TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky][slow]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.tables.heights = 12;  // many of this test's frames
@@ -389,7 +389,6 @@ TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[
 TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
   WorkerOptions full = options_with(1);
   full.max_jobs = 1;
-  full.overflow = OverflowPolicy::refuse;
   Worker worker(full);
   std::unique_ptr<SkyLight> sky;
   {

@@ -79,7 +79,6 @@ std::set<int> threads_at_work(Worker& worker, int count) {
 }
 
 struct Seven {
-  bool operator==(const Seven&) const = default;
   int operator()(const Control&) const { return 7; }
 };
 
@@ -93,7 +92,7 @@ void post_everything(Worker& worker, std::atomic<int>& sum) {
   const std::string key = "a key that is too long to be kept inside a string";
   worker.post([&](const Control&) { ++sum; });
   worker.post([&](const Control&) { ++sum; }, {.key = key});  // replaces the one of the last round, if that waits
-  for (int equal = 0; equal < 2; ++equal) worker.post(Seven{}).on_drain([&](Job<int> job) { sum += job.get(); });
+  for (int round = 0; round < 2; ++round) worker.post(Seven{}).on_drain([&](Job<int> job) { sum += job.get(); });
   static_cast<void>(worker.post(Seven{}).then([&](int value) { sum += value; }));
   worker.post(Seven{}).cancel();
   await_seven(worker, sum);

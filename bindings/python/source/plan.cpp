@@ -40,7 +40,6 @@ SceneNeeds needs_of(const py::dict& given) {
   options.read("background_mips", needs.background_mips);
   options.read("brdf_table", needs.brdf_table);
   options.read("stored_results", needs.stored_results);
-  options.read("same_bits", needs.same_bits);
   options.finish();
   return needs;
 }
@@ -114,8 +113,8 @@ void bind_plan(py::module_& module) {
       "     progress=None, threads=None)\n--\n\n"
       "Which passes a scene needs, why, and what each will cost, as a `Plan`. Pixels, a file, or a shape alone,\n"
       "(height, width, channels). `needs`: a dictionary of diffuse_bands, irradiance_cubemap, glossy (a range of\n"
-      "roughness, or False), background, background_mips, brdf_table, stored_results, same_bits\n"
-      "(relative). The other options are those of the whole bake.");
+      "roughness, or False), background, background_mips, brdf_table, stored_results. The other options are those of\n"
+      "the whole bake.");
 }
 
 }  // namespace welkin::python

@@ -96,7 +96,6 @@ class _Needs(TypedDict, total=False):
     background_mips: bool
     brdf_table: bool
     stored_results: bool
-    same_bits: bool
 
 # What calls give.
 class _Written(TypedDict):

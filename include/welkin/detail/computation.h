@@ -8,13 +8,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <list>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,12 +71,9 @@ template <class Type, class... Arguments>
   return std::allocate_shared<Type>(JobAllocator<Type>(), std::forward<Arguments>(arguments)...);
 }
 
-// Lists whose nodes are made when a job is posted and then only change hands. So nothing is allocated when a job
-// is given up or ends.
+/// A list whose nodes are made when a job is posted and then only change hands. So nothing is allocated when a job is
+/// cancelled or ends.
 using ComputationList = std::list<std::shared_ptr<Computation>, JobAllocator<std::shared_ptr<Computation>>>;
-using JobList = std::list<std::shared_ptr<JobRecord>, JobAllocator<std::shared_ptr<JobRecord>>>;
-using ComputationIndex = std::multimap<std::size_t, std::shared_ptr<Computation>, std::less<>,
-                                       JobAllocator<std::pair<const std::size_t, std::shared_ptr<Computation>>>>;
 using JobKey = std::basic_string<char, std::char_traits<char>, JobAllocator<char>>;
 
 /// A byte whose address stands for the type. It is not constant, because linkers may merge equal constants. Two shared
@@ -102,9 +97,7 @@ class JobRecord {
   std::uint64_t id = 0;
   JobKey key;
   std::shared_ptr<Scheduler> scheduler;
-  std::shared_ptr<Computation> posted;
-
-  std::atomic<const std::atomic<double>*> progress{nullptr};  ///< its computation's
+  std::shared_ptr<Computation> computation;  ///< that gives the result
 
   // Written before `ready` is set, and read after it.
   std::exception_ptr error;            ///< why the computation gave no result
@@ -114,11 +107,8 @@ class JobRecord {
   [[nodiscard]] bool failed() const noexcept { return error != nullptr || withdrawn.has_value(); }
 
   // Guarded by the scheduler's mutex.
-  std::shared_ptr<Computation> computation;  ///< that gives the result: the posted one or an equal one
-  TaskPriority priority = TaskPriority::normal;
   bool counted = false;       ///< against the worker's limit of jobs
-  bool settled = false;       ///< the outcome is decided: it is too late to give the job up
-  JobList::iterator place;    ///< among its computation's jobs
+  bool settled = false;       ///< the outcome is decided: it is too late to cancel the job
   bool done = false;          ///< its followers have been handed on; later ones are handed on at once
   ComputationList followers;  ///< that start when this job is done
 };
@@ -138,7 +128,7 @@ enum class Place {
   at_once,  ///< on the thread that settles the job which it follows
 };
 
-/// One piece of work. It is done once, for one job or for several equal ones.
+/// One piece of work, for one job or for none.
 class Computation {
  public:
   Computation() = default;
@@ -148,12 +138,8 @@ class Computation {
 
   /// Does the work and keeps the result. What the work throws comes out.
   virtual void run(const Control& control) = 0;
-  /// Hands the result to a job: a copy, or the result itself if this is the last job.
-  virtual void deliver(JobRecord& /*job*/, bool /*last*/) {}
-  /// The same number for equal requests.
-  [[nodiscard]] virtual std::size_t hash() const { return 0; }
-  /// Whether `other`, of the same `kind`, would give the same result, so that one run can serve both.
-  [[nodiscard]] virtual bool equals(const Computation& /*other*/) const { return false; }
+  /// Moves the result into its job.
+  virtual void deliver(JobRecord& /*its_job*/) {}
   /// Gives back the memory of the request and of its result.
   virtual void release() noexcept {}
   /// Takes the place of `run` when the worker ends first. Whatever waits for a result has got an error already.
@@ -166,21 +152,18 @@ class Computation {
   }
 
   // Constant.
-  const void* kind = nullptr;          ///< the address of the request's `type_tag` if several jobs can share one run
-  bool joinable_while_running = true;  ///< false if what a run has read may have changed since
-  bool runs_after_errors = false;      ///< also if the job that it follows has failed
+  bool runs_after_errors = false;  ///< also if the job that it follows has failed
   Place where = Place::worker;
 
   std::atomic<double> progress{0.0};  ///< 0 to 1, never falling
   std::exception_ptr failure;         ///< the error of the job that it follows; set before it starts
 
   // Guarded by the scheduler's mutex.
-  TaskPriority priority = TaskPriority::normal;  ///< the highest of its jobs'
+  TaskPriority priority = TaskPriority::normal;
   /// When it was posted or, if it follows a job, became free to start.
   std::chrono::steady_clock::time_point waiting_since{};
-  JobList jobs;                            ///< that want the result
-  std::shared_ptr<JobRecord> parent;       ///< the job that it follows, until that is done
-  std::shared_ptr<Computation> waits_for;  ///< whose end its thread waits for
+  std::shared_ptr<JobRecord> record;  ///< of the job that wants the result, until it is ready; may be null
+  std::shared_ptr<JobRecord> parent;  ///< the job that it follows, until that is done
   /// Of its run. The thread that runs it makes it, and takes it back if nobody has told the run to stop.
   stop_source stop{nostopstate};
   bool stopping = false;                      ///< the run has been told to stop: it is for nobody
@@ -188,23 +171,11 @@ class Computation {
   std::uint64_t bytes = 0;                    ///< that count against the worker's limit
   ComputationList* list = nullptr;            ///< of those that wait, of those that run, or of its parent's followers
   ComputationList::iterator place;            ///< in that list
-  bool indexed = false;                       ///< in the scheduler's index of what can be shared, and
-  ComputationIndex::iterator entry;           ///< where in there
 };
 
 /// What a request gives: the result of calling it with a `Control`.
 template <class Request>
 using ResultOf = std::invoke_result_t<Request&, const Control&>;
-
-/// Whether several equal requests may share one run. Functions, and lambdas that turn into them, do have an ==, but
-/// the same function twice is meant to run twice.
-template <class Request>
-inline constexpr bool kShareable = std::is_class_v<Request>&& std::equality_comparable<Request>&&
-                                       std::is_invocable_v<const Request&, const Control&> &&
-                                   !requires(const Request& request) {
-  +request;
-}
-&&(std::is_void_v<ResultOf<Request>> || std::copyable<ResultOf<Request>>);
 
 template <class Request>
 class RequestComputation final : public Computation {
@@ -213,10 +184,7 @@ class RequestComputation final : public Computation {
   static_assert(std::is_void_v<Result> || std::is_object_v<Result>, "a request returns a value or nothing");
 
   template <class From>
-  RequestComputation(std::in_place_t, From&& request) : request_(std::in_place, std::forward<From>(request)) {
-    if (kShareable<Request>) kind = &type_tag<Request>;
-    joinable_while_running = !requires { Request::kReadsFiles; };
-  }
+  RequestComputation(std::in_place_t, From&& request) : request_(std::in_place, std::forward<From>(request)) {}
 
   void run(const Control& control) override {
     if constexpr (std::is_void_v<Result>) {
@@ -227,32 +195,8 @@ class RequestComputation final : public Computation {
     }
   }
 
-  void deliver(JobRecord& job, bool last) override {
-    auto& result = static_cast<TypedJobRecord<Result>&>(job).result;
-    if constexpr (kShareable<Request>) {
-      if (!last) {
-        result.emplace(std::as_const(*result_));
-        return;
-      }
-    }
-    result.emplace(std::move(*result_));
-  }
-
-  [[nodiscard]] std::size_t hash() const override {
-    const std::size_t type = std::hash<const void*>()(kind);
-    if constexpr (requires { std::as_const(*request_).hash(); }) {
-      return type ^ std::as_const(*request_).hash();
-    } else {
-      return type;
-    }
-  }
-
-  [[nodiscard]] bool equals(const Computation& other) const override {
-    if constexpr (kShareable<Request>) {
-      return std::as_const(*request_) == std::as_const(*static_cast<const RequestComputation&>(other).request_);
-    } else {
-      return false;
-    }
+  void deliver(JobRecord& its_job) override {
+    static_cast<TypedJobRecord<Result>&>(its_job).result.emplace(std::move(*result_));
   }
 
   void release() noexcept override {
@@ -261,9 +205,7 @@ class RequestComputation final : public Computation {
   }
 
  private:
-  // What may be compared from other threads while it runs must not change by running.
-  using Kept = std::conditional_t<kShareable<Request>, const Request, Request>;
-  std::optional<Kept> request_;
+  std::optional<Request> request_;
   std::optional<Stored<Result>> result_;
 };
 
@@ -283,7 +225,7 @@ bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Comp
             const std::shared_ptr<JobRecord>& job);
 
 /// Waits until the job is ready. On a thread of its worker it runs the job here and now if it has not started, and
-/// first what that follows. Throws `Error` (invalid_argument) if the wait would never end (docs/threading.md).
+/// first what that follows.
 void wait(const std::shared_ptr<JobRecord>& job);
 
 /// Waits until the job is ready, at most so long, and does not help. It looks once a millisecond, or more often.

@@ -87,32 +87,6 @@ static void post_with_failures(welkin_status (*call)(void)) {
   welkin_job_release(job);
 }
 
-/* A post that has another job dropped, and then finds no memory: the other one is as it was, or ended. */
-static void drop_with_failures(void) {
-  const welkin_worker_options options = {
-      .struct_size = sizeof options, .threads = 1, .max_jobs = 2, .overflow = WELKIN_OVERFLOW_DROP_OLDEST};
-  welkin_worker* full = NULL;
-  gate shut = {0, 0};
-  CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &full));
-  CHECK_STATUS(WELKIN_OK, welkin_post_function(full, wait_at_gate, &shut, NULL, NULL));
-  wait_until_entered(&shut);
-  welkin_status status = WELKIN_OUT_OF_MEMORY;
-  for (int failed = 0; status == WELKIN_OUT_OF_MEMORY && failed < 1000; ++failed) {
-    welkin_job *older = NULL, *newer = NULL;
-    CHECK_STATUS(WELKIN_OK, welkin_post_function(full, wait_at_gate, &shut, NULL, &older));
-    until_failure = failed;
-    status = welkin_post_function(full, wait_at_gate, &shut, NULL, &newer);
-    until_failure = -1;
-    CHECK_STATUS(WELKIN_OK, welkin_job_cancel(older, NULL));
-    const welkin_status ended = welkin_job_poll(older, NULL);
-    CHECK(ended == WELKIN_CANCELLED || ended == WELKIN_QUEUE_FULL || ended == WELKIN_OUT_OF_MEMORY);
-    welkin_job_release(older);
-    welkin_job_release(newer);
-  }
-  CHECK_STATUS(WELKIN_OK, status);
-  welkin_worker_destroy(full);
-}
-
 /* A call that makes a handle makes it, or says that there is no memory and makes none. */
 static void make_chains_with_failures(void) {
   static const welkin_prefilter_options options = {.struct_size = sizeof options, .size = 4};
@@ -133,7 +107,6 @@ static void make_chains_with_failures(void) {
 }
 
 void memory(void) {
-  drop_with_failures();
   worker = make_worker();
   cubemap = uniform_cubemap(4, 1.0F, 1.0F, 1.0F);
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, &job));

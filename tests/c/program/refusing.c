@@ -130,7 +130,6 @@ static void workers_out_of_range(void) {
   OPTION(threads, -1);
   OPTION(threads, 1025);
   OPTION(thread_priority, 4);
-  OPTION(overflow, -1);
 #undef OPTION
   CHECK_STATUS(WELKIN_OK, welkin_worker_create(NULL, &worker));
   welkin_job* job = NULL;

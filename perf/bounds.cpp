@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "benchmarks.h"
+#include "perf/report/environment.h"
+#include "welkin/bake.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+#include "welkin/image.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr double kBounds[] = {1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+
+struct Subject {
+  std::string name;
+  std::function<void(double)> call;  ///< within a bound
+};
+
+/// Of all threads, of which one works.
+double processor_milliseconds() { return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+Subject chain_of(const Environment& picture, bool cubemap, const std::string& name, PrefilterOptions options) {
+  auto cube = std::make_shared<CubemapImage>();
+  if (cubemap) *cube = to_cubemap(picture.lat_long(), options.size);
+  return {name, [=, &picture](double bound) mutable {
+            options.rms_error = bound;
+            static_cast<void>(cubemap ? prefilter_specular(cube->view(), options)
+                                      : prefilter_specular(picture.lat_long(), options));
+          }};
+}
+
+Subject probes_of(const Environment& picture, int mips) {
+  constexpr int size = 64;
+  constexpr std::size_t count = 64;
+  const auto source =
+      std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), size), PixelFormat::rgba16f);
+  const UploadLayout layout{.size = size, .levels = mips};
+  const auto memory = std::make_shared<std::vector<std::byte>>(count * upload_bytes(layout));
+  std::vector<CubemapTarget> targets;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto room = std::span(*memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
+    for (const CubemapTarget& target : upload_targets(layout, room)) targets.push_back(target);
+  }
+  return {"64 probes of 64 halves, " + std::to_string(mips) + " mips", [=](double bound) {
+            const std::vector<CubemapView> probes(count, source->view());
+            std::vector<dvec3> light(9 * count);
+            static_cast<void>(bake_many(probes, targets, light, {.size = size, .mips = mips, .rms_error = bound}, 3));
+            static_cast<void>(memory);
+          }};
+}
+
+std::vector<Subject> subjects_of(const Environment& picture) {
+  std::vector<Subject> subjects;
+  for (const int size : {64, 128, 256, 512}) {
+    const int mips = size == 64 ? 3 : size == 128 ? 4 : size == 256 ? 5 : 6;  // down to 16 texels
+    subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size) + ", " + std::to_string(mips) + " mips",
+                                {.size = size, .mips = mips}));
+    subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size), {.size = size}));
+  }
+  subjects.push_back(chain_of(picture, false, "lat-long to 256, 5 mips", {.size = 256, .mips = 5}));
+  subjects.push_back(
+      chain_of(picture, true, "cube 64, Charlie, 3 mips", {.size = 64, .mips = 3, .lobe = LobeFamily::charlie}));
+  subjects.push_back(chain_of(picture, true, "cube 64, Lambert", {.size = 64, .lobe = LobeFamily::lambert}));
+  subjects.push_back(probes_of(picture, 3));
+  subjects.push_back(probes_of(picture, 5));
+  return subjects;
+}
+
+/// Empty where the bound is refused.
+std::string best_of(const Subject& subject, double bound, int runs) {
+  double best = std::numeric_limits<double>::max();
+  for (int run = 0; run <= runs; ++run) {  // the first makes tables
+    const double begin = processor_milliseconds();
+    try {
+      subject.call(bound);
+    } catch (const Error&) {
+      return "refused";
+    }
+    best = std::min(best, processor_milliseconds() - begin);
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", best);
+  return text;
+}
+
+}  // namespace
+
+std::string bounds_table(const std::vector<std::filesystem::path>& arguments) {
+  int runs = 20;
+  std::filesystem::path file;
+  for (const std::filesystem::path& argument : arguments) {
+    const std::string word = argument.string();
+    if (word.rfind("--runs=", 0) == 0) {
+      runs = std::max(1, std::atoi(word.c_str() + 7));
+    } else {
+      file = argument;
+    }
+  }
+  const Environment picture = read_environment(file);
+  std::string table = "| ms within |";
+  std::string rule = "|---|";
+  for (const double bound : kBounds) {
+    char text[32];
+    std::snprintf(text, sizeof text, " %g |", bound);
+    table += text;
+    rule += "---|";
+  }
+  table += "\n" + rule + "\n";
+  run_with_threads(1, [&] {
+    for (const Subject& subject : subjects_of(picture)) {
+      table += "| " + subject.name + " |";
+      for (const double bound : kBounds) table += " " + best_of(subject, bound, bound < 5e-4 ? 2 : runs) + " |";
+      table += "\n";
+    }
+  });
+  return table;
+}
+
+}  // namespace welkin::perf

@@ -1,0 +1,13 @@
+# ctest labels: `quick` (less than half a second), `truth` (results against an independent integral, at length), `slow`
+# (anything else that takes longer), `live` (other people's engines and tools). Each test has exactly one.
+#
+# welkin_label_tests(), called at the end of a folder: its tests that have no label are quick.
+function(welkin_label_tests)
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS tests)
+    get_property(labels TEST ${test} PROPERTY LABELS)
+    if(NOT labels)
+      set_property(TEST ${test} PROPERTY LABELS quick)
+    endif()
+  endforeach()
+endfunction()

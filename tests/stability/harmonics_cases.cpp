@@ -1,0 +1,347 @@
+// Turns of coefficients, and windows that are hard to find.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <numbers>
+
+#include "stability/cases.h"
+#include "stability/measures.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test::stability {
+
+// Turns: tiny ones, those by nearly a half turn, ten thousand in a row.
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double number(std::uint32_t index) { return 2.0 * static_cast<double>(noise(77, index)) - 1.0; }
+
+glm::dvec3 direction(std::uint32_t index) {
+  return glm::normalize(glm::dvec3(number(3 * index), number(3 * index + 1), number(3 * index + 2)));
+}
+
+SphericalHarmonics random_light(int bands) {
+  SphericalHarmonics light(bands);
+  for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(bands * bands); ++k) {
+    light.coefficients()[k] = {number(1000 + 3 * k), number(1001 + 3 * k), number(1002 + 3 * k)};
+  }
+  return light;
+}
+
+SphericalHarmonics point_light(const glm::dvec3& from, int bands) {
+  SphericalHarmonics light(bands);
+  std::vector<double> basis(light.coefficients().size());
+  evaluate_basis(from, bands, basis);
+  for (std::size_t k = 0; k < basis.size(); ++k) light.coefficients()[k] = glm::dvec3(basis[k]);
+  return light;
+}
+
+/// Rodrigues' formula, in which a tiny angle's turn is not rounded away.
+glm::dvec3 turned(const glm::dvec3& d, const glm::dvec3& axis, double angle) {
+  const double half = std::sin(0.5 * angle);
+  return d + std::sin(angle) * glm::cross(axis, d) + 2.0 * half * half * glm::cross(axis, glm::cross(axis, d));
+}
+
+glm::dquat turn(const glm::dvec3& axis, double angle) {
+  const double s = std::sin(0.5 * angle);
+  return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
+}
+
+/// Lights from several directions turned about several axes.
+double turned_light_error(double angle, int bands) {
+  double worst = 0.0;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const glm::dvec3 from = direction(k);
+    const glm::dvec3 axis = k == 0 ? glm::dvec3(0, 1, 0) : direction(k + 50);
+    worst = worse(worst, relative_error(turned(point_light(from, bands), turn(axis, angle)),
+                                        point_light(turned(from, axis, angle), bands)));
+  }
+  return worst;
+}
+
+/// The change that a tiny turn makes against its derivative: the turned light's difference from itself, over the angle.
+double tiny_change_error(double angle) {
+  const glm::dvec3 from = direction(3);
+  const glm::dvec3 axis = direction(60);
+  const SphericalHarmonics light = point_light(from, 2);
+  const SphericalHarmonics after = turned(light, turn(axis, angle));
+  const double scale = std::sqrt(3.0 / (4.0 * kPi));
+  const glm::dvec3 velocity = glm::cross(axis, from);
+  const glm::dvec3 found = glm::dvec3(after.at(1, 1).x - light.at(1, 1).x, after.at(1, -1).x - light.at(1, -1).x,
+                                      after.at(1, 0).x - light.at(1, 0).x) /
+                           (scale * angle);
+  return relative_error(found, velocity);
+}
+
+struct Walk {
+  double end;    ///< against one turn
+  double power;  ///< the worst band's drift
+};
+
+double band_power(const SphericalHarmonics& c, int l) {
+  double sum = 0.0;
+  for (int m = -l; m <= l; ++m) sum += glm::dot(c.at(l, m), c.at(l, m));
+  return sum;
+}
+
+/// `steps` small turns one after another.
+Walk walk(int bands, int steps, const std::function<glm::dquat(std::uint32_t)>& step) {
+  const SphericalHarmonics light = random_light(bands);
+  SphericalHarmonics walked = light;
+  glm::dquat total(1, 0, 0, 0);
+  for (int k = 0; k < steps; ++k) {
+    const glm::dquat small = step(static_cast<std::uint32_t>(k));
+    walked = turned(walked, small);
+    total = glm::normalize(small * total);
+  }
+  Walk result{relative_error(walked, turned(light, total)), 0.0};
+  for (int l = 0; l < bands; ++l) {
+    result.power = worse(result.power, relative_error(band_power(walked, l), band_power(light, l)));
+  }
+  return result;
+}
+
+glm::dquat random_step(std::uint32_t k) { return turn(direction(1000 + k), 0.01 * (1.5 + number(90000 + k))); }
+glm::dquat same_step(std::uint32_t) { return turn(direction(5), 2.0 * kPi / 10000.0); }
+
+double stretched_error(double length) {
+  const glm::dquat q = turn(direction(9), 1.1);
+  const glm::dquat stretched(q.w * length, q.x * length, q.y * length, q.z * length);
+  return relative_error(turned(random_light(4), stretched), turned(random_light(4), q));
+}
+
+double there_and_back(double angle) {
+  const SphericalHarmonics light = random_light(16);
+  const glm::dquat q = turn(direction(11), angle);
+  return relative_error(turned(turned(light, q), glm::conjugate(q)), light);
+}
+
+void add_angles(StabilityCases& cases) {
+  const auto add = [&](const std::string& text, double angle) {
+    for (const int bands : {3, 16}) {
+      cases.push_back(
+          {"rotation/by-" + text + "-bands-" + std::to_string(bands),
+           "lights turned by " + text + " are where they were turned to, " + std::to_string(bands) + " bands",
+           "harmonics of the turned direction (Rodrigues, double)", StabilityUnit::relative, 1e-13,
+           [angle, bands](const Control&) { return turned_light_error(angle, bands); }});
+    }
+    cases.push_back({"rotation/back-from-" + text, "a turn by " + text + " and back, 16 bands", "the light itself",
+                     StabilityUnit::relative, 1e-13, [angle](const Control&) { return there_and_back(angle); }});
+  };
+  for (const char* const text : {"1e-3", "1e-8", "1e-15", "1e-300"}) add(text, std::stod(text));
+  add("pi-1e-3", kPi - 1e-3);
+  add("pi-1e-8", kPi - 1e-8);
+  add("pi-1e-15", kPi - 1e-15);
+  add("pi", kPi);
+}
+
+void add_walks(StabilityCases& cases) {
+  const auto add = [&](const char* kind, glm::dquat (*step)(std::uint32_t), int bands, Effort effort) {
+    const std::string name = std::string("rotation/10000-") + kind + "-steps-bands-" + std::to_string(bands);
+    cases.push_back({name,
+                     std::string("10 000 ") + kind + " small steps end where one turn does",
+                     "one turn",
+                     StabilityUnit::relative,
+                     1e-11,
+                     [=](const Control&) { return walk(bands, 10000, step).end; },
+                     {},
+                     effort});
+    cases.push_back({name + "-power",
+                     std::string("10 000 ") + kind + " small steps keep each band's power",
+                     "power before",
+                     StabilityUnit::relative,
+                     1e-11,
+                     [=](const Control&) { return walk(bands, 10000, step).power; },
+                     {},
+                     effort});
+  };
+  add("random", random_step, 3, Effort::quick);
+  add("equal", same_step, 3, Effort::quick);
+  add("random", random_step, 16, Effort::full);
+  add("equal", same_step, 16, Effort::full);
+}
+
+}  // namespace
+
+void add_rotation_cases(StabilityCases& cases) {
+  add_angles(cases);
+  add_walks(cases);
+  for (const char* const length : {"1e-300", "1e-5", "1e300"}) {
+    cases.push_back({std::string("rotation/quaternion-length-") + length,
+                     "a quaternion's length does not matter: " + std::string(length), "that of length 1",
+                     StabilityUnit::relative, 1e-14,
+                     [value = std::stod(length)](const Control&) { return stretched_error(value); }});
+  }
+  const std::string advice =
+      "Coefficients are doubles near 1: a change below 1e-16 of them is not there, and one of 1e-10 has six digits "
+      "left. "
+      "Do not add up tiny turns' differences; keep the angle and turn the original light by it.";
+  for (const char* const angle : {"1e-5", "1e-8", "1e-13"}) {
+    cases.push_back({std::string("rotation/change-by-") + angle,
+                     "the change that a turn by " + std::string(angle) + " makes is right to 1e-4 of itself",
+                     "its derivative, axis x direction", StabilityUnit::relative, 1e-4,
+                     [value = std::stod(angle)](const Control&) { return tiny_change_error(value); },
+                     std::string(angle) == "1e-13" ? advice : ""});
+  }
+}
+
+// Windows that are hard to find: hardly negative light, light that is nearly all direction, many bands.
+namespace {
+
+/// Radiance of two bands whose irradiance has the least value (1 - ratio) times its mean: a linear gradient.
+SphericalHarmonics gradient(double ratio, const glm::dvec3& towards) {
+  SphericalHarmonics light(2);
+  const double y0 = 0.5 / std::sqrt(kPi);
+  const double y1 = std::sqrt(3.0 / (4.0 * kPi));
+  light.at(0, 0) = glm::dvec3(1.0);
+  const double linear = ratio * cosine_lobe(0) * y0 / (cosine_lobe(1) * y1);
+  const glm::dvec3 d = glm::normalize(towards);
+  light.at(1, -1) = glm::dvec3(linear * d.y);
+  light.at(1, 0) = glm::dvec3(linear * d.z);
+  light.at(1, 1) = glm::dvec3(linear * d.x);
+  return light;
+}
+
+/// Of light from one place that no axis favours.
+SphericalHarmonics one_sided_light(int bands) { return point_light(glm::normalize(glm::dvec3(0.3, -0.8, 0.5)), bands); }
+
+/// The gradient's lambda in closed form: 1 / (1 + 4 lambda) = (1 + 1e-9) / ratio (the tolerance that is promised).
+double gradient_lambda_error(double ratio) {
+  const double truth = 0.25 * (ratio / (1.0 + 1e-9) - 1.0);
+  return relative_error(apply_window(gradient(ratio, {0.48, 0.6, 0.64}), Window::min_laplacian).parameter, truth);
+}
+
+/// How far below zero the irradiance still goes, over its mean, by looking in many directions.
+double left_below_zero(const SphericalHarmonics& light) {
+  const SphericalHarmonics irradiance = irradiance_from_radiance(apply_window(light, Window::min_laplacian).radiance);
+  const double mean = mean_radiance(irradiance).x;
+  double least = 0.0;
+  for (const glm::dvec3& d : spread_directions(2000)) least = std::min(least, evaluate(irradiance, d).x);
+  return -least / mean;
+}
+
+/// The least value of a lone band-limited light is on a ring: against a search along the ring's polar angle.
+double ring_minimum_error(int bands) {
+  const SphericalHarmonics light = one_sided_light(bands);
+  double truth = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= 200000; ++k) {
+    const double x = std::cos(kPi * k / 200000.0);
+    double before = 1.0;
+    double here = x;
+    double sum = 1.0 / (4.0 * kPi) + (bands > 1 ? 3.0 * x / (4.0 * kPi) : 0.0);
+    for (int l = 2; l < bands; ++l) {
+      const double next = ((2.0 * l - 1.0) * x * here - (l - 1.0) * before) / l;
+      before = here;
+      here = next;
+      sum += (2.0 * l + 1.0) * next / (4.0 * kPi);
+    }
+    truth = std::min(truth, sum);
+  }
+  return relative_error(minimum(light).value.x, truth);
+}
+
+double constant_minimum() {
+  double worst = 0.0;
+  for (const double value : {1e-300, 1.0, 1e300}) {
+    worst = worse(worst, relative_error(minimum(constant_radiance(glm::dvec3(value), 16)).value.x, value));
+  }
+  return worst;
+}
+
+double refusals() {
+  SphericalHarmonics dark = gradient(2.0, {0, 1, 0});
+  dark.at(0, 0) = glm::dvec3(0.0);
+  SphericalHarmonics broken = gradient(2.0, {0, 1, 0});
+  broken.at(1, 0).y = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const SphericalHarmonics& light, Window window, double width) {
+    return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)apply_window(light, window, width); });
+  };
+  const SphericalHarmonics light = gradient(2.0, {0, 1, 0});
+  return refused(dark, Window::min_laplacian, 0.0) + refused(broken, Window::min_laplacian, 0.0) +
+         refused(light, Window::hanning, -1.0) +
+         refused(light, Window::lanczos, std::numeric_limits<double>::infinity());
+}
+
+/// Widths that are tiny leave band 0 alone; huge ones change nothing.
+double width_error() {
+  const SphericalHarmonics light = one_sided_light(6);
+  double worst = 0.0;
+  for (const Window window : {Window::hanning, Window::lanczos}) {
+    worst = worse(worst, norm(apply_window(light, window, 1e-300).radiance, 1));
+    worst = worse(worst, relative_error(apply_window(light, window, 1e12).radiance, light));
+  }
+  return worst;
+}
+
+/// The same light, turned, asks for the same window.
+double turned_lambda_error(int bands) {
+  const SphericalHarmonics light = one_sided_light(bands);
+  const double lambda = apply_window(light, Window::min_laplacian).parameter;
+  const glm::dquat turn(0.3, 0.4, -0.2, 0.7);
+  return relative_error(apply_window(turned(light, turn), Window::min_laplacian).parameter, lambda);
+}
+
+/// Factors 2^-300 to 2^300 on the light change nothing but its size.
+double scaled_lambda_error() {
+  const SphericalHarmonics light = one_sided_light(3);
+  const double lambda = apply_window(light, Window::min_laplacian).parameter;
+  double worst = 0.0;
+  for (const double factor : {0x1p-300, 0x1p300}) {
+    worst = worse(
+        worst, relative_error(apply_window(scale(light, glm::dvec3(factor)), Window::min_laplacian).parameter, lambda));
+  }
+  return worst;
+}
+
+}  // namespace
+
+void add_window_cases(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
+                       std::function<double()> measure, StabilityUnit unit = StabilityUnit::relative,
+                       Effort effort = Effort::quick) {
+    cases.push_back(
+        {"windows/" + name, promise, truth, unit, bound, [measure](const Control&) { return measure(); }, {}, effort});
+  };
+  for (const auto& [text, ratio, bound] : {std::tuple{"1+1e-6", 1.0 + 1e-6, 1e-2},
+                                           {"1.001", 1.001, 1e-5},
+                                           {"2", 2.0, 1e-8},
+                                           {"1e6", 1e6, 1e-8},
+                                           {"1e12", 1e12, 1e-8}}) {
+    add(std::string("lambda-gradient-") + text,
+        "minimum-Laplacian window of a gradient whose smallest irradiance is 1 - (" + std::string(text) +
+            ") of its mean",
+        "closed form of lambda", bound, [ratio = ratio] { return gradient_lambda_error(ratio); });
+    add(std::string("least-gradient-") + text, "no irradiance below -1e-9 of its mean after it", "2000 directions",
+        1.0000001e-9, [ratio = ratio] {
+          return left_below_zero(gradient(ratio, {0.48, 0.6, 0.64}));
+        });
+  }
+  for (const int bands : {3, 5, 16}) {
+    const Effort effort = bands > 5 ? Effort::full : Effort::quick;
+    add(
+        "least-lone-light-" + std::to_string(bands),
+        "a lone light of " + std::to_string(bands) + " bands: no irradiance below -1e-9 of its mean", "2000 directions",
+        1.0000001e-9, [bands] { return left_below_zero(one_sided_light(bands)); }, StabilityUnit::relative, effort);
+    add(
+        "turned-lone-light-" + std::to_string(bands), "lambda does not depend on how the light is turned",
+        "that of the light before", 1e-6, [bands] { return turned_lambda_error(bands); }, StabilityUnit::relative,
+        effort);
+    add(
+        "ring-minimum-" + std::to_string(bands), "the least value of a lone light lies on a ring, and is found",
+        "200 001 points across the ring", 1e-8, [bands] { return ring_minimum_error(bands); }, StabilityUnit::relative,
+        effort);
+  }
+  add("constant-minimum", "the least value of a constant from 1e-300 to 1e300", "closed form", 1e-14, constant_minimum);
+  add("scaled-lambda", "lambda of light times 2^-300 and 2^300", "that of the light itself", 1e-12,
+      scaled_lambda_error);
+  add("widths", "widths of 1e-300 leave band 0 alone, widths of 1e12 change nothing", "closed form", 1e-15,
+      width_error);
+  add("refusals", "no light in band 0, NaN, widths that are none: refused", "the error's code", 0.0, refusals,
+      StabilityUnit::count);
+}
+
+}  // namespace welkin::test::stability

@@ -1,0 +1,142 @@
+// docs/stability_table.md.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "stability/stability.h"
+
+namespace welkin::test {
+namespace {
+
+/// Two significant digits, whatever the locale.
+std::string number(double value) {
+  if (std::isinf(value)) return "infinite";
+  char text[32];
+  const std::to_chars_result end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 2);
+  return {text, end.ptr};
+}
+
+/// Lines of at most 120 columns.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t width = 120;
+  std::string lines;
+  std::size_t column = 0;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find(' ', start), text.size());
+    const std::size_t length = end - start;
+    if (column > 0) lines += column + 1 + length > width ? '\n' : ' ';
+    column = column == 0 || column + 1 + length > width ? length : column + 1 + length;
+    lines += text.substr(start, length);
+    start = end + 1;
+  }
+  return lines + '\n';
+}
+
+std::string amount(double value, StabilityUnit unit) {
+  switch (unit) {
+    case StabilityUnit::relative: return number(value);
+    case StabilityUnit::ulps: return number(value) + " ulp";
+    case StabilityUnit::count: return number(value) + " wrong";
+    case StabilityUnit::ratio: return number(value) + " x";
+  }
+  return number(value);
+}
+
+std::string row(const StabilityResult& result) {
+  const std::string name = result.name.substr(result.subject.size() + 1);
+  return "| " + name + " | " + result.promise + " | " + result.truth + " | " + amount(result.measured, result.unit) +
+         " | " + amount(result.bound, result.unit) + " | " + (result.holds ? "yes" : "**no**") + " |\n";
+}
+
+/// What each subject is about, for the page.
+struct About {
+  const char* subject;
+  const char* sentence;
+};
+
+constexpr std::array<About, 15> kAbout{
+    {{"range", "Projection to spherical harmonics of maps with extreme values."},
+     {"image-range",
+      "Mips, resampled and prefiltered maps with extreme values. \"Each texel\" is the largest error over "
+      "the truth at that texel; rms is the error of a mip as a whole."},
+     {"cancellation", "Sums whose terms are large and whose result is small."},
+     {"accumulation", "Sums over 256 to 400 million texels: errors must not grow with their number."},
+     {"policies", "NaN, infinities and negatives: each policy does what it says, in every pass that reads pixels."},
+     {"sizes", "Maps, tables and chains of 1 and 2 texels."},
+     {"roughness", "Lobes from a point to the whole hemisphere."},
+     {"grazing", "Cosine and GGX kernels over a sphere that is lit above the horizon only."},
+     {"brdf", "The split sum's table at grazing views and for mirrors (DFG)."},
+     {"windows", "Least windows that are hard to find, by light that is hardly or nearly all negative."},
+     {"rotation", "Turns of coefficients."},
+     {"sky-rays", "Rays that graze a planet; the horizon from both sides."},
+     {"sky-sun", "Suns from the zenith to the nadir. Tables of single scattering with 8 heights, unless stated."},
+     {"sky-air", "Air of any density and height, lobes of any sharpness, many orders."},
+     {"sky-planet", "Planets of any size, seen from the ground to far away."}}};
+
+std::string about(const std::string& subject) {
+  const auto* const found =
+      std::find_if(kAbout.begin(), kAbout.end(), [&](const About& one) { return subject == one.subject; });
+  return found == kAbout.end() ? "" : wrapped(found->sentence);
+}
+
+std::string table(const std::vector<StabilityResult>& results, const std::string& subject) {
+  std::string text;
+  for (const StabilityResult& result : results) {
+    if (result.subject == subject) text += row(result);
+  }
+  if (text.empty()) return text;
+  return "\n## " + subject + "\n\n" + about(subject) +
+         "\n| case | promise | against | measured | bound | holds |\n|---|---|---|---|---|---|\n" + text;
+}
+
+/// Each advice once, with all cases that it is about and that do not hold.
+std::string advice(const std::vector<StabilityResult>& results) {
+  std::vector<std::string> seen;
+  std::string text;
+  for (const StabilityResult& result : results) {
+    if (result.holds || result.advice.empty() || std::find(seen.begin(), seen.end(), result.advice) != seen.end())
+      continue;
+    seen.push_back(result.advice);
+    std::string names;
+    for (const StabilityResult& other : results) {
+      if (!other.holds && other.advice == result.advice) names += (names.empty() ? "" : ", ") + other.name;
+    }
+    text += '\n' + wrapped("**" + names + "**: " + result.advice);
+  }
+  return text.empty() ? text : "\n## What does not hold, and what to do\n" + text;
+}
+
+std::string failures(const std::vector<StabilityResult>& results) {
+  std::string text;
+  for (const StabilityResult& result : results) {
+    if (!result.failure.empty()) text += "- " + result.name + ": " + result.failure + "\n";
+  }
+  return text.empty() ? text : "\n## Cases that did not end\n\n" + text;
+}
+
+}  // namespace
+
+std::string stability_markdown(const std::vector<StabilityResult>& results, const StabilityOrigin& origin) {
+  const auto held =
+      std::count_if(results.begin(), results.end(), [](const StabilityResult& result) { return result.holds; });
+  std::string text = "# Stability: the table\n\n" +
+                     wrapped(
+                         "This page lists what Welkin promises for extreme numbers, the truth that each promise was "
+                         "held against, and the error that was measured. A command writes the page. The summary for "
+                         "people is [stability.md](stability.md).") +
+                     "\n- Command: `" + origin.command + "`\n- Date: " + origin.date +
+                     "\n- Machine: " + origin.machine + "\n- Cases: " + std::to_string(results.size()) + ", of which " +
+                     std::to_string(held) + " hold; the end of the page says what to do about the others\n\n" +
+                     wrapped(
+                         "A number without a unit is a relative error. \"ulp\" is a unit in the last place of a float. "
+                         "\"wrong\" counts answers that are wrong. \"x\" says how many times an error grew. The "
+                         "library gives the same bits on every machine. The figures therefore depend on the machine "
+                         "above only in the last bits of truths that use its mathematical library. `tests/stability` "
+                         "holds the quick cases: a test fails if an error doubles, a promise breaks or a case "
+                         "disappears.");
+  for (const std::string& subject : stability_subjects()) text += table(results, subject);
+  return text + advice(results) + failures(results);
+}
+
+}  // namespace welkin::test

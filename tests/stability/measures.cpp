@@ -1,0 +1,298 @@
+#include "stability/measures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+
+#include "image/geometry.h"
+#include "reference/sky_reference.h"
+
+namespace welkin::test::stability {
+namespace {
+
+CubemapImage cube_of(int size) {
+  const auto edge = static_cast<std::size_t>(size);
+  return {size, std::vector<float>(18 * edge * edge)};
+}
+
+LatLongImage lat_long_of(int width, int height) {
+  return {width, height, std::vector<float>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+}
+
+template <class Image, class Value>
+Image filled(Image image, const Value& value) {
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) image.pixels[k] = value(k);
+  return image;
+}
+
+/// Of a value's place among rows of `width` texels, and the row.
+float board(std::size_t value, int width, float amplitude) {
+  const std::size_t texel = value / 3;
+  const auto columns = static_cast<std::size_t>(width);
+  return (texel / columns + texel % columns) % 2 == 0 ? amplitude : -amplitude;
+}
+
+}  // namespace
+
+std::uint32_t hashed(std::uint32_t seed, std::uint32_t index) noexcept {
+  std::uint32_t h = index + 0x9E3779B9U * (seed + 1U);
+  h = (h ^ (h >> 16U)) * 0x85EBCA6BU;
+  h = (h ^ (h >> 13U)) * 0xC2B2AE35U;
+  return h ^ (h >> 16U);
+}
+
+float noise(std::uint32_t seed, std::uint32_t index) noexcept {
+  return static_cast<float>(hashed(seed, index) >> 8U) * 0x1p-24F;
+}
+
+CubemapImage uniform_cube(int size, float value) {
+  return filled(cube_of(size), [value](std::size_t) { return value; });
+}
+
+LatLongImage uniform_lat_long(int width, int height, float value) {
+  return filled(lat_long_of(width, height), [value](std::size_t) { return value; });
+}
+
+CubemapImage noise_cube(int size, std::uint32_t seed) {
+  return filled(cube_of(size), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
+}
+
+LatLongImage noise_lat_long(int width, int height, std::uint32_t seed) {
+  return filled(lat_long_of(width, height),
+                [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
+}
+
+CubemapImage checkerboard_cube(int size, float amplitude) {
+  return filled(cube_of(size), [=](std::size_t k) { return board(k, size, amplitude); });
+}
+
+LatLongImage checkerboard_lat_long(int width, int height, float amplitude) {
+  return filled(lat_long_of(width, height), [=](std::size_t k) { return board(k, width, amplitude); });
+}
+
+CubemapImage upper_half_cube(int size) {
+  const auto edge = static_cast<std::size_t>(size);
+  return filled(cube_of(size), [=](std::size_t k) {
+    const std::size_t texel = k / 3;
+    const std::size_t row = texel / edge % edge;
+    const auto face = static_cast<int>(texel / (edge * edge));
+    const auto column = static_cast<double>(texel % edge);
+    return image::face_direction(size, face, column + 0.5, static_cast<double>(row) + 0.5).y > 0.0 ? 1.0F : 0.0F;
+  });
+}
+
+LatLongImage upper_half_lat_long(int width, int height) {
+  const std::size_t half = 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
+  return filled(lat_long_of(width, height), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
+}
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+double norm(const SphericalHarmonics& c, int first_band) {
+  return distance(c, SphericalHarmonics(c.bands()), first_band);
+}
+
+double distance(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band) {
+  if (a.bands() != truth.bands()) return kInfinity;
+  double sum = 0.0;
+  for (std::size_t k = SphericalHarmonics::index(first_band, -first_band); k < truth.coefficients().size(); ++k) {
+    const glm::dvec3 difference = a.coefficients()[k] - truth.coefficients()[k];
+    sum += glm::dot(difference, difference);
+  }
+  return std::sqrt(sum);
+}
+
+double relative_error(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band) {
+  const double off = distance(a, truth, first_band);
+  return off == 0.0 ? 0.0 : worse(off / norm(truth, first_band), 0.0);
+}
+
+double relative_error(double found, double truth) {
+  return found == truth ? 0.0 : worse(std::abs(found - truth) / std::abs(truth), 0.0);
+}
+
+double relative_error(const glm::dvec3& found, const glm::dvec3& truth) {
+  return found == truth ? 0.0 : worse(glm::length(found - truth) / glm::length(truth), 0.0);
+}
+
+double float_ulps(double found, double truth) {
+  if (found == truth) return 0.0;
+  const double largest = std::numeric_limits<float>::max();
+  const double nearest = std::clamp(truth, -largest, largest);
+  const int exponent = nearest == 0.0 ? -126 : std::max(std::ilogb(nearest), -126);
+  return worse(std::abs(found - truth) / std::ldexp(1.0, exponent - 23), 0.0);
+}
+
+double rms_error(std::span<const glm::dvec3> found, std::span<const glm::dvec3> truth) {
+  double off = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    off += glm::dot(found[k] - truth[k], found[k] - truth[k]);
+    whole += glm::dot(truth[k], truth[k]);
+  }
+  return off == 0.0 ? 0.0 : worse(std::sqrt(off / whole), 0.0);
+}
+
+double worse(double a, double b) noexcept { return std::isnan(a) || std::isnan(b) ? kInfinity : std::max(a, b); }
+
+double unsound(std::span<const float> values) noexcept {
+  const auto is_unsound = [](float value) { return !(value >= 0.0F) || std::isinf(value); };
+  return static_cast<double>(std::count_if(values.begin(), values.end(), is_unsound));
+}
+
+double wrong_unless_thrown(ErrorCode code, const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return wrong_if(error.code() != code);
+  }
+  return 1.0;
+}
+
+std::vector<glm::dvec3> texel_directions(int size) {
+  std::vector<glm::dvec3> directions;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
+      }
+    }
+  }
+  return directions;
+}
+
+std::vector<glm::dvec3> spread_directions(int count) {
+  const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<glm::dvec3> directions;
+  for (int k = 0; k < count; ++k) {
+    const double y = 1.0 - (2.0 * k + 1.0) / count;
+    const double ring = std::sqrt(1.0 - y * y);
+    directions.emplace_back(ring * std::sin(golden_angle * k), y, ring * std::cos(golden_angle * k));
+  }
+  return directions;
+}
+
+std::vector<glm::dvec3> texels(const CubemapChain& chain, int level) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  std::vector<glm::dvec3> values;
+  for (int face = 0; face < 6; ++face) {
+    const float* const pixels = chain.face(level, face);
+    for (std::size_t k = 0; k < edge * edge; ++k) {
+      values.emplace_back(pixels[3 * k], pixels[3 * k + 1], pixels[3 * k + 2]);
+    }
+  }
+  return values;
+}
+
+double worst_relative_error(std::span<const glm::dvec3> found, std::span<const glm::dvec3> truth) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    for (int c = 0; c < 3; ++c) worst = worse(worst, relative_error(found[k][c], truth[k][c]));
+  }
+  return worst;
+}
+
+namespace {
+
+constexpr std::array<double, 3> kAzimuths{0.1, 1.4, 3.0};  ///< radians from the sun's
+
+void multiply(std::vector<double>& values, double factor) {
+  for (double& value : values) value *= factor;
+}
+
+void add_rings(std::vector<glm::dvec3>& directions, double zenith_angle) {
+  for (const double azimuth : kAzimuths) {
+    const double ring = std::sin(zenith_angle);
+    directions.emplace_back(ring * std::sin(azimuth), std::cos(zenith_angle), ring * std::cos(azimuth));
+  }
+}
+
+}  // namespace
+
+Atmosphere dense_earth(double factor) {
+  Atmosphere air = earth_bruneton();
+  for (Constituent* const matter : {&air.rayleigh, &air.aerosol}) {
+    multiply(matter->scattering_per_m, factor);
+    multiply(matter->absorption_per_m, factor);
+  }
+  for (Constituent& matter : air.absorbers) multiply(matter.absorption_per_m, factor);
+  return air;
+}
+
+Atmosphere plain_planet(double radius_m, double thickness_m, double scale_height_m) {
+  Atmosphere air;
+  air.name = "plain";
+  air.bottom_radius_m = radius_m;
+  air.top_radius_m = radius_m + thickness_m;
+  air.rayleigh.density = exponential_profile(scale_height_m);
+  const double per_metre = 0.1 / std::min(scale_height_m, thickness_m);
+  air.rayleigh.scattering_per_m = {0.5 * per_metre, per_metre, 2.0 * per_metre};
+  air.solar_irradiance = {1.5, 1.8, 1.9};
+  return air;
+}
+
+SkyTableOptions single_order() {
+  SkyTableOptions options;
+  options.heights = 8;
+  options.orders = 1;
+  return options;
+}
+
+const std::shared_ptr<const SkyTables>& earth_tables() {
+  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), single_order()));
+  return tables;
+}
+
+std::vector<glm::dvec3> hard_directions(const Atmosphere& atmosphere, double altitude_m) {
+  const double bottom = atmosphere.bottom_radius_m;
+  const double thickness = atmosphere.top_radius_m - bottom;
+  const double radius = bottom + altitude_m;
+  std::vector<glm::dvec3> directions;
+  if (altitude_m > thickness) {
+    for (const double share : {-0.9, -0.1, 0.1, 0.5, 0.9}) {  // of the way from the limb's ground to the top, or nadir
+      const double passes = bottom + share * (share < 0.0 ? bottom : thickness);
+      add_rings(directions, std::numbers::pi - std::asin(passes / radius));
+    }
+    return directions;
+  }
+  const double horizon = std::numbers::pi - std::asin(std::min(1.0, bottom / radius));
+  for (const double angle : {0.0, 0.5, 1.0, 1.3, 1.5}) add_rings(directions, angle);
+  for (const double off : {-1e-2, -1e-4, -1e-6, 1e-6, 1e-4, 1e-2}) add_rings(directions, horizon + off);
+  for (const double angle : {2.0, 2.6}) add_rings(directions, angle);
+  return directions;
+}
+
+double radiance_error(const SkyView& view, const std::vector<glm::dvec3>& directions, double sun_elevation_degrees) {
+  const glm::dvec3 sun = sun_direction(sun_elevation_degrees, 0.0);
+  std::vector<glm::dvec3> found;
+  std::vector<glm::dvec3> truth;
+  for (const glm::dvec3& direction : directions) {
+    const std::vector<double> reference = reference_sky_radiance(
+        view.tables()->atmosphere, view.altitude_m(), direction, sun, {.relative_error = 1e-5, .ground = false});
+    truth.emplace_back(reference[0], reference[1], reference[2]);
+    found.push_back(view.radiance(direction, sun));
+  }
+  return rms_error(found, truth);
+}
+
+double sky_error(const Atmosphere& atmosphere, double altitude_m, double sun_elevation_degrees,
+                 const SkyTableOptions& options) {
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(atmosphere, options)), altitude_m,
+                     {.ground = false});
+  return radiance_error(view, hard_directions(atmosphere, altitude_m), sun_elevation_degrees);
+}
+
+double unsound_values(const SkyTables& tables) {
+  return unsound(tables.transmittance) + unsound(tables.scattering) + unsound(tables.single_mie) +
+         unsound(tables.irradiance);
+}
+
+}  // namespace welkin::test::stability

@@ -1,0 +1,341 @@
+// Lobes of any roughness, grazing kernels, and the split sum's table.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "perf/report/brdf_truth.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
+#include "welkin/irradiance.h"
+#include "welkin/reflections.h"
+
+namespace welkin::test::stability {
+
+// The BRDF table at its ends: views that graze, roughness near 0 and 1.
+namespace {
+
+constexpr double kTableError = 1e-5;  ///< reflections.h
+
+/// Worst errors of one column of a table (0: the most grazing view): of scale and bias, and of sheen.
+struct ColumnError {
+  double ggx = 0.0;
+  double sheen = 0.0;
+};
+
+ColumnError column_error(int width, int height, int column) {
+  const auto table = brdf_table({.width = width, .height = height});
+  const double normal_view = (column + 0.5) / width;
+  ColumnError worst;
+  for (int row = 0; row < height; ++row) {
+    const double roughness = (row + 0.5) / height;
+    const float* const entry = table->values.data() + static_cast<std::ptrdiff_t>(3) * (row * width + column);
+    const report::BrdfTruth truth = report::ggx_truth(normal_view, roughness * roughness);
+    const double sheen = report::sheen_truth(normal_view, roughness * roughness);
+    worst.ggx = worse(worst.ggx, worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias)));
+    worst.sheen = worse(worst.sheen, std::abs(entry[2] - sheen) / std::max(1.0, sheen));
+  }
+  return worst;
+}
+
+/// The smoothest row of a table: a mirror, nearly, for which scale + bias is 1 and bias is (1 - n.v)^5.
+double mirror_error() {
+  const auto table = brdf_table({.width = 64, .height = 4096, .sheen = false});
+  double worst = 0.0;
+  for (int column = 4; column < 64; ++column) {
+    const double normal_view = (column + 0.5) / 64;
+    const auto at = static_cast<std::size_t>(2 * column);
+    const double bias = std::pow(1.0 - normal_view, 5.0);
+    worst = worse(worst, std::abs(table->values[at] + table->values[at + 1] - 1.0));
+    worst = worse(worst, std::abs(table->values[at + 1] - bias));
+  }
+  return worst;
+}
+
+/// What a table has beyond 0 and 1.
+double energy_excess() {
+  double worst = 0.0;
+  const auto table = brdf_table({.width = 4096, .height = 4, .sheen = false});
+  for (std::size_t k = 0; k < table->values.size(); k += 2) {
+    const double scale = table->values[k];
+    const double bias = table->values[k + 1];
+    worst = worse(worst, worse(scale + bias - 1.0, worse(-scale, -bias)));
+  }
+  return std::max(0.0, worst);
+}
+
+/// Of sheen far above the halves: none becomes infinite.
+double half_values_wrong() {
+  const auto table = brdf_table({.width = 1024, .height = 64});
+  double wrong = unsound(table->values);
+  for (const std::uint16_t half : table->half_values()) wrong += wrong_if((half & 0x7C00U) == 0x7C00U);
+  return wrong;
+}
+
+}  // namespace
+
+void add_brdf_cases(StabilityCases& cases) {
+  for (const auto& [width, height, column] : {std::tuple{64, 8, 0}, {1024, 8, 0}, {4096, 8, 0}, {4096, 8, 4095}}) {
+    const std::string at = std::to_string(column) + "-of-" + std::to_string(width);
+    const std::string view = "n.v = " + std::string(column > 0 ? "1 - 0.5 / " : "0.5 / ") + std::to_string(width);
+    cases.push_back({"brdf/ggx-column-" + at, "scale and bias at " + view + ", 8 roughnesses, absolute",
+                     "integral over the light's hemisphere in double", StabilityUnit::relative, kTableError,
+                     [=, w = width, h = height, c = column](const Control&) { return column_error(w, h, c).ggx; }});
+    cases.push_back({"brdf/sheen-column-" + at, "sheen at " + view + ", absolute, of its value where above 1",
+                     "integral over the light's hemisphere in double", StabilityUnit::relative, kTableError,
+                     [=, w = width, h = height, c = column](const Control&) { return column_error(w, h, c).sheen; }});
+  }
+  cases.push_back({"brdf/mirror", "at roughness 1.2e-4 scale + bias is 1 and bias (1 - n.v)^5 (n.v above 0.07)",
+                   "closed form of a mirror", StabilityUnit::relative, kTableError,
+                   [](const Control&) { return mirror_error(); }});
+  cases.push_back({"brdf/energy", "scale and bias are not negative and their sum not above 1, n.v from 1.2e-4",
+                   "energy", StabilityUnit::relative, kTableError, [](const Control&) { return energy_excess(); }});
+  cases.push_back({"brdf/half-values", "sheen of hundreds at grazing angles is finite, as halves too", "65504 at most",
+                   StabilityUnit::count, 0.0, [](const Control&) { return half_values_wrong(); }});
+}
+
+// Lobes from a point to the whole hemisphere: roughness 0, 1e-6, 1e-3, about the change of methods, 1.
+namespace {
+
+PrefilteredSpecular prefiltered(const CubemapImage& source, int size, double roughness, PrefilterMethod method) {
+  PrefilterOptions options{.size = size};
+  options.roughness = {roughness};
+  options.method = method;
+  return prefilter_specular(source.view(), options);
+}
+
+double error_of(double roughness, int size, PrefilterMethod method) {
+  const CubemapImage source = noise_cube(16, 12);
+  return worst_relative_error(texels(prefiltered(source, size, roughness, method).cubemap, 0),
+                              reference_specular(source.view(), roughness, texel_directions(size)));
+}
+
+/// Of lobes narrower than a texel, at the source's own size.
+double narrow_error(double roughness) {
+  const CubemapImage source = noise_cube(8, 12);
+  return rms_error(texels(prefiltered(source, 8, roughness, PrefilterMethod::automatic).cubemap, 0),
+                   reference_specular(source.view(), roughness, texel_directions(8)));
+}
+
+/// How far a texel leaves the range of the source's, 1 to 1000, over the end that it leaves.
+double outside_of_range(double roughness) {
+  const CubemapImage source = with_texel(uniform_cube(16, 1.0F), 300, 1000.0F);
+  double worst = 0.0;
+  for (const glm::dvec3& texel : texels(prefiltered(source, 16, roughness, PrefilterMethod::automatic).cubemap, 0)) {
+    worst = worse(worst, worse(1.0 - texel.x, texel.x / 1000.0 - 1.0));
+  }
+  return worst;
+}
+
+double copy_differs() {
+  const CubemapImage source = noise_cube(32, 12);
+  const PrefilteredSpecular found = prefiltered(source, 32, 0.0, PrefilterMethod::automatic);
+  double wrong = 0.0;
+  for (std::size_t k = 0; k < source.pixels.size(); ++k)
+    wrong += wrong_if(found.cubemap.face(0, 0)[k] != source.pixels[k]);
+  return wrong;
+}
+
+/// The truth of a lobe far narrower than a texel is the texel it points at.
+double narrow_truth(double roughness) {
+  const CubemapImage source = noise_cube(8, 12);
+  const std::vector<glm::dvec3> truth = reference_specular(source.view(), roughness, texel_directions(8));
+  std::vector<glm::dvec3> values;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    values.emplace_back(source.pixels[3 * k], source.pixels[3 * k + 1], source.pixels[3 * k + 2]);
+  }
+  return worst_relative_error(truth, values);
+}
+
+double schedules_unsound() {
+  double wrong = 0.0;
+  for (const RoughnessSchedule schedule :
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
+        RoughnessSchedule::unreal}) {
+    for (const int mips : {1, 2, 16}) {
+      for (const int size : {1, 2, 256, 8192}) {
+        const std::vector<double> table = roughness_of_mips(schedule, mips, size);
+        wrong += wrong_if(table.front() != 0.0 || table.size() != static_cast<std::size_t>(mips));
+        for (std::size_t k = 0; k < table.size(); ++k) {
+          wrong += wrong_if(!(table[k] >= 0.0 && table[k] <= 1.0) || (k > 0 && table[k] < table[k - 1]));
+        }
+      }
+    }
+  }
+  return wrong;
+}
+
+struct Roughness {
+  const char* text;
+  double value;
+};
+
+}  // namespace
+
+void add_roughness_cases(StabilityCases& cases) {
+  cases.push_back({"roughness/0", "roughness 0 at the source's size is a copy", "the source, bit for bit",
+                   StabilityUnit::count, 0.0, [](const Control&) { return copy_differs(); }});
+  constexpr std::array<Roughness, 7> all{
+      {{"1e-6", 1e-6}, {"1e-3", 1e-3}, {"0.05", 0.05}, {"0.06", 0.06}, {"0.1", 0.1}, {"0.999", 0.999}, {"1", 1.0}}};
+  for (const Roughness& r : all) {
+    const bool is_narrow = r.value < 0.055;
+    cases.push_back({std::string("roughness/automatic-") + r.text,
+                     is_narrow ? std::string("faces of 8 of noise at roughness ") + r.text + ", rms (rms_error)"
+                               : std::string("every texel of 4 x 4 faces of noise of 16 at roughness ") + r.text +
+                                     " (maximum_error)",
+                     "reference_specular (double)", StabilityUnit::relative, is_narrow ? 1e-3 : 1e-2,
+                     [r, is_narrow](const Control&) {
+                       return is_narrow ? narrow_error(r.value) : error_of(r.value, 4, PrefilterMethod::automatic);
+                     },
+                     ""});
+    cases.push_back({std::string("roughness/range-") + r.text,
+                     std::string("one texel of 1000 over 1 at roughness ") + r.text +
+                         ": nothing below 1 or above 1000 by more than maximum_error of it",
+                     "the source's range", StabilityUnit::relative, 1e-2,
+                     [r](const Control&) { return outside_of_range(r.value); }});
+  }
+  for (const Roughness& r : {Roughness{"1e-3", 1e-3}, {"0.1", 0.1}, {"1", 1.0}}) {
+    cases.push_back({std::string("roughness/reference-") + r.text,
+                     std::string("method `reference` at roughness ") + r.text + " is the truth, in float",
+                     "reference_specular (double)", StabilityUnit::relative, 1e-7,
+                     [r](const Control&) { return error_of(r.value, 4, PrefilterMethod::reference); }});
+  }
+  for (const Roughness& r : {Roughness{"1e-6", 1e-6}, {"1e-3", 1e-3}, {"0.01", 0.01}}) {
+    cases.push_back({std::string("roughness/narrow-truth-") + r.text,
+                     std::string("the truth itself at roughness ") + r.text + " is the texel it points at",
+                     "the source's texels", StabilityUnit::relative, 1e-2,
+                     [r](const Control&) { return narrow_truth(r.value); }});
+  }
+  cases.push_back({"roughness/schedules", "every schedule rises from 0 and stays in [0, 1], for 1 to 16 mips",
+                   "its definition", StabilityUnit::count, 0.0, [](const Control&) { return schedules_unsound(); }});
+}
+
+// Kernels on the horizon: cosine and GGX lobes over a half-lit sphere, where all of the light is at grazing angles.
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A unit direction that lies so far from the nadir.
+glm::dvec3 from_nadir(double degrees) {
+  const double angle = degrees * kPi / 180.0;
+  return {std::sin(angle) * 0.6, -std::cos(angle), std::sin(angle) * 0.8};
+}
+
+/// Irradiance of a lit upper half on a normal `degrees` from the nadir: pi (1 - cos) / 2, written as pi sin^2(half).
+double half_lit_irradiance(double degrees) {
+  const double half = std::sin(0.5 * degrees * kPi / 180.0);
+  return kPi * half * half;
+}
+
+template <class Image>
+double cosine_error(const Image& map, double degrees) {
+  return std::abs(direct_irradiance(map.view(), from_nadir(degrees)).x - half_lit_irradiance(degrees)) / kPi;
+}
+
+template <class Image>
+double cosine_relative_error(const Image& map, double degrees) {
+  return relative_error(direct_irradiance(map.view(), from_nadir(degrees)).x, half_lit_irradiance(degrees));
+}
+
+/// What a lobe sees of a half-lit sphere, plus what its mirror image in the horizon sees: all of it.
+double mirrored_lobes(double roughness, const std::vector<glm::dvec3>& directions) {
+  const CubemapImage map = upper_half_cube(32);
+  std::vector<glm::dvec3> both = directions;
+  for (const glm::dvec3& d : directions) both.emplace_back(d.x, -d.y, d.z);
+  const std::vector<glm::dvec3> light = reference_specular(map.view(), roughness, both);
+  double worst = 0.0;
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    worst = worse(worst, std::abs(light[k].x + light[k + directions.size()].x - 1.0));
+  }
+  return worst;
+}
+
+std::vector<glm::dvec3> grazing_directions() {
+  std::vector<glm::dvec3> directions;
+  for (const double degrees : {90.0, 90.0 + 1e-9, 90.0 + 1e-4, 91.0}) {
+    for (const double azimuth : {0.1, 0.7, 1.3, 2.9}) {
+      const double elevation = (degrees - 90.0) * kPi / 180.0;
+      directions.emplace_back(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                              std::cos(elevation) * std::cos(azimuth));
+    }
+  }
+  return directions;
+}
+
+/// The prefilter's texels about the horizon, by any method, and their mirror images.
+double mirrored_texels(double roughness) {
+  constexpr int size = 8;
+  PrefilterOptions options{.size = size};
+  options.roughness = {roughness};
+  const PrefilteredSpecular found = prefilter_specular(upper_half_cube(32).view(), options);
+  double worst = 0.0;
+  for (const int face : {0, 1, 4, 5}) {
+    for (int row = 0; row < size / 2; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const float* const texels = found.cubemap.face(0, face);
+        const auto at = [&](int r) { return texels[static_cast<std::ptrdiff_t>(3) * (r * size + column)]; };
+        worst = worse(worst, std::abs(static_cast<double>(at(row)) + static_cast<double>(at(size - 1 - row)) - 1.0));
+      }
+    }
+  }
+  return worst;
+}
+
+/// What a lobe towards the nadir sees of a lit upper half: nothing.
+double lobe_behind(double roughness) {
+  const CubemapImage map = upper_half_cube(32);
+  return reference_specular(map.view(), roughness, {glm::dvec3(0.0, -1.0, 0.0)})[0].x;
+}
+
+void add_cosine(StabilityCases& cases) {
+  for (const char* const degrees : {"0", "1e-3", "1", "30", "89.999", "90", "90.001", "179", "180"}) {
+    const double angle = std::stod(degrees);
+    cases.push_back({std::string("grazing/cosine-cube-") + degrees,
+                     "irradiance of a lit upper half on a normal " + std::string(degrees) +
+                         " degrees from the nadir, over pi (cubemap of 64)",
+                     "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-5,
+                     [angle](const Control&) { return cosine_error(upper_half_cube(64), angle); }});
+    cases.push_back({std::string("grazing/cosine-lat-long-") + degrees, "the same on a lat-long of 256 x 128",
+                     "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-5,
+                     [angle](const Control&) { return cosine_error(upper_half_lat_long(256, 128), angle); }});
+  }
+  cases.push_back({"grazing/cosine-sliver-1e-3",
+                   "of a normal 1e-3 degrees from the nadir the sliver of light itself is right to 1 %",
+                   "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-2,
+                   [](const Control&) { return cosine_relative_error(upper_half_lat_long(256, 128), 1e-3); }});
+  cases.push_back({"grazing/cosine-sliver-5", "of a normal 5 degrees from the nadir it is right to 1 %",
+                   "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-2,
+                   [](const Control&) { return cosine_relative_error(upper_half_lat_long(256, 128), 5.0); }});
+}
+
+void add_lobes(StabilityCases& cases) {
+  for (const char* const text : {"0.1", "0.5", "1"}) {
+    const double roughness = std::stod(text);
+    cases.push_back(
+        {std::string("grazing/ggx-truth-") + text,
+         "reference_specular of a half-lit sphere on the horizon and its mirror image add up to 1, roughness " +
+             std::string(text),
+         "closed form: 1", StabilityUnit::relative, 1e-5,
+         [roughness](const Control&) { return mirrored_lobes(roughness, grazing_directions()); }});
+    cases.push_back({std::string("grazing/ggx-behind-") + text,
+                     "a lobe that looks away from all light sees none, roughness " + std::string(text),
+                     "closed form: 0", StabilityUnit::relative, 1e-12,
+                     [roughness](const Control&) { return lobe_behind(roughness); }});
+    cases.push_back(
+        {std::string("grazing/ggx-spectral-") + text,
+         "prefiltered texels and their mirror images add up to 1, roughness " + std::string(text) + " (maximum_error)",
+         "closed form: 1", StabilityUnit::relative, 1e-2,
+         [roughness](const Control&) { return mirrored_texels(roughness); }});
+  }
+}
+
+}  // namespace
+
+void add_grazing_cases(StabilityCases& cases) {
+  add_cosine(cases);
+  add_lobes(cases);
+}
+
+}  // namespace welkin::test::stability

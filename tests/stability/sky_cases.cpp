@@ -1,0 +1,506 @@
+// Skies: rays that graze a planet, suns anywhere, air of any density, planets of any size.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "reference/sky_reference.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
+#include "welkin/sky.h"
+
+namespace welkin::test::stability {
+
+// Grazing rays at the scale of planets: transmittance in closed form, the horizon from both sides.
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// e^x K1(x) for x above 30: Hankel's asymptotic series (DLMF 10.40.2).
+double scaled_bessel_k1(double x) {
+  double term = 1.0;
+  double sum = 1.0;
+  for (int k = 1; k < 30; ++k) {
+    term *= (4.0 - (2.0 * k - 1.0) * (2.0 * k - 1.0)) / (k * 8.0 * x);
+    sum += term;
+    if (std::abs(term) < 1e-18) break;
+  }
+  return std::sqrt(kPi / (2.0 * x)) * sum;
+}
+
+/// Exponential air that is 40 scale heights thick, of which a horizontal ray from the ground meets the optical depth 1.
+Atmosphere grazed_planet(double radius, double scale_height) {
+  Atmosphere air = plain_planet(radius, 40.0 * scale_height, scale_height);
+  const double per_metre = 1.0 / (radius * scaled_bessel_k1(radius / scale_height));
+  air.rayleigh.scattering_per_m = {per_metre, per_metre, per_metre};
+  return air;
+}
+
+/// A horizontal ray from the ground through exponential air: beta R e^(R/H) K1(R/H).
+double grazing_depth_error(double radius, double scale_height) {
+  const double through = reference_transmittance(grazed_planet(radius, scale_height), 0.0, 0.0)[0];
+  return relative_error(-std::log(through), 1.0);
+}
+
+double vertical_depth_error(double radius, double scale_height) {
+  const Atmosphere air = plain_planet(radius, 0.01 * radius, scale_height);
+  const double depth = air.rayleigh.scattering_per_m[1] * scale_height * -std::expm1(-0.01 * radius / scale_height);
+  return relative_error(-std::log(reference_transmittance(air, 0.0, 1.0)[1]), depth);
+}
+
+/// A ray that leaves the ground at a tiny angle differs from the horizontal one by no more than that angle allows.
+double depth_step_at_horizon(double cosine) {
+  const Atmosphere air = grazed_planet(6.36e6, 8000.0);
+  const double level = -std::log(reference_transmittance(air, 0.0, 0.0)[0]);
+  return relative_error(-std::log(reference_transmittance(air, 0.0, cosine)[0]), level);
+}
+
+/// The sun through the tables' air against the reference.
+double sun_error(double elevation, double altitude) {
+  const SkyView view(earth_tables(), altitude);
+  const glm::dvec3 sun = sun_direction(elevation, 0.0);
+  const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
+  return relative_error(view.sun(sun).irradiance, glm::dvec3(truth[0], truth[1], truth[2]));
+}
+
+/// Tables of as many heights as the default.
+const std::shared_ptr<const SkyTables>& usual_tables() {
+  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), {.orders = 1}));
+  return tables;
+}
+
+/// Radiance just above and below a horizon.
+double horizon_error(const std::shared_ptr<const SkyTables>& tables, double altitude) {
+  const SkyView view(tables, altitude, {.ground = false});
+  const double horizon = kPi - std::asin(6.36e6 / (6.36e6 + altitude));
+  std::vector<glm::dvec3> directions;
+  for (const double off : {-1e-3, -1e-5, -1e-7, 1e-7, 1e-5, 1e-3}) {
+    directions.emplace_back(0.0, std::cos(horizon + off), std::sin(horizon + off));
+  }
+  return radiance_error(view, directions, 30.0);
+}
+
+/// The lanes' floats against the call for one direction in double: what rounding a direction to float costs.
+double lanes_error(double altitude) {
+  const SkyView view(earth_tables(), altitude);
+  const glm::dvec3 sun = sun_direction(30.0, 0.0);
+  const std::vector<glm::dvec3> directions = hard_directions(earth_bruneton(), altitude);
+  std::vector<glm::vec3> in_float(directions.begin(), directions.end());
+  std::vector<glm::vec3> rgb(directions.size());
+  view.radiance(in_float, sun, rgb);
+  std::vector<glm::dvec3> one_by_one;
+  one_by_one.reserve(in_float.size());
+  for (const glm::vec3& direction : in_float) one_by_one.push_back(view.radiance(glm::dvec3(direction), sun));
+  return rms_error(std::vector<glm::dvec3>(rgb.begin(), rgb.end()), one_by_one);
+}
+
+}  // namespace
+
+void add_sky_ray_cases(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
+                       std::function<double()> measure) {
+    cases.push_back({"sky-rays/" + name, promise, truth, StabilityUnit::relative, bound,
+                     [measure](const Control&) { return measure(); }});
+  };
+  for (const auto& [text, radius, height] : {std::tuple{"earth-10m", 6.36e6, 10.0},
+                                             {"earth-1km", 6.36e6, 1e3},
+                                             {"earth-8km", 6.36e6, 8e3},
+                                             {"earth-100km", 6.36e6, 1e5},
+                                             {"giant-1km", 1e9, 1e3},
+                                             {"one-metre", 1.0, 0.01}}) {
+    add(std::string("grazing-depth-") + text, "optical depth of a horizontal ray from the ground",
+        "closed form: beta R e^x K1(x), x = R / H", 1e-9,
+        [=, r = radius, h = height] { return grazing_depth_error(r, h); });
+    add(std::string("vertical-depth-") + text, "optical depth of a vertical ray",
+        "closed form: beta H (1 - e^(-T / H))", 1e-9,
+        [=, r = radius, h = height] { return vertical_depth_error(r, h); });
+  }
+  for (const auto& [text, cosine] : {std::pair{"1e-12", 1e-12}, {"1e-8", 1e-8}}) {
+    add(std::string("grazing-step-") + text,
+        std::string("a ray with zenith cosine ") + text + " meets what the horizontal one does", "the horizontal ray",
+        1e-6, [c = cosine] { return depth_step_at_horizon(c); });
+  }
+  for (const auto& [text, words, elevation, altitude] : {std::tuple{"90", "90 degrees", 90.0, 0.0},
+                                                         {"1", "1 degree", 1.0, 0.0},
+                                                         {"0.3", "0.3 degrees", 0.3, 0.0},
+                                                         {"0", "0 degrees", 0.0, 0.0},
+                                                         {"minus-0.1", "-0.1 degrees", -0.1, 0.0},
+                                                         {"minus-3-at-10km", "-3 degrees, from 10 km", -3.0, 1e4}}) {
+    add(std::string("sun-at-") + text, std::string("direct sun through the tables' air at ") + words,
+        "reference_sun_irradiance", 1e-3, [e = elevation, a = altitude] { return sun_error(e, a); });
+  }
+  cases.push_back({"sky-rays/horizon-from-2m-few-heights",
+                   "radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from 2 m, by tables of 8 "
+                   "heights instead of 32, rms",
+                   "reference_sky_radiance", StabilityUnit::relative, 1e-2,
+                   [](const Control&) { return horizon_error(earth_tables(), 2.0); },
+                   "Below the horizon from some metres up a ray is kilometres of air, which few heights do not tell "
+                   "from none: in the worst direction half of its light is wrong with 8, a twentieth with 32, a "
+                   "thousandth with 128. Take at least the default's heights; 128 where the haze between viewer and "
+                   "ground is looked at."});
+  for (const auto& [text, altitude] : {std::pair{"0", 0.0}, {"2m", 2.0}, {"10km", 1e4}, {"59km", 5.9e4}}) {
+    add(std::string("horizon-from-") + text,
+        std::string("radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from ") + text +
+            ", default sizes, rms",
+        "reference_sky_radiance", 1e-2, [a = altitude] { return horizon_error(usual_tables(), a); });
+    add(std::string("lanes-from-") + text,
+        "many directions at once give what one after another do, from " + std::string(text),
+        "SkyView::radiance, one direction", 1e-6, [a = altitude] { return lanes_error(a); });
+  }
+}
+
+// The sun from the zenith to 18 degrees below the horizon, and beyond.
+namespace {
+
+double sky_radiance_error(double elevation) {
+  static const SkyView view(earth_tables(), 0.0, {.ground = false});
+  return radiance_error(view, hard_directions(earth_bruneton(), 0.0), elevation);
+}
+
+const SkyView& ground_view() {
+  static const SkyView view(earth_tables(), 0.0);
+  return view;
+}
+
+const SkyProjector& projector(int nodes) {
+  static const SkyProjector usual(ground_view());
+  static const SkyProjector curve(ground_view(), SkyCurveOptions{}.projection);
+  static const SkyProjector fine(
+      ground_view(), {.bands = 3, .quadrature = SkyQuadrature::gauss_split, .zeniths = 128, .azimuths = 128});
+  return nodes == 16 ? usual : nodes == 32 ? curve : fine;
+}
+
+double harmonics_error(double elevation) {
+  const glm::dvec3 sun = sun_direction(elevation, 40.0);
+  return relative_error(projector(16).project(sun), projector(128).project(sun));
+}
+
+double curve_error(double elevation) {
+  static const SkyCurve curve(ground_view());
+  const glm::dvec3 sun = sun_direction(elevation, 40.0);
+  return relative_error(curve.at(sun), projector(32).project(sun));
+}
+
+/// By tables of the default sizes and orders.
+double default_curve_error(double elevation) {
+  static const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton())), 0.0);
+  const glm::dvec3 sun = sun_direction(elevation, 40.0);
+  return relative_error(SkyCurve(view).at(sun), SkyProjector(view, SkyCurveOptions{}.projection).project(sun));
+}
+
+/// Two suns next to each other have the same sky.
+double step(const glm::dvec3& one, const glm::dvec3& other) {
+  return relative_error(projector(16).project(one), projector(16).project(other));
+}
+
+/// Below the tables' lowest sun and at the nadir.
+double unsound_nights() {
+  double wrong = 0.0;
+  for (const double elevation : {-18.0, -29.9, -30.0, -30.1, -45.0, -89.999, -90.0}) {
+    const glm::dvec3 sun = sun_direction(elevation, 10.0);
+    for (const glm::dvec3& direction : hard_directions(earth_bruneton(), 0.0)) {
+      const glm::dvec3 light = ground_view().radiance(direction, sun);
+      for (int c = 0; c < 3; ++c) wrong += wrong_if(!(light[c] >= 0.0) || std::isinf(light[c]));
+    }
+    wrong += wrong_if(!std::isfinite(norm(projector(16).project(sun))));
+    wrong += wrong_if(norm(constant_radiance(ground_view().sun(sun).irradiance)) != 0.0);
+  }
+  return wrong;
+}
+
+struct Elevation {
+  const char* text;  ///< in names
+  double degrees;
+  double radiance;   ///< bound of radiance, most of it next to the horizon: percents at the planet's shadow's edges
+  double harmonics;  ///< of the projector, by sky.h
+  double curve;      ///< of the curve, likewise
+};
+
+}  // namespace
+
+void add_sky_sun_cases(StabilityCases& cases) {
+  const std::string night =
+      "At -18 degrees no singly scattered light reaches the ground: what these tables (one order, 8 heights) and the "
+      "curve have is their interpolation between suns. Tables of the default sizes and orders hold what is promised "
+      "(curve-at-minus-18-default); with single scattering alone fade the sky to the stars' light below -12 degrees.";
+  for (const Elevation& e : {Elevation{"90", 90.0, 1e-3, 2.5e-4, 4e-4},
+                             {"45", 45.0, 1e-3, 2.5e-4, 4e-4},
+                             {"2", 2.0, 1e-3, 2.5e-4, 4e-4},
+                             {"0.27", 0.27, 5e-3, 2.5e-4, 4e-4},
+                             {"0", 0.0, 2e-2, 2.5e-4, 4e-4},
+                             {"minus-0.27", -0.27, 2e-2, 2.5e-4, 4e-4},
+                             {"minus-4", -4.0, 5e-3, 2.5e-4, 4e-4},
+                             {"minus-6", -6.0, 5e-3, 2.5e-4, 4e-4},
+                             {"minus-9", -9.0, 5e-2, 3e-3, 6e-3},
+                             {"minus-12", -12.0, 5e-2, 1e-1, 2e-2},
+                             {"minus-18", -18.0, 5e-2, 1e-1, 1e-1}}) {
+    const std::string words = e.text;
+    const std::string degrees = words.starts_with("minus") ? words.substr(5) : words;
+    const std::string name_end = "-at-" + words;
+    const std::string promise_end = ", sun at " + degrees + " degrees";
+    const auto add = [&](const char* what, const std::string& promise, const char* truth, double bound,
+                         double (*measure)(double)) {
+      cases.push_back({std::string("sky-sun/").append(what).append(name_end), promise + promise_end, truth,
+                       StabilityUnit::relative, bound,
+                       [measure, elevation = e.degrees](const Control&) { return measure(elevation); },
+                       std::string(what) != "radiance" && e.degrees < -15.0 ? night : ""});
+    };
+    add("radiance", "singly scattered radiance of the Earth, rms", "reference_sky_radiance", e.radiance,
+        sky_radiance_error);
+    add("harmonics", "nine coefficients at the default setting", "128 x 128 nodes of the same view", e.harmonics,
+        harmonics_error);
+    add("curve", "nine coefficients of the curve", "the projection it is made of", e.curve, curve_error);
+  }
+  cases.push_back({"sky-sun/curve-at-minus-18-default",
+                   "nine coefficients of the curve at -18 degrees, tables of the default sizes and orders",
+                   "the projection it is made of", StabilityUnit::relative, 1e-1,
+                   [](const Control&) { return default_curve_error(-18.0); }});
+  const auto add_step = [&](const char* name, const char* promise, const glm::dvec3& one, const glm::dvec3& other) {
+    cases.push_back({name, promise, "the neighbouring sun", StabilityUnit::relative, 1e-6,
+                     [=](const Control&) { return step(one, other); }});
+  };
+  add_step("sky-sun/step-zenith", "suns 1e-9 degrees from the zenith, on opposite sides",
+           sun_direction(90.0 - 1e-9, 0.0), sun_direction(90.0 - 1e-9, 180.0));
+  add_step("sky-sun/step-horizon", "suns 1e-9 degrees above and below the horizon", sun_direction(1e-9, 30.0),
+           sun_direction(-1e-9, 30.0));
+  add_step("sky-sun/step-lowest", "suns 1e-9 degrees above and below the tables' lowest",
+           sun_direction(-30.0 + 1e-9, 30.0), sun_direction(-30.0 - 1e-9, 30.0));
+  cases.push_back({"sky-sun/nights",
+                   "from -18 degrees to the nadir nothing is negative or not finite, and no sun shines",
+                   "what night is", StabilityUnit::count, 0.0, [](const Control&) { return unsound_nights(); }});
+}
+
+// Extreme air: none and a thousand Earths', lobes of any sharpness, layers from 10 m to 100 km, many orders.
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Atmosphere with_lobe(double asymmetry) {
+  Atmosphere air = earth_bruneton();
+  air.aerosol_phase = AerosolPhase::henyey_greenstein;
+  air.aerosol_asymmetry = asymmetry;
+  return air;
+}
+
+/// About the sun, from its centre to 20 degrees away, and elsewhere.
+double lobe_error(double asymmetry) {
+  const Atmosphere air = with_lobe(asymmetry);
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, single_order())), 0.0, {.ground = false});
+  std::vector<glm::dvec3> directions = hard_directions(air, 0.0);
+  for (const double off : {0.0, 0.05, 0.3, 1.0, 5.0, 20.0}) directions.push_back(sun_direction(30.0 + off, 0.0));
+  return radiance_error(view, directions, 30.0);
+}
+
+/// Light without air: none, and the sun as it is in space.
+double vacuum_wrong() {
+  const auto tables = std::make_shared<const SkyTables>(precompute_sky(dense_earth(0.0), single_order()));
+  const SkyView view(tables, 0.0, {.ground = false});
+  double wrong = unsound_values(*tables);
+  for (const float value : tables->scattering) wrong += wrong_if(value != 0.0F);
+  for (const glm::dvec3& direction : hard_directions(earth_bruneton(), 0.0)) {
+    wrong += wrong_if(view.radiance(direction, sun_direction(30.0, 0.0)) != glm::dvec3(0.0));
+  }
+  return wrong;
+}
+
+double vacuum_sun_error() {
+  const Atmosphere air = dense_earth(0.0);
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, single_order())), 0.0);
+  const auto& solar = air.solar_irradiance;
+  return relative_error(view.sun(sun_direction(30.0, 0.0)).irradiance, glm::dvec3(solar[0], solar[1], solar[2]));
+}
+
+SkyTableOptions many_orders(int orders) {
+  SkyTableOptions options;
+  options.heights = 4;
+  options.view_zeniths = 16;
+  options.sun_zeniths = 16;
+  options.sun_angles = 2;
+  options.orders = orders;
+  return options;
+}
+
+double unsound_tables(double factor, int orders, double albedo) {
+  return unsound_values(precompute_sky(with_ground_albedo(dense_earth(factor), albedo), many_orders(orders)));
+}
+
+/// Of the sun's light in space, what falls on the ground at most, sky alone.
+double most_on_ground(double factor) {
+  const SkyTables tables = precompute_sky(dense_earth(factor), many_orders(16));
+  double most = 0.0;
+  for (std::size_t k = 0; k < tables.irradiance.size(); ++k) {
+    most = worse(most, tables.irradiance[k] / tables.atmosphere.solar_irradiance[k % 3]);
+  }
+  return most;
+}
+
+double refusals() {
+  const auto refused = [](auto change) {
+    Atmosphere air = earth_bruneton();
+    change(air);
+    return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)precompute_sky(air, single_order()); }) +
+           wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)reference_transmittance(air, 0.0, 1.0); });
+  };
+  double wrong = 0.0;
+  for (const double bad : {kNaN, -1.0, std::numeric_limits<double>::infinity()}) {
+    wrong += refused([bad](Atmosphere& air) { air.bottom_radius_m = bad; });
+    wrong += refused([bad](Atmosphere& air) { air.top_radius_m = bad; });
+    wrong += refused([bad](Atmosphere& air) { air.rayleigh.scattering_per_m[1] = bad; });
+    wrong += refused([bad](Atmosphere& air) { air.aerosol.absorption_per_m = {bad, 0.0, 0.0}; });
+    wrong += refused([bad](Atmosphere& air) { air.solar_irradiance[0] = bad; });
+    wrong += refused([bad](Atmosphere& air) { air.sun_angular_radius_degrees = bad; });
+    wrong += refused([bad](Atmosphere& air) { air.wavelengths_nm[2] = bad; });
+  }
+  wrong += refused([](Atmosphere& air) { air.aerosol_asymmetry = kNaN; });
+  wrong += refused([](Atmosphere& air) { air.aerosol_asymmetry = 1.0; });
+  wrong += refused([](Atmosphere& air) { air.ground_albedo = {0.1, 1.5, 0.1}; });
+  wrong += refused([](Atmosphere& air) { air.rayleigh.density[0].exponential_term = kNaN; });
+  return wrong + wrong_unless_thrown(ErrorCode::invalid_argument, [] { (void)exponential_profile(-8000.0); }) +
+         wrong_unless_thrown(ErrorCode::invalid_argument, [] { (void)exponential_profile(kNaN); });
+}
+
+}  // namespace
+
+void add_sky_air_cases(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
+                       std::function<double()> measure, StabilityUnit unit = StabilityUnit::relative,
+                       const std::string& advice = {}) {
+    cases.push_back(
+        {"sky-air/" + name, promise, truth, unit, bound, [measure](const Control&) { return measure(); }, advice});
+  };
+  for (const auto& [text, words, g] : {std::tuple{"0", "0", 0.0},
+                                       {"0.9", "0.9", 0.9},
+                                       {"0.99", "0.99", 0.99},
+                                       {"0.999", "0.999", 0.999},
+                                       {"minus-0.8", "-0.8", -0.8}}) {
+    add(std::string("lobe-") + text, std::string("radiance about the sun and elsewhere, g = ") + words + ", rms",
+        "reference_sky_radiance", 5e-3, [g = g] { return lobe_error(g); });
+  }
+  add("density-0", "without matter the sky is black and nothing is unsound", "closed form: 0", 0.0, vacuum_wrong,
+      StabilityUnit::count);
+  add("density-0-sun", "without matter the sun is as in space", "closed form", 1e-6, vacuum_sun_error);
+  const std::string opaque =
+      "Through a thousand Earths' air 1e-28 of the sun's light comes scattered once; the tables have 0. The sky is "
+      "what is scattered many times there: bake 16 orders or more (`until_change` says when to stop).";
+  for (const auto& [text, factor] : {std::pair{"1e-6", 1e-6}, {"10", 10.0}, {"100", 100.0}, {"1000", 1000.0}}) {
+    add(
+        std::string("density-") + text,
+        std::string("singly scattered radiance of the Earth's air times ") + text + ", rms", "reference_sky_radiance",
+        5e-2, [f = factor] { return sky_error(dense_earth(f), 0.0, 30.0); }, StabilityUnit::relative,
+        factor > 500.0 ? opaque : "");
+  }
+  for (const double factor : {1.0, 1000.0}) {
+    const std::string text = factor > 1.0 ? "1000" : "1";
+    add(
+        "orders-64-density-" + text, "64 orders over white ground, air times " + text + ": nothing unsound",
+        "not negative, finite", 0.0, [factor] { return unsound_tables(factor, 64, 1.0); }, StabilityUnit::count);
+    add("ground-light-density-" + text,
+        "16 orders, air times " + text + ": the sky's light on the ground over the sun's",
+        "energy: no more than comes (1.1 with tables)", 1.1, [factor] { return most_on_ground(factor); });
+  }
+  const std::string sparse =
+      "All of the air lies in the lowest thousandth of the tables, whose nodes are spread from the ground to the top. "
+      "Let the top of such an atmosphere be 50 scale heights above the ground (the case below), not 60 km.";
+  const std::string shadow =
+      "The planet's shadow is 15 km tall there, 155 scale heights: 1e-25 of the sun's light comes scattered once, and "
+      "the tables have 1e-23. Neither is light: fade such a sky out when the sun has set.";
+  for (const auto& [text, height] :
+       {std::pair{"10m", 10.0}, {"100m", 100.0}, {"1km", 1e3}, {"8km", 8e3}, {"100km", 1e5}}) {
+    add(
+        std::string("scale-height-") + text,
+        std::string("radiance on the ground under 60 km of air of scale height ") + text + ", rms",
+        "reference_sky_radiance", 1e-2, [h = height] { return sky_error(plain_planet(6.36e6, 6e4, h), 0.0, 30.0); },
+        StabilityUnit::relative, height < 50.0 ? sparse : "");
+    add(
+        std::string("scale-height-") + text + "-twilight", std::string("the same with the sun at -4 degrees"),
+        "reference_sky_radiance", 1e-1, [h = height] { return sky_error(plain_planet(6.36e6, 6e4, h), 0.0, -4.0); },
+        StabilityUnit::relative, height == 100.0 ? shadow : "");
+  }
+  add("scale-height-10m-low-top", "radiance on the ground under 500 m of air of scale height 10 m, rms",
+      "reference_sky_radiance", 1e-2, [] { return sky_error(plain_planet(6.36e6, 500.0, 10.0), 0.0, 30.0); });
+  add("refusals", "NaN, infinite and negative parameters are refused by tables and reference", "the error's code", 0.0,
+      refusals, StabilityUnit::count);
+}
+
+// Planets of any size, seen from the ground, the top and ten radii away.
+namespace {
+
+double planet_error(double radius, double thickness, double altitude, const SkyTableOptions& options = single_order()) {
+  return sky_error(plain_planet(radius, thickness, thickness / 8.0), altitude, 30.0, options);
+}
+
+double earth_error(double altitude) {
+  const SkyView view(earth_tables(), altitude, {.ground = false});
+  return radiance_error(view, hard_directions(earth_bruneton(), altitude), 30.0);
+}
+
+/// A planet is the same sky at any scale: lengths times 1e6, coefficients over it.
+double scaled_difference() {
+  const auto harmonics = [](double scale) {
+    const auto tables = std::make_shared<const SkyTables>(
+        precompute_sky(plain_planet(scale, 0.01 * scale, 0.00125 * scale), single_order()));
+    return SkyProjector(SkyView(tables, 0.0)).project(sun_direction(20.0, 0.0));
+  };
+  return relative_error(harmonics(0x1p26), harmonics(0x1p4));
+}
+
+/// Just inside and outside of the top: the same sky.
+double step_at_top() {
+  const double top = 60'000.0;
+  const SkyView below(earth_tables(), top - 1e-3);
+  const SkyView above(earth_tables(), top + 1e-3);
+  std::vector<glm::dvec3> a;
+  std::vector<glm::dvec3> b;
+  for (const glm::dvec3& d : hard_directions(earth_bruneton(), top)) {
+    a.push_back(below.radiance(d, sun_direction(30.0, 0.0)));
+    b.push_back(above.radiance(d, sun_direction(30.0, 0.0)));
+  }
+  return rms_error(a, b);
+}
+
+}  // namespace
+
+void add_sky_planet_cases(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
+                       std::function<double()> measure, const std::string& advice = {}) {
+    cases.push_back({"sky-planet/" + name, promise, truth, StabilityUnit::relative, bound,
+                     [measure](const Control&) { return measure(); }, advice});
+  };
+  for (const auto& [text, radius] : {std::pair{"1m", 1.0}, {"1km", 1e3}, {"100km", 1e5}, {"1e9m", 1e9}}) {
+    add(std::string("radius-") + text,
+        std::string("radiance on a planet of radius ") + text + ", air of 1 % of it, rms", "reference_sky_radiance",
+        1e-2, [r = radius] { return planet_error(r, 0.01 * r, 0.0); });
+    add(std::string("radius-") + text + "-from-space", "the same from ten radii away, or 1e9 m",
+        "reference_sky_radiance", 1e-2, [r = radius] { return planet_error(r, 0.01 * r, std::min(1e9, 10.0 * r)); });
+  }
+  add("thick-air", "radiance on a planet of 1 km under 9 km of air, rms", "reference_sky_radiance", 1e-2,
+      [] { return planet_error(1e3, 9e3, 0.0); });
+  add(
+      "thin-air", "radiance on a planet of 1e6 m under 1 m of air, rms", "reference_sky_radiance", 1e-2,
+      [] { return planet_error(1e6, 1.0, 0.0); },
+      "The longest ray through such a shell is 1400 times the shortest (the Earth's: 15 times). View zeniths are "
+      "spread "
+      "evenly by length, so that nearly all of the sky lies before the first one. Give such tables 1024 of them.");
+  SkyTableOptions fine = single_order();
+  fine.view_zeniths = 1024;
+  fine.transmittance_zeniths = 1024;
+  add("thin-air-1024", "the same with tables of 1024 view zeniths", "reference_sky_radiance", 1e-2,
+      [fine] { return planet_error(1e6, 1.0, 0.0, fine); });
+  for (const auto& [text, words, altitude] : {std::tuple{"0", "the ground", 0.0},
+                                              {"1mm", "1 mm", 1e-3},
+                                              {"10km", "10 km", 1e4},
+                                              {"60km-less-1mm", "1 mm less than 60 km", 59'999.999},
+                                              {"60km", "60 km", 6e4},
+                                              {"60km-and-1mm", "60 km and 1 mm", 60'000.001},
+                                              {"400km", "400 km", 4e5},
+                                              {"ten-radii", "ten radii", 6.36e7},
+                                              {"1e9m", "a million km", 1e9}}) {
+    add(std::string("altitude-") + text, std::string("the Earth's radiance from ") + words + ", rms",
+        "reference_sky_radiance", 2e-2, [a = altitude] { return earth_error(a); });
+  }
+  add("step-at-top", "radiance 1 mm below and above the top of the air", "the other side", 1e-3, step_at_top);
+  add("scale-free", "a planet 4 million times larger with its air is the same sky", "the small planet", 1e-6,
+      scaled_difference);
+}
+
+}  // namespace welkin::test::stability

@@ -1,0 +1,482 @@
+// Sums: over few and over many texels, and whose terms cancel; maps, tables and chains of 1 and 2 texels.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "image/geometry.h"
+#include "reference/reference_projection.h"
+#include "stability/cases.h"
+#include "stability/measures.h"
+#include "welkin/directional_light.h"
+#include "welkin/irradiance.h"
+#include "welkin/projection.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test::stability {
+
+// Length of sums: faces up to 8192, against sums in double. An error must not grow with the number of texels.
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kProjectionError = 5e-7;  ///< projection.h
+
+/// k / 1024 as a half, for k below 2048: exactly.
+std::uint16_t half_of_1024ths(std::uint32_t k) {
+  if (k == 0) return 0;
+  const auto exponent = static_cast<std::uint32_t>(std::bit_width(k)) - 1U;
+  return static_cast<std::uint16_t>(((exponent + 5U) << 10U) | ((k << (10U - exponent)) & 0x3FFU));
+}
+
+/// One face in memory that stands for all six: 8192 x 8192 take 0.4 GB that way.
+struct SharedFace {
+  int size;
+  std::vector<std::uint16_t> pixels;
+
+  [[nodiscard]] CubemapView view() const {
+    CubemapView view{{}, size, 0, PixelFormat::rgb16f};
+    view.faces.fill(pixels.data());
+    return view;
+  }
+};
+
+std::uint32_t noise_1024ths(std::size_t value) { return hashed(3, static_cast<std::uint32_t>(value)) & 1023U; }
+
+SharedFace noise_face(int size) {
+  SharedFace face{size, std::vector<std::uint16_t>(std::size_t{3} * static_cast<std::size_t>(size * size))};
+  for (std::size_t k = 0; k < face.pixels.size(); ++k) face.pixels[k] = half_of_1024ths(noise_1024ths(k));
+  return face;
+}
+
+/// 1638 / 16384, the half next to 0.1: every sum rounds the same way.
+constexpr std::uint16_t kTenth = 0x2E66;
+constexpr double kTenthValue = 1638.0 / 16384.0;
+
+SharedFace constant_face(int size) {
+  return {size, std::vector<std::uint16_t>(std::size_t{3} * static_cast<std::size_t>(size * size), kTenth)};
+}
+
+/// Nine harmonics of one row of the noise face in the face's own frame, by the midpoint rule.
+void add_noise_row(int size, int row, SphericalHarmonics& sum) {
+  const double y0 = 0.5 / std::sqrt(kPi);
+  const double y1 = std::sqrt(3.0 / (4.0 * kPi));
+  const double y2 = std::sqrt(15.0 / (4.0 * kPi));
+  std::vector<double> angles(static_cast<std::size_t>(size));
+  image::cubemap_row_solid_angles(row, angles);
+  const double v = (2.0 * row + 1.0) / size - 1.0;
+  std::array<glm::dvec3, 9> part{};
+  for (int column = 0; column < size; ++column) {
+    const double u = (2.0 * column + 1.0) / size - 1.0;
+    const double r = 1.0 / std::sqrt(1.0 + u * u + v * v);
+    const glm::dvec3 d(u * r, v * r, r);
+    const std::size_t texel =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column);
+    const glm::dvec3 light =
+        angles[static_cast<std::size_t>(column)] / 1024.0 *
+        glm::dvec3(noise_1024ths(3 * texel), noise_1024ths(3 * texel + 1), noise_1024ths(3 * texel + 2));
+    const std::array<double, 9> basis{y0,
+                                      y1 * d.y,
+                                      y1 * d.z,
+                                      y1 * d.x,
+                                      y2 * d.x * d.y,
+                                      y2 * d.y * d.z,
+                                      y2 * (3.0 * d.z * d.z - 1.0) / std::sqrt(12.0),
+                                      y2 * d.x * d.z,
+                                      y2 * 0.5 * (d.x * d.x - d.y * d.y)};
+    for (std::size_t k = 0; k < 9; ++k) part[k] += basis[k] * light;
+  }
+  for (std::size_t k = 0; k < 9; ++k) sum.coefficients()[k] += part[k];
+}
+
+/// In double: one face's sums, turned into each of the six frames.
+SphericalHarmonics noise_truth(int size) {
+  SphericalHarmonics local(3);
+  for (int row = 0; row < size; ++row) add_noise_row(size, row, local);
+  SphericalHarmonics sum(3);
+  for (int face = 0; face < 6; ++face) {
+    const image::Frame& frame = image::face_frame(face);
+    sum = add(sum, turned(local, glm::dmat3(frame.u, frame.v, frame.normal)));
+  }
+  return sum;
+}
+
+double noise_error(int size, const Control& control) {
+  ProjectionOptions midpoint;
+  midpoint.quadrature = Quadrature::midpoint;
+  const SharedFace face = noise_face(size);
+  return relative_error(project(face.view(), midpoint, control).radiance, noise_truth(size));
+}
+
+double constant_error(int size, const Control& control) {
+  const SharedFace face = constant_face(size);
+  return relative_error(project(face.view(), {}, control).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
+}
+
+double constant_lat_long_error(int height, const Control& control) {
+  const std::vector<std::uint16_t> pixels(
+      std::size_t{6} * static_cast<std::size_t>(height) * static_cast<std::size_t>(height), kTenth);
+  const LatLongView view{pixels.data(), 2 * height, height, 0, PixelFormat::rgb16f};
+  return relative_error(project(view, {}, control).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
+}
+
+/// The worst error of larger sizes over that of smaller ones, errors below a rounding of float counting as that.
+double growth(const std::function<double(int)>& error, const std::vector<int>& small, const std::vector<int>& large) {
+  const auto worst = [&](const std::vector<int>& sizes) {
+    double most = 0x1p-24;
+    for (const int size : sizes) most = worse(most, error(size));
+    return most;
+  };
+  return worst(large) / worst(small);
+}
+
+/// Mean of the sphere on each mip against that of the first.
+double mips_drift(int size, const Control& control) {
+  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
+  const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
+  double worst = 0.0;
+  for (int level = 1; level < chain.levels(); ++level) {
+    worst = worse(worst, relative_error(project(chain.view(level)).diagnostics.total_radiance, first));
+  }
+  return worst;
+}
+
+double prefilter_drift(int height, const Control& control) {
+  PrefilterOptions options{.size = 64};
+  const PrefilteredSpecular result = prefilter_specular(noise_lat_long(2 * height, height, 4).view(), options, control);
+  double worst = 0.0;
+  for (const MipRecord& mip : result.mips) worst = worse(worst, relative_error(mip.mean, result.mips[0].mean));
+  return worst;
+}
+
+using SizedError = double (*)(int, const Control&);
+
+/// `sizes` rise, with some below and some above 1024.
+void add_sized(StabilityCases& cases, const std::string& name, const std::string& what, const std::string& truth,
+               SizedError error, const std::vector<int>& sizes) {
+  for (const int size : sizes) {
+    cases.push_back({"accumulation/" + name + "-" + std::to_string(size),
+                     what + ", size " + std::to_string(size),
+                     truth,
+                     StabilityUnit::relative,
+                     kProjectionError,
+                     [error, size](const Control& control) { return error(size, control); },
+                     {},
+                     size > 1024 ? Effort::full : Effort::quick});
+  }
+  const auto add_growth = [&](const std::vector<int>& small, const std::vector<int>& large, Effort effort) {
+    const std::string most = std::to_string(large.back());
+    cases.push_back(
+        {"accumulation/" + name + "-growth-" + most,
+         "the worst error of sizes " + std::to_string(large.front()) + " to " + most + " over that of " +
+             std::to_string(small.front()) + " to " + std::to_string(small.back()) + " (below 2^-24 counts as 2^-24)",
+         truth,
+         StabilityUnit::ratio,
+         4.0,
+         [=](const Control& control) { return growth([&](int size) { return error(size, control); }, small, large); },
+         {},
+         effort});
+  };
+  add_growth({16, 64}, {256, 500, 512}, Effort::quick);
+  const auto first_large = std::find_if(sizes.begin(), sizes.end(), [](int size) { return size > 1024; });
+  add_growth({64, 256, 512}, {first_large, sizes.end()}, Effort::full);
+}
+
+}  // namespace
+
+void add_accumulation_cases(StabilityCases& cases) {
+  add_sized(cases, "noise-cube", "faces of noise by the midpoint rule", "the same sum in double", noise_error,
+            {16, 64, 256, 512, 2048, 4096, 8192});
+  add_sized(cases, "tenth-cube", "faces of 0.1 everywhere, which rounds the same way in every sum", "closed form",
+            constant_error, {16, 64, 256, 1024, 2048, 4096, 8192});
+  add_sized(cases, "tenth-lat-long", "the same on a lat-long, twice as wide as high", "closed form",
+            constant_lat_long_error, {16, 64, 256, 1024, 2048, 4096});
+  cases.push_back({"accumulation/mips-256", "the sphere's total radiance is the same on every mip of 256",
+                   "total radiance of the first mip", StabilityUnit::relative, 1e-6,
+                   [](const Control& control) { return mips_drift(256, control); }});
+  cases.push_back({"accumulation/mips-2048",
+                   "the sphere's total radiance is the same on every mip of 2048",
+                   "total radiance of the first mip",
+                   StabilityUnit::relative,
+                   1e-6,
+                   [](const Control& control) { return mips_drift(2048, control); },
+                   {},
+                   Effort::full});
+  cases.push_back({"accumulation/prefilter-mean-128", "a prefiltered chain keeps the mean (source 256 x 128)",
+                   "mean of the first mip", StabilityUnit::relative, 1e-3,
+                   [](const Control& control) { return prefilter_drift(128, control); }});
+  cases.push_back({"accumulation/prefilter-mean-2048",
+                   "a prefiltered chain keeps the mean (source 4096 x 2048)",
+                   "mean of the first mip",
+                   StabilityUnit::relative,
+                   1e-3,
+                   [](const Control& control) { return prefilter_drift(2048, control); },
+                   {},
+                   Effort::full});
+}
+
+// Cancellation: sums whose terms are large and whose result is small.
+namespace {
+
+constexpr double kSphere = 3.5449077018110318;  ///< sqrt(4 pi): band 0 of 1 everywhere
+
+ProjectionOptions bands(int count) {
+  ProjectionOptions options;
+  options.bands = count;
+  return options;
+}
+
+/// What is above band 0, over band 0.
+double leak(const SphericalHarmonics& c) { return norm(c, 1) / glm::length(c.at(0, 0)); }
+
+double uniform_leak(int size, int band_count) {
+  return leak(project(uniform_cube(size, 1.0F).view(), bands(band_count)).radiance);
+}
+
+double uniform_lat_long_leak(int height, int band_count) {
+  return leak(project(uniform_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
+}
+
+/// 1 + amplitude * noise, which is a map of floats like any other: truth and result read the same ones.
+CubemapImage nearly_uniform(int size, float amplitude) {
+  CubemapImage map = noise_cube(size, 5);
+  for (float& value : map.pixels) value = 1.0F + amplitude * value;
+  return map;
+}
+
+/// Bands above the first against their own size.
+double upper_band_error(float amplitude) {
+  const CubemapImage map = nearly_uniform(32, amplitude);
+  return relative_error(project(map.view()).radiance, reference_projection(map.view()), 1);
+}
+
+/// Error over what the map's magnitude projects to.
+template <class Image>
+double checkerboard_error(const Image& map, double amplitude) {
+  return distance(project(map.view()).radiance, reference_projection(map.view())) /
+         (std::sqrt(3.0) * kSphere * amplitude);
+}
+
+/// Normals of a board's irradiance against that of the map read in mirrored order: E(map) + E(-map) = 0.
+double checkerboard_irradiance() {
+  const CubemapImage plus = checkerboard_cube(33, 1.0F);
+  const CubemapImage minus = checkerboard_cube(33, -1.0F);
+  double worst = 0.0;
+  for (const glm::dvec3& normal : spread_directions(20)) {
+    const glm::dvec3 sum = direct_irradiance(plus.view(), normal) + direct_irradiance(minus.view(), normal);
+    worst = worse(worst, std::abs(sum.x) / std::numbers::pi);
+  }
+  return worst;
+}
+
+double directions_from_nothing() {
+  double wrong = 0.0;
+  for (const int size : {1, 2, 3, 16, 31, 64, 128}) {
+    wrong += wrong_if(dominant_light(project(uniform_cube(size, 0.7F).view()).radiance).has_value());
+    wrong += wrong_if(dominant_light(project(uniform_lat_long(2 * size, size, 0.7F).view()).radiance).has_value());
+  }
+  return wrong;
+}
+
+void add_uniform(StabilityCases& cases) {
+  for (const int size : {1, 2, 7, 64, 257}) {
+    cases.push_back(
+        {"cancellation/uniform-cube-" + std::to_string(size),
+         "a uniform cubemap of " + std::to_string(size) + " has nothing above band 0 (3 bands), over band 0",
+         "closed form: 0", StabilityUnit::relative, 2e-7, [size](const Control&) { return uniform_leak(size, 3); }});
+  }
+  cases.push_back({"cancellation/uniform-cube-64-bands-16", "the same with 16 bands, face size 64", "closed form: 0",
+                   StabilityUnit::relative, 1e-6, [](const Control&) { return uniform_leak(64, 16); }});
+  cases.push_back({"cancellation/uniform-lat-long-128", "a uniform lat-long of 256 x 128, 3 bands, over band 0",
+                   "closed form: 0", StabilityUnit::relative, 2e-7,
+                   [](const Control&) { return uniform_lat_long_leak(128, 3); }});
+  cases.push_back({"cancellation/uniform-lat-long-128-bands-16", "the same with 16 bands", "closed form: 0",
+                   StabilityUnit::relative, 1e-6, [](const Control&) { return uniform_lat_long_leak(128, 16); }});
+  cases.push_back({"cancellation/no-direction-from-rounding",
+                   "dominant_light finds no light in uniform maps of any size: rounding is no direction",
+                   "there is none", StabilityUnit::count, 0.0,
+                   [](const Control&) { return directions_from_nothing(); }});
+}
+
+void add_nearly_uniform(StabilityCases& cases) {
+  const std::string advice =
+      "Rounding leaves some 1e-7 of band 0 in every band. Below that bands have no digits of their own: treat l > 0 as "
+      "zero under 1e-6 of band 0 (dominant_light does), or subtract the mean from the map before projecting.";
+  const auto add = [&](const char* text, float amplitude, const std::string& remedy) {
+    cases.push_back({std::string("cancellation/nearly-uniform-") + text,
+                     "bands 1 and 2 of 1 + " + std::string(text) + " x noise are right to 1 % of themselves",
+                     "reference_projection (double)", StabilityUnit::relative, 1e-2,
+                     [amplitude](const Control&) { return upper_band_error(amplitude); }, remedy});
+  };
+  add("1e-1", 1e-1F, "");
+  add("1e-2", 1e-2F, "");
+  add("1e-3", 1e-3F, "");
+  add("1e-6", 1e-6F, advice);
+}
+
+void add_boards(StabilityCases& cases) {
+  for (const int size : {2, 3, 32, 63}) {
+    cases.push_back(
+        {"cancellation/checkerboard-cube-" + std::to_string(size),
+         "+1 and -1 by turns, face size " + std::to_string(size) + ": error over the light of its magnitude",
+         "reference_projection (double)", StabilityUnit::relative, kProjectionError,
+         [size](const Control&) { return checkerboard_error(checkerboard_cube(size, 1.0F), 1.0); }});
+  }
+  cases.push_back({"cancellation/checkerboard-lat-long-64x32", "the same on a lat-long of 64 x 32",
+                   "reference_projection (double)", StabilityUnit::relative, kProjectionError,
+                   [](const Control&) { return checkerboard_error(checkerboard_lat_long(64, 32, 1.0F), 1.0); }});
+  cases.push_back({"cancellation/checkerboard-1e38", "+1e38 and -1e38 by turns: no infinities meet",
+                   "reference_projection (double)", StabilityUnit::relative, kProjectionError,
+                   [](const Control&) { return checkerboard_error(checkerboard_cube(32, 1e38F), 1e38F); }});
+  cases.push_back({"cancellation/checkerboard-irradiance",
+                   "direct irradiance of a board and of its negative add up to nothing, over pi", "closed form: 0",
+                   StabilityUnit::relative, 1e-12, [](const Control&) { return checkerboard_irradiance(); }});
+}
+
+}  // namespace
+
+void add_cancellation_cases(StabilityCases& cases) {
+  add_uniform(cases);
+  add_nearly_uniform(cases);
+  add_boards(cases);
+}
+
+// The smallest sizes: 1 and 2 texels, tables of one entry, chains of one mip.
+namespace {
+
+ProjectionOptions options_of(int bands, Quadrature quadrature) {
+  ProjectionOptions options;
+  options.bands = bands;
+  options.quadrature = quadrature;
+  return options;
+}
+
+template <class Image>
+double projection_error(const Image& map, int bands, Quadrature quadrature) {
+  const ProjectionOptions options = options_of(bands, quadrature);
+  return relative_error(project(map.view(), options).radiance, reference_projection(map.view(), options));
+}
+
+double prefilter_error(int source, int size) {
+  const CubemapImage map = noise_cube(source, 6);
+  PrefilterOptions options{.size = size};
+  options.roughness = {0.4};
+  const PrefilteredSpecular found = prefilter_specular(map.view(), options);
+  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), 0.4, texel_directions(size)));
+}
+
+/// A cube of one texel a face, to a lat-long and back.
+double round_trip_error() {
+  const CubemapImage map = noise_cube(1, 8);
+  const CubemapImage back =
+      to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), ResampleFilter::area).view(), 1);
+  double worst = 0.0;
+  const glm::dvec3 before = project(map.view()).diagnostics.total_radiance;
+  worst = relative_error(project(back.view()).diagnostics.total_radiance, before);
+  return worst;
+}
+
+/// Every result of a 1 x 1 and 2 x 2 cubemap is finite and not negative.
+double small_results() {
+  double wrong = 0.0;
+  for (const int size : {1, 2}) {
+    const CubemapImage map = noise_cube(size, 7);
+    wrong += unsound(to_lat_long(map.view(), 1, 1).pixels) + unsound(to_lat_long(map.view(), 3, 1).pixels);
+    wrong += unsound(to_cubemap(to_lat_long(map.view(), 2, 1).view(), size).pixels);
+    wrong += wrong_if(build_mips(map.view()).levels() != size);
+    const BrdfTable& table = *brdf_table({.width = size, .height = size});
+    wrong += unsound(table.values);
+  }
+  return wrong;
+}
+
+double one_texel_irradiance() {
+  const CubemapImage map = uniform_cube(1, 2.0F);
+  const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
+  double worst = 0.0;
+  for (const float value : irradiance_cubemap(light, 1).pixels) {
+    worst = worse(worst, float_ulps(value, 2.0 * 3.14159265358979323846));
+  }
+  return worst;
+}
+
+/// A chain of one mip is what its own roughness asks for.
+double one_mip_error(double roughness) {
+  const LatLongImage map = noise_lat_long(32, 16, 3);
+  PrefilterOptions options{.size = 8, .mips = 1};
+  options.roughness = {roughness};
+  const PrefilteredSpecular found = prefilter_specular(map.view(), options);
+  if (found.cubemap.levels() != 1) return 1e300;
+  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), roughness, texel_directions(8)));
+}
+
+double one_mip_copy() {
+  const CubemapImage map = noise_cube(8, 3);
+  const PrefilteredSpecular found = prefilter_specular(map.view(), {.size = 8, .mips = 1});
+  double wrong = wrong_if(found.cubemap.levels() != 1);
+  for (std::size_t k = 0; k < map.pixels.size(); ++k) wrong += wrong_if(found.cubemap.face(0, 0)[k] != map.pixels[k]);
+  return wrong;
+}
+
+void add_projections(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& what, std::function<double()> measure) {
+    cases.push_back({"sizes/" + name, what, "reference_projection (double)", StabilityUnit::relative, 5e-7,
+                     [measure](const Control&) { return measure(); }});
+  };
+  for (const int size : {1, 2, 3}) {
+    const std::string number = std::to_string(size);
+    add("cube-" + number, "three bands of a cubemap of " + number,
+        [size] { return projection_error(noise_cube(size, 1), 3, Quadrature::exact); });
+    add("cube-" + number + "-bands-16", "16 bands of a cubemap of " + number,
+        [size] { return projection_error(noise_cube(size, 1), 16, Quadrature::exact); });
+    add("cube-" + number + "-midpoint", "three bands of a cubemap of " + number + " by the midpoint rule",
+        [size] { return projection_error(noise_cube(size, 1), 3, Quadrature::midpoint); });
+  }
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 2}, {3, 2}}) {
+    const std::string shape = std::to_string(width) + "x" + std::to_string(height);
+    add("lat-long-" + shape, "three bands of a lat-long of " + shape, [width = width, height = height] {
+      return projection_error(noise_lat_long(width, height, 1), 3, Quadrature::exact);
+    });
+    add("lat-long-" + shape + "-bands-16", "16 bands of a lat-long of " + shape, [width = width, height = height] {
+      return projection_error(noise_lat_long(width, height, 1), 16, Quadrature::exact);
+    });
+  }
+}
+
+}  // namespace
+
+void add_size_cases(StabilityCases& cases) {
+  add_projections(cases);
+  for (const auto& [source, size] : {std::pair{1, 1}, {2, 1}, {1, 2}, {2, 8}, {32, 1}}) {
+    cases.push_back({"sizes/prefilter-" + std::to_string(source) + "-to-" + std::to_string(size),
+                     "faces of " + std::to_string(source) + " texels prefiltered at roughness 0.4 to faces of " +
+                         std::to_string(size) + " (maximum_error)",
+                     "reference_specular (double)", StabilityUnit::relative, 1e-2,
+                     [source = source, size = size](const Control&) { return prefilter_error(source, size); }});
+  }
+  for (const double roughness : {0.3, 1.0}) {
+    cases.push_back({std::string("sizes/one-mip-") + (roughness < 1.0 ? "0.3" : "1"),
+                     std::string("a chain whose only mip has roughness ") + (roughness < 1.0 ? "0.3" : "1"),
+                     "reference_specular (double)", StabilityUnit::relative, 1e-2,
+                     [roughness](const Control&) { return one_mip_error(roughness); }});
+  }
+  cases.push_back({"sizes/one-mip-copy", "a chain of one mip without roughness is the source's texels",
+                   "the source, bit for bit", StabilityUnit::count, 0.0,
+                   [](const Control&) { return one_mip_copy(); }});
+  cases.push_back({"sizes/small-results", "resampling, mips and BRDF tables of 1 and 2 texels are finite, not negative",
+                   "what the sizes ask for", StabilityUnit::count, 0.0,
+                   [](const Control&) { return small_results(); }});
+  cases.push_back({"sizes/round-trip-1", "a cubemap of 1 to a lat-long and back keeps its total radiance",
+                   "total radiance of the source", StabilityUnit::relative, 1e-6,
+                   [](const Control&) { return round_trip_error(); }});
+  cases.push_back({"sizes/irradiance-1", "irradiance cubemap of 1 texel of a uniform cubemap of 1", "closed form: 2 pi",
+                   StabilityUnit::ulps, 4.0, [](const Control&) { return one_texel_irradiance(); }});
+}
+
+}  // namespace welkin::test::stability

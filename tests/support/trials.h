@@ -1,0 +1,21 @@
+// How much of a large set of cases a test looks at: a fixed sample, unless WELKIN_RANDOM_TRIALS asks for more
+// (`scripts/test --all`).
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "support/sanitized.h"
+
+namespace welkin::test {
+
+/// Returns the number of random cases: `usual`, a tenth of it under a sanitizer, or WELKIN_RANDOM_TRIALS times as many.
+inline int trials(int usual) {
+  if (const char* const factor = std::getenv("WELKIN_RANDOM_TRIALS")) return usual * std::max(1, std::atoi(factor));
+  return kSanitized ? std::max(1, usual / 10) : usual;
+}
+
+/// Returns the step through a list of cases: `usual`, or 1 where WELKIN_RANDOM_TRIALS is set.
+inline int stride(int usual) { return std::getenv("WELKIN_RANDOM_TRIALS") != nullptr ? 1 : usual; }
+
+}  // namespace welkin::test
