@@ -90,7 +90,8 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
   if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
-  bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source), reflections::kFarLights * sharpest,
+  bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
+                                                 {reflections::LightsOf::ggx, reflections::kFarLights * sharpest},
                                                  jobs::worker_count(jobs::Placement::arena));
   std::uint64_t records = 0;
   for (const reflections::MipPlan& mip : plan.mips) {
@@ -118,8 +119,8 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   if (search.texels == 0) return bytes;
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
-         reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.least_alpha,
-                                               jobs::worker_count(jobs::Placement::arena), plan.lights);
+         reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.lights,
+                                               jobs::worker_count(jobs::Placement::arena));
 }
 
 /// What the prefilter holds when all of its mips are being made.
@@ -140,7 +141,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     // wide lobes may take more
-    const bool is_ggx = plan.lights == reflections::LightsOf::ggx;
+    const bool is_ggx = plan.lights.of == reflections::LightsOf::ggx;
     const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.tight())) : 0;
     const int bands = std::max(mip.bands.bands(), dark);
     bytes += grid_bytes(bands, is_ggx ? transforms::grid_for_bands(bands) : mip.grid());

@@ -138,7 +138,8 @@ using cache::hash_of;
 ContentHash shared_key(const baking::BakePlan& plan) {
   if (!plan.shares_harmonics) return hash_of(false);
   const reflections::PrefilterPlan& chain = *plan.irradiance_plan;
-  return hash_of(true, chain.bounds.rms, chain.bounds.maximum, chain.light_alpha, chain.least_alpha, chain.bands);
+  return hash_of(true, chain.bounds.rms, chain.bounds.maximum, chain.light_alpha, chain.lights.least_alpha,
+                 chain.bands);
 }
 
 /// The entries of one bake.

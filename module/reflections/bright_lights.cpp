@@ -34,6 +34,8 @@ constexpr double kWidestField = 0.2;    ///< of directions over a face
 constexpr double kOfMerged = 6e-3;      ///< times the fourth power
 constexpr double kOfField = 9e-3;       ///< times the fourth power
 constexpr double kTableHorizon = 3e-4;  ///< of what the horizon cuts
+constexpr double kAnnularHorizon = 2e-4;
+constexpr double kOfLean = 2e-3;  ///< of annular lobes: parts beside a pole are no parallelograms
 
 /// What `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for 1 / (1 +
 /// x^2)^2.
@@ -76,23 +78,24 @@ double BrightLights::ggx_error(double alpha, double rms) const {
 double BrightLights::table_error(const Lobe& lobe, int size, double rms) const {
   const auto fourth_power = [](double x) { return x * x * x * x; };
   const double tighter = kFar / far_;
+  const double scale = lobe.table().smooth_scale;
   double widest = 0.0;  // of the nodes whose rule is used
   for (const Node& node : nodes_) {
-    if (node.merged <= kMergedOfScale * tighter * lobe.scale()) widest = std::max(widest, node.merged);
+    if (node.merged <= kMergedOfScale * tighter * scale) widest = std::max(widest, node.merged);
   }
-  const double node = kOfMerged * fourth_power(widest / lobe.scale());
+  const double node = kOfMerged * fourth_power(widest / scale);
   const bool fields = size >= kSmallMip;  // no block of a smaller one is as small as `kWidestField`
-  const double block =
-      fields ? kOfField * fourth_power(std::min(kFieldOfScale * tighter, kWidestField / lobe.scale())) : 0.0;
-  const double smooth = smooth_table_error(edge_, lobe.width_alpha(), smooth_points_);
+  const double block = fields ? kOfField * fourth_power(std::min(kFieldOfScale * tighter, kWidestField / scale)) : 0.0;
+  const double smooth = lobe.annular() ? 0.0 : smooth_table_error(edge_, lobe.width_alpha(), smooth_points_);
   const double field = norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
   // A mip of few texels may see the lights' flanks alone, which err by more of their value than the peaks.
   const bool misses = 0.5 * kPi / size > lobe.scale();
   const double seen = misses ? std::sqrt(field * std::min(field, rms)) : std::min(field, rms);
-  const double merged = (kLost + std::sqrt(node * node + block * block + smooth * smooth)) * seen;
+  const double shape = lobe.annular() && squares_ > 0.0 ? kOfLean * std::sqrt(leaning_ / squares_) : 0.0;
+  const double merged = (kLost + shape + std::sqrt(node * node + block * block + smooth * smooth)) * seen;
   // A light errs by its size times the slope, on a share of the sphere that is as wide. One does not know of another.
   const double slope = lobe.horizon_slope() + (lobe.hemisphere() ? std::abs(lobe.value(1e-6)) / edge_ : 0.0);
-  const double horizon = kTableHorizon * slope * std::sqrt(cut_square_);
+  const double horizon = (lobe.annular() ? kAnnularHorizon : kTableHorizon) * slope * std::sqrt(cut_square_);
   // Elsewhere a break lies between a texel's points.
   const double broken = lobe.bends() ? lobe.peak() * std::sqrt(squares_ * edge_) / smooth_points_ : 0.0;
   return std::sqrt(horizon * horizon + merged * merged + broken * broken);
@@ -137,6 +140,7 @@ struct BrightLights::Block {
   /// By a table, whatever the distance: the radius over which the lobe is all but a polynomial.
   double most_merged = 0.0;
   bool by_table = false;
+  bool annular = false;  ///< a leaf is seen as a parallelogram
   double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
   double farthest = 2.0;
   double smooth = 0.0;  ///< of GGX, see `even_enough`
@@ -162,7 +166,7 @@ struct BrightLights::Block {
     return distance + margin < nearest || distance - margin > farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
-    if (by_table) return node.merged <= most_merged;
+    if (by_table) return node.merged <= most_merged && (node.merged > 0.0 || !annular);
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -222,10 +226,10 @@ struct BrightLights::Room {
   std::vector<LobeRun> parts;  ///< of cut lights
 };
 
-std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                     std::size_t workers, LightsOf use) noexcept {
-  const std::size_t leaves = most_leaves(texels, shape, least_alpha, use);
-  return tree_bytes(texels, leaves, shape, least_alpha, use) + workers * Room::bytes(leaves);
+std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, const LightLobes& lobes,
+                                     std::size_t workers) noexcept {
+  const std::size_t leaves = most_leaves(texels, shape, lobes);
+  return tree_bytes(texels, leaves, shape, lobes) + workers * Room::bytes(leaves);
 }
 
 /// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
@@ -285,8 +289,12 @@ BrightLights::Block BrightLights::block_of(const FaceArea& area, const Blur& lob
   block.by_table = alpha == 0.0;
   block.smooth = kSmoothOfFar * far_;
   block.widest = kWidestField;
-  if (block.by_table) block.widest = std::min(kWidestField, kFieldOfScale * kFar / far_ * lobe.lobe.scale());
-  block.most_merged = kMergedOfScale * kFar / far_ * lobe.lobe.scale();
+  if (block.by_table) {
+    const double scale = kFar / far_ * lobe.lobe.table().smooth_scale;
+    block.widest = std::min(kWidestField, kFieldOfScale * scale);
+    block.most_merged = kMergedOfScale * scale;
+    block.annular = lobe.lobe.annular();
+  }
   block.horizon = lobe.lobe.hemisphere();
   block.nearest = 2.0 * lobe.lobe.nearest();
   block.farthest = lobe.farthest;
@@ -304,10 +312,11 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
     if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
     const bool cut = sight == Block::Sight::cut;
-    const bool has_parts = leaf || (cut && node.parts.count > 0);
-    if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node))) &&
+    const bool has_parts = leaf || ((cut || block.annular) && node.parts.count > 0);
+    const bool as_parts = block.annular && has_parts;
+    if (!cut && (leaf || as_parts || (node.smooth.count > 0 && block.far_enough(node))) &&
         (step != Step::field || block.even_enough(node))) {
-      add_run(node.smooth, room.runs);
+      add_run(as_parts ? node.parts : node.smooth, as_parts ? room.parts : room.runs);
     } else if (step != Step::parts && (cut || step == Step::field) && (has_parts || node.radius < block.radius)) {
       room.pending.push_back(index);
     } else if (has_parts) {
@@ -351,6 +360,7 @@ void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) c
     of.cosine_cells = shape.table().cosine_cells();
     of.cells_of_c = static_cast<float>(shape.table().cells_of_c);
     of.small = static_cast<float>(0.01 * kSmall * shape.scale());
+    of.annular = shape.annular();
   }
   const LobeKernels& kernels = lobe_kernels();
   kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
@@ -362,7 +372,7 @@ void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) c
 
 /// Adds the lights of `room`'s runs to an area's field.
 void BrightLights::add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const {
-  if (room.runs.empty()) return;
+  if (room.runs.empty() && room.parts.empty()) return;
   for (std::size_t k = 0; k < LightField::kPoints; ++k) {
     room.u[k] = static_cast<float>(LightField::point(area.column, area.end_column, area.size, k % LightField::kEdge));
     room.v[k] = static_cast<float>(LightField::point(area.row, area.end_row, area.size, k / LightField::kEdge));

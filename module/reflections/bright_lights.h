@@ -1,6 +1,7 @@
 // Bright texels as lights without extent, blurred by a lobe: one by one near by, merged where they are far.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -40,6 +41,23 @@ struct LightsLobe {
 
 /// The lobes that will blur lights.
 enum class LightsOf { ggx, any };
+struct LightLobes {
+  LightsOf of = LightsOf::ggx;
+  double least_alpha = 1.0;     ///< least `Lobe::width_alpha`, of all but annular ones
+  double least_annular = 10.0;  ///< least `Lobe::scale` of annular ones
+
+  void take_in(const Lobe& lobe) noexcept {
+    double& least = lobe.annular() ? least_annular : least_alpha;
+    least = std::min(least, lobe.annular() ? lobe.scale() : lobe.width_alpha());
+  }
+  /// Returns radians of a part of a light that is all but a parallelogram to annular lobes, which three cosines stand
+  /// for.
+  [[nodiscard]] double widest_part() const noexcept {
+    return std::min(0.3 * std::sqrt(least_annular), 4.0 * least_annular);
+  }
+  /// Returns alpha of the GGX lobe that is as narrow as the narrowest of all.
+  [[nodiscard]] double narrowest() const noexcept { return std::min(least_alpha, 4.0 / 3.0 * least_annular); }
+};
 
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
 /// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
@@ -49,16 +67,16 @@ enum class LightsOf { ggx, any };
 class BrightLights {
  public:
   BrightLights() = default;
-  /// `least_alpha`: least `Lobe::width_alpha` that will be asked for. `reach`: see `reach_for`.
-  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
-               LightsOf use = LightsOf::ggx);
+  /// `reach`: see `reach_for`.
+  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
+               double reach);
 
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// What they take at most, made of up to so many texels by those arguments: the tree while it is made, and what each
   /// of `workers` needs.
-  [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                              std::size_t workers, LightsOf use = LightsOf::ggx) noexcept;
+  [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const PictureShape& shape, const LightLobes& lobes,
+                                              std::size_t workers) noexcept;
 
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
   /// Returns how much of `LightsLobe::least` may be missing: nothing or all of it. The same bits on any number of
@@ -97,10 +115,10 @@ class BrightLights {
 
   /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
   /// made.
-  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                               LightsOf use) noexcept;
+  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape,
+                                               const LightLobes& lobes) noexcept;
   [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
-                                              double least_alpha, LightsOf use) noexcept;
+                                              const LightLobes& lobes) noexcept;
 
   void make_rooms();
   [[nodiscard]] Blur blur_of(const LightsLobe& lights) const;
@@ -135,6 +153,7 @@ class BrightLights {
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
   double cut_square_ = 0.0;      ///< sizes^3 times squares of colours
   double squares_ = 0.0;         ///< of texels' light
+  double leaning_ = 0.0;         ///< the same times squares of how much wider a part is at one end than in the middle
 };
 
 }  // namespace welkin::reflections

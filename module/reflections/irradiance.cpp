@@ -58,7 +58,7 @@ PrefilterPlan plan_irradiance(int size, double rms_error) {
 
 bool share_harmonics(PrefilterPlan& chain, int size, double rms_error) {
   const ErrorBounds bounds = bounds_of(rms_error);
-  const bool fine = chain.lights == LightsOf::ggx && chain.bands >= bands_for_dark(bounds) &&
+  const bool fine = chain.lights.of == LightsOf::ggx && chain.bands >= bands_for_dark(bounds) &&
                     chain.bounds.rms <= bounds.rms && chain.reach >= reach_for(bounds.rms, bounds.maximum);
   if (!fine || rms_error < kLeastByHarmonics) return false;
   add_irradiance(chain, size, bounds);

@@ -5,14 +5,12 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
-#include <glm/vec3.hpp>
 #include <numbers>
 
 #include "image/geometry.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
-#include "platform/standard_library.h"
-#include "reflections/bright_lights.h"
+#include "reflections/light_parts.h"
 
 namespace welkin::reflections {
 namespace {
@@ -29,153 +27,27 @@ constexpr int kLeastCutTexels = 4;        ///< of such a node
 constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
 constexpr double kOnePart = 0.01;         ///< radians: smaller texels need not be cut for the horizon
 
-/// Places of a picture. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
-class Directions {
- public:
-  explicit Directions(const PictureShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
-
-  [[nodiscard]] const PictureShape& shape() const noexcept { return shape_; }
-  [[nodiscard]] glm::dvec3 at(int face, double column, double row) {
-    if (shape_.cubemap) return image::face_direction(shape_.columns, face, column, row);
-    const math::SineCosine latitude = of_turns(0.25 - row / (2.0 * shape_.rows));
-    const math::SineCosine longitude = of_turns(0.5 - column / shape_.columns);
-    return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
-  }
-  /// Solid angle a texel there, but for a constant.
-  [[nodiscard]] double density_at(double column, double row) {
-    if (!shape_.cubemap) return of_turns(row / (2.0 * shape_.rows)).sine;
-    const double u = 2.0 * column / shape_.columns - 1.0;
-    const double v = 2.0 * row / shape_.columns - 1.0;
-    const double square = 1.0 + u * u + v * v;
-    return 1.0 / (square * std::sqrt(square));
-  }
-  [[nodiscard]] math::SineCosine of_turns(double turns) {
-    const auto bits = platform::bit_cast<std::uint64_t>(turns);
-    Kept& kept = kept_[static_cast<std::size_t>((bits * 0x9E3779B97F4A7C15U) >> (64 - kKeptBits))];
-    if (kept.bits != bits) kept = {bits, math::sine_cosine_of_turns(turns)};
-    return kept.of;
-  }
-
- private:
-  static constexpr int kKeptBits = 10;
-  static constexpr std::size_t kKept = std::size_t{1} << kKeptBits;
-  struct Kept {
-    std::uint64_t bits = ~std::uint64_t{0};  // of no number
-    math::SineCosine of{};
-  };
-
-  PictureShape shape_;
-  std::vector<Kept> kept_;
-};
-
 double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
-bool is_coarse(const PictureShape& shape, LightsOf use) {
+bool is_coarse(const PictureShape& shape, LightsOf of) {
   constexpr double kMostCut = 0.11;  // radians
-  return use == LightsOf::ggx && edge_of(shape) > kMostCut;
+  return of == LightsOf::ggx && edge_of(shape) > kMostCut;
 }
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
-int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::size_t texels) {
+int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
-  const int needed = parts_of(2.0 * least_alpha);  // five points along an edge suffice
-  if (is_coarse(shape, use)) return needed;
-  const int wanted = parts_of(std::min(kOfWidth * 2.0 * least_alpha, kOfSphere));
+  const int needed = parts_of(2.0 * lobes.least_alpha);  // five points along an edge suffice
+  if (is_coarse(shape, lobes.of)) return needed;
+  const int wanted = parts_of(std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
   const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
   return std::max(needed, std::min({wanted, most, 16}));
-}
-
-/// The same light on a picture with `cuts` times as many rows and columns.
-std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape, int cuts) {
-  std::vector<BrightTexel> parts;
-  std::vector<std::int64_t> places;
-  const std::int64_t columns = std::int64_t{cuts} * shape.columns;
-  for (const BrightTexel& texel : texels) {
-    for (int j = 0; j < cuts; ++j) {
-      for (int i = 0; i < cuts; ++i) {
-        BrightTexel part = texel;
-        part.row = texel.row * cuts + j;
-        part.column = texel.column * cuts + i;
-        parts.push_back(part);
-        places.push_back(part.row * columns + part.column);
-      }
-    }
-  }
-  const image::TexelGrid grid = shape.cubemap ? image::TexelGrid::cubemap(cuts * shape.columns)
-                                              : image::TexelGrid::lat_long(cuts * shape.columns, cuts * shape.rows);
-  const std::vector<double> steradians = image::solid_angles_of(grid, places);
-  for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
-  return parts;
-}
-
-/// Light at a place of the picture.
-struct Sample {
-  int face = 0;
-  double column = 0.0;
-  double row = 0.0;
-  std::array<double, 3> light{};
-};
-
-/// Shares its light among the samples from `first` on by the weights that stand there.
-void share_light(const BrightTexel& texel, std::size_t first, std::vector<Sample>& samples) {
-  double whole = 0.0;
-  for (std::size_t k = first; k < samples.size(); ++k) whole += samples[k].light[0];
-  for (std::size_t k = first; k < samples.size(); ++k) {
-    for (std::size_t c = 0; c < 3; ++c)
-      samples[k].light[c] *= texel.steradians * static_cast<double>(texel.excess[c]) / whole;
-  }
-}
-
-Sample sample_at(Directions& directions, const BrightTexel& texel, double across, double down, double weight) {
-  const PictureShape& shape = directions.shape();
-  Sample sample{shape.cubemap ? texel.row / shape.columns : 0,
-                texel.column + across,
-                (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
-                {}};
-  sample.light.fill(weight * directions.density_at(sample.column, sample.row));
-  return sample;
-}
-
-/// Gauss points on a texel, `count` x `count` of them.
-void add_points(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples) {
-  const math::GaussRule rule = math::gauss_legendre(count);
-  const std::size_t first = samples.size();
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(directions, texel, 0.5 + 0.5 * rule.nodes[i], 0.5 + 0.5 * rule.nodes[j],
-                                  rule.weights[i] * rule.weights[j]));
-  }
-  share_light(texel, first, samples);
-}
-
-/// Returns by how many rows the centroid of a part, `high` rows high, lies below its middle. Near a pole rows are
-/// triangles.
-double below_middle(Directions& directions, double row, double high) {
-  constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
-  const PictureShape& shape = directions.shape();
-  if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
-  const math::SineCosine middle = directions.of_turns(row / (2.0 * shape.rows));
-  return high * high * kPi / (12.0 * shape.rows) * middle.cosine / middle.sine;
-}
-
-/// `count` x `count` equal parts of a texel.
-void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use,
-               std::vector<Sample>& samples) {
-  const std::size_t first = samples.size();
-  for (int j = 0; j < count; ++j) {
-    for (int i = 0; i < count; ++i)
-      samples.push_back(sample_at(directions, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
-  }
-  share_light(texel, first, samples);
-  if (use == LightsOf::any) return;  // see `centroid_of`
-  for (std::size_t k = first; k < samples.size(); ++k)
-    samples[k].row += below_middle(directions, samples[k].row, 1.0 / count);
 }
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
@@ -191,56 +63,13 @@ int smooth_points(double radians, double alpha, double reach, LightsOf use) {
   return std::min(5, (edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5)) + tighter);
 }
 
-/// Parts along an edge: that small that the horizon meets a parallelogram.
-int parts_along(double radians, std::size_t texels) {
+/// Parts along an edge: that small that the horizon and annular lobes meet a parallelogram.
+int parts_along(double radians, std::size_t texels, const LightLobes& lobes) {
   constexpr double kPart = 0.008;
-  constexpr int kMost = 16;
+  constexpr int kMost = 32;
   const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostParts / static_cast<double>(texels)));
-  return std::clamp(static_cast<int>(wanted), radians < kOnePart ? 1 : 2, kMost);
-}
-
-LobeLight light_of(Directions& directions, const Sample& sample) {
-  const glm::dvec3 direction = directions.at(sample.face, sample.column, sample.row);
-  const auto single = [](double value) { return static_cast<float>(value); };
-  return {single(direction.x),     single(direction.y),     single(direction.z),
-          single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
-}
-
-/// Returns the direction of the centroid of a part with that middle, by four points of Gauss' rule: half the square of
-/// a part's size away from the middle.
-glm::dvec3 centroid_of(Directions& directions, const Sample& sample, double half) {
-  const double node = half * math::gauss_legendre(2).nodes[1];
-  glm::dvec3 sum(0.0);
-  for (const double across : {-node, node}) {
-    for (const double down : {-node, node}) {
-      const double column = sample.column + across;
-      const double row = sample.row + down;
-      sum += directions.density_at(column, row) * directions.at(sample.face, column, row);
-    }
-  }
-  return glm::normalize(sum);
-}
-
-/// One of `parts` along a texel's edge.
-CutLight cut_light_of(Directions& directions, const Sample& sample, int parts, LightsOf use) {
-  const double half = 0.5 / parts;
-  const glm::dvec3 along = 0.5 * (directions.at(sample.face, sample.column + half, sample.row) -
-                                  directions.at(sample.face, sample.column - half, sample.row));
-  const glm::dvec3 down = 0.5 * (directions.at(sample.face, sample.column, sample.row + half) -
-                                 directions.at(sample.face, sample.column, sample.row - half));
-  CutLight cut{
-      light_of(directions, sample), {}, {}, static_cast<float>(0.01 * (glm::length(along) + glm::length(down)))};
-  for (int axis = 0; axis < 3; ++axis) {
-    cut.along[axis] = static_cast<float>(along[axis]);
-    cut.down[axis] = static_cast<float>(down[axis]);
-  }
-  if (use == LightsOf::any) {
-    const glm::dvec3 centroid = centroid_of(directions, sample, half);
-    cut.light.x = static_cast<float>(centroid.x);
-    cut.light.y = static_cast<float>(centroid.y);
-    cut.light.z = static_cast<float>(centroid.z);
-  }
-  return cut;
+  const int least = std::max(radians < kOnePart ? 1 : 2, static_cast<int>(std::ceil(radians / lobes.widest_part())));
+  return std::clamp(static_cast<int>(wanted), std::min(least, kMost), kMost);
 }
 
 }  // namespace
@@ -260,19 +89,19 @@ class LightTree {
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
-            bool exact, double most_cut_radius, LightsOf use, BrightLights& lights)
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes, double reach,
+            bool exact, double most_cut_radius, BrightLights& lights)
       : shape_(shape),
         directions_(shape),
         lights_(lights),
         rule_(math::gauss_legendre(kOrder)),
         most_cut_radius_(most_cut_radius),
-        use_(use) {
+        use_(lobes.of) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, least_alpha, reach, use);
+    smooth_ = smooth_points(edge, lobes.least_alpha, reach, lobes.of);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
-    parts_ = exact ? 0 : parts_along(edge, texels.size());
+    parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
     places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
@@ -321,18 +150,6 @@ class LightTree {
     return box;
   }
 
-  /// Distance from its centre to its farthest corner or middle of an edge.
-  [[nodiscard]] double radius_of(const Place& place) const {
-    const Corner corner = corner_of(*place.texel);
-    double most = 0.0;
-    for (const double x : {0.0, 0.5, 1.0}) {
-      for (const double y : {0.0, 0.5, 1.0})
-        most = std::max(most,
-                        glm::length(directions_.at(corner.face, corner.column + x, corner.row + y) - place.direction));
-    }
-    return most;
-  }
-
   void bound(BrightLights::Node& node, std::size_t first, std::size_t end) const {
     glm::dvec3 centre(0.0);
     for (std::size_t k = first; k < end; ++k) centre += places_[k].direction;
@@ -342,7 +159,7 @@ class LightTree {
     for (std::size_t k = first; k < end; ++k) {
       radius = std::max(radius, glm::length(places_[k].direction - centre));
       if (k == first || places_[k].texel->row != places_[k - 1].texel->row)
-        texel = std::max(texel, radius_of(places_[k]));
+        texel = std::max(texel, radius_of(places_[k].direction, box_of(k, k + 1)));
     }
     node.centre = {centre.x, centre.y, centre.z};
     node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
@@ -517,9 +334,17 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
+    double squares = 0.0;
     for (const float excess : texel.excess) {
       const double light = texel.steradians * static_cast<double>(excess);
-      lights_.squares_ += light * light;
+      squares += light * light;
+    }
+    lights_.squares_ += squares;
+    if (use_ == LightsOf::any && !shape_.cubemap) {
+      const double above = directions_.density_at(0.0, texel.row + 0.5 - 0.3 / parts_);
+      const double below = directions_.density_at(0.0, texel.row + 0.5 + 0.3 / parts_);
+      const double lean = (below - above) / (below + above);
+      lights_.leaning_ += squares * lean * lean;
     }
     if (parts_ == 0) {
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
@@ -546,7 +371,7 @@ class LightTree {
     }
     const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMostTurns * shape_.columns;
     if (box.end.face - box.first.face > 1 || many_turns) return;
-    const double radius = std::max(node.radius, radius_of(node, box));
+    const double radius = std::max(node.radius, radius_of({node.centre[0], node.centre[1], node.centre[2]}, box));
     if (radius > kWidest) return;
     node.merged = radius;
     lights_.most_merged_ = std::max(lights_.most_merged_, radius);
@@ -577,10 +402,8 @@ class LightTree {
     node.smooth = {first, kOrder * kOrder};
   }
 
-  /// Distance from its centre to the farthest corner or middle of an edge of the box, which the rule's points fill: its
-  /// light may lie along a diagonal.
-  [[nodiscard]] double radius_of(const BrightLights::Node& node, const Box& box) const {
-    const glm::dvec3 centre(node.centre[0], node.centre[1], node.centre[2]);
+  /// Distance from a centre to the farthest corner or middle of an edge of a box, whose light may lie along a diagonal.
+  [[nodiscard]] double radius_of(const glm::dvec3& centre, const Box& box) const {
     double most = 0.0;
     for (const double x : {0.0, 0.5, 1.0}) {
       for (const double y : {0.0, 0.5, 1.0}) {
@@ -619,41 +442,41 @@ class LightTree {
   LightsOf use_;
 };
 
-BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
-                           double reach, LightsOf use)
+BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
+                           double reach)
     : far_(kFar * std::sqrt(std::sqrt(math::exponential(std::max(0.0, reach - kDefaultReach))))) {
   if (texels.empty()) return;
-  const int cuts = cuts_of(shape, least_alpha, use, texels.size());
+  const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
-  const bool exact = is_coarse(shape, use);
+  const bool exact = is_coarse(shape, lobes.of);
   if (exact)
     texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
-  const double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, reach, exact,
-                       use == LightsOf::any ? std::min(most_cut, 0.5 * least_alpha) : most_cut, use, *this);
+  double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
+  if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
   make_rooms();
 }
 
-std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha,
-                                      LightsOf use) noexcept {
-  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, 1));
-  const auto needed = static_cast<std::size_t>(cuts_of(shape, least_alpha, use, std::size_t{1} << 30U));
+std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, const LightLobes& lobes) noexcept {
+  const auto cuts = static_cast<std::size_t>(cuts_of(shape, lobes, 1));
+  const auto needed = static_cast<std::size_t>(cuts_of(shape, lobes, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
   const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
   return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
 std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
-                                     double least_alpha, LightsOf use) noexcept {
+                                     const LightLobes& lobes) noexcept {
   if (texels == 0) return 0;
-  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, use, texels);
-  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
-  const std::size_t cut = is_coarse(shape, use) ? 0 : parts + leaves;
+  const double edge = edge_of(shape) / cuts_of(shape, lobes, texels);
+  const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
+  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * along * along);
+  const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha, kDefaultReach + 1.0, use)) +
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +
          cut * sizeof(CutLight) + cutting;
 }
 

@@ -39,6 +39,10 @@ struct KernelTable {
   std::vector<float> twice_integrated;
   double cells_of_c = 0.0;
 
+  /// Radians: `Lobe::scale` of the bell whose fourth derivative is as large beside its peak as the kernel's is where it
+  /// has no break.
+  double smooth_scale = 0.0;
+
   [[nodiscard]] int cells() const noexcept { return static_cast<int>(lines.size() / 2); }
   [[nodiscard]] int cosine_cells() const noexcept { return static_cast<int>(twice_integrated.size() / 4); }
 };
@@ -84,6 +88,9 @@ class Lobe {
   [[nodiscard]] double horizon_slope() const noexcept { return horizon_slope_; }
   /// Returns whether it has breaks but for a hemisphere's horizon.
   [[nodiscard]] bool bends() const noexcept { return breaks_.size() > (hemisphere_ ? 1U : 0U); }
+  /// Returns whether all of it lies in a ring about the axis, above the horizon: a small light sees it as a function of
+  /// a cosine that changes evenly.
+  [[nodiscard]] bool annular() const noexcept;
   [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
   [[nodiscard]] const KernelTable& table() const;  ///< made when it is first asked for; empty for GGX
   /// Bands beyond which there is nothing; 0: it has no end.
@@ -107,6 +114,7 @@ class Lobe {
   void find_where_seen();
   void make_table() const;
   void integrate_twice() const;
+  [[nodiscard]] double find_smooth_scale() const;
   [[nodiscard]] std::vector<double> find_spectrum(int bands) const;
 
   double alpha_ = 0.0;

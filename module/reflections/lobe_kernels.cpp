@@ -156,6 +156,9 @@ WELKIN_INLINE Lanes twice_integrated(const LobeBlock& texels, Lanes c) {
 struct SeenLight {
   Lanes c, a, b;
   float along_square, down_square;
+
+  /// Of the length, in the mean.
+  [[nodiscard]] WELKIN_INLINE float longer() const { return (along_square + down_square) / 6.0F; }
 };
 
 /// Mean of a kernel that meets its horizon there, by its second integral as in `mean_above`.
@@ -164,7 +167,7 @@ WELKIN_INLINE Lanes mean_at_horizon(const LobeBlock& texels, const SeenLight& se
   const Lanes wide = xsimd::max(xsimd::abs(seen.b), least);
   const Lanes both = high + wide;
   const Lanes one = high - wide;
-  const Lanes c = seen.c * Lanes(1.0F - (seen.along_square + seen.down_square) / 6.0F);
+  const Lanes c = seen.c * Lanes(1.0F - seen.longer());
   const Lanes differences = (twice_integrated(texels, c + both) - twice_integrated(texels, c + one)) -
                             (twice_integrated(texels, c - one) - twice_integrated(texels, c - both));
   return differences / (Lanes(4.0F) * high * wide);
@@ -193,17 +196,39 @@ WELKIN_INLINE Lanes mean_of_points(const LobeBlock& texels, const SeenLight& see
   return sum;
 }
 
+/// Mean of a kernel that changes evenly with the cosine: by three cosines that have the light's own moments up to the
+/// fifth.
+WELKIN_INLINE Lanes mean_of_cosines(const LobeBlock& texels, const SeenLight& seen, Lanes chord, Lanes least) {
+  const Lanes a = xsimd::max(seen.a * seen.a, least * least);
+  const Lanes b = xsimd::max(seen.b * seen.b, least * least);
+  const Lanes second = (a + b) * Lanes(1.0F / 3.0F);
+  const Lanes fourth = (a * a + b * b) * Lanes(0.2F) + a * b * Lanes(2.0F / 3.0F);
+  const Lanes square = fourth / second;
+  const Lanes share = second / (square + square);
+  const Lanes away = Lanes(2.0F) * xsimd::sqrt(square);
+  const Lanes middle = chord + seen.c * Lanes(2.0F * seen.longer());
+  const Lanes ends = looked_up(texels, xsimd::max(middle - away, Lanes(0.0F))) + looked_up(texels, middle + away);
+  return looked_up(texels, middle) + share * (ends - Lanes(2.0F) * looked_up(texels, middle));
+}
+
 /// Mean of a table's kernel over a light.
 WELKIN_INLINE Lanes mean_looked_up(const LobeBlock& texels, const Directions& texel, const CutLight& light) {
-  const SeenLight seen{Lanes(1.0F) - Lanes(0.5F) * chord_of(texel, light.light), along(texel, light.along),
-                       along(texel, light.down), square_of(light.along), square_of(light.down)};
+  const Lanes chord = chord_of(texel, light.light);
+  const SeenLight seen{Lanes(1.0F) - Lanes(0.5F) * chord, along(texel, light.along), along(texel, light.down),
+                       square_of(light.along), square_of(light.down)};
   const Lanes least(light.least);
   const Lanes both = xsimd::max(xsimd::abs(seen.a), least) + xsimd::max(xsimd::abs(seen.b), least);
-  if (!xsimd::any(seen.c > Lanes(0.0F) - both)) return Lanes(0.0F);
+  const Lanes nearest(1.0F - 0.5F * texels.nearest);
+  if (!xsimd::any((seen.c > Lanes(0.0F) - both) & (seen.c - both < nearest))) return Lanes(0.0F);
   const auto above = seen.c > both;
   Lanes sum(0.0F);
-  if (xsimd::any(above))
-    sum = light.least <= texels.small ? mean_of_points<2>(texels, seen) : mean_of_points<3>(texels, seen);
+  if (xsimd::any(above)) {
+    if (texels.annular) {
+      sum = mean_of_cosines(texels, seen, chord, least);
+    } else {
+      sum = light.least <= texels.small ? mean_of_points<2>(texels, seen) : mean_of_points<3>(texels, seen);
+    }
+  }
   if (xsimd::all(above)) return sum;
   return xsimd::select(above, sum, mean_at_horizon(texels, seen, least));
 }

@@ -51,7 +51,8 @@ struct LobeBlock {
   const float* twice_integrated = nullptr;  ///< and the parts of lights that the horizon cuts
   int cosine_cells = 0;
   float cells_of_c = 0.0F;
-  float small = 0.0F;  ///< most `CutLight::least` over which the kernel is all but a cubic
+  float small = 0.0F;    ///< most `CutLight::least` over which the kernel is all but a cubic
+  bool annular = false;  ///< `Lobe::annular`
 };
 inline constexpr int kLobeTexels = simd::kLanes;
 
@@ -59,7 +60,8 @@ inline constexpr int kLobeTexels = simd::kLanes;
 /// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light. Of cut
 /// lights max(0, c) is its mean over the parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of
 /// the lobe is in that part. A kernel by its table is integrated over a cut light exactly, as a function of the cosine,
-/// where the horizon meets the light, and by 2 x 2 or 3 x 3 points elsewhere.
+/// where the horizon meets the light. Elsewhere it is summed at 2 x 2 or 3 x 3 points, or an annular one at three
+/// cosines.
 using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count,
                           float* sums);
 using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,

@@ -250,6 +250,7 @@ void Lobe::make_table() const {
     table_.lines.push_back(static_cast<float>((last - first) / width));
   }
   if (hemisphere_) integrate_twice();
+  table_.smooth_scale = find_smooth_scale();
 }
 
 void Lobe::integrate_twice() const {
@@ -274,6 +275,28 @@ void Lobe::integrate_twice() const {
     once += width * (begin + rise / 2.0);
   }
   add(twice, once, 0.0, 0.0);
+}
+
+bool Lobe::annular() const noexcept {
+  constexpr double kNearest = 0.1;  // in s
+  return hemisphere_ && alpha_ == 0.0 && nearest_ > kNearest && !bends();
+}
+
+double Lobe::find_smooth_scale() const {
+  constexpr double kOfBell =
+      2.17;  // its scale, sqrt(e) deviations, over the fourth root of its peak over the derivative
+  const double step = 0.25 * scale_;
+  const auto angle_of = [](double s) { return 2.0 * math::arc_sine(s); };
+  double largest = 0.0;
+  for (double angle = angle_of(nearest_); angle <= angle_of(farthest_); angle += step) {
+    const auto crossed = [&](double s) { return std::abs(angle_of(s) - angle) < 2.0 * step; };
+    if (std::any_of(breaks_.begin(), breaks_.end(), crossed)) continue;
+    const auto at = [&](double steps) {
+      return value_at(std::abs(math::sine_cosine_of_turns((angle + steps * step) / (4.0 * kPi)).sine));
+    };
+    largest = std::max(largest, std::abs(at(-2.0) + at(2.0) - 4.0 * (at(-1.0) + at(1.0)) + 6.0 * at(0.0)));
+  }
+  return std::max(scale_, kOfBell * step * std::sqrt(std::sqrt(peak_ / std::max(largest, 1e-9 * peak_))));
 }
 
 Lobe::Lobe(double alpha)

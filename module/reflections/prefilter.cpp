@@ -285,9 +285,9 @@ void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatc
 
 void LobeChain::run_spectral(const Control& control) {
   const Stopwatch watch;
-  const std::size_t most = plan_.lights == LightsOf::ggx ? kMostBright : kMostBrightFar;
+  const std::size_t most = plan_.lights.of == LightsOf::ggx ? kMostBright : kMostBrightFar;
   const std::vector<BrightTexel> texels = find_bright_texels(source_, spectral_.light_alpha, most, {control.stop, {}});
-  bright_ = BrightLights(texels, PictureShape::of(source_), plan_.least_alpha, plan_.reach, plan_.lights);
+  bright_ = BrightLights(texels, PictureShape::of(source_), plan_.lights, plan_.reach);
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
@@ -335,7 +335,7 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
 /// Returns whether the bands do for this picture, which energies_ are of; if not, there are more of them in
 /// `spectral_`.
 bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
-  if (plan_.lights == LightsOf::any) {
+  if (plan_.lights.of == LightsOf::any) {
     const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
     return std::exchange(spectral_.bands, wanted) == wanted;
   }
@@ -363,7 +363,7 @@ bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control&
     note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
   }
 
-  if (plan_.lights == LightsOf::ggx && !plan_.mips.empty())
+  if (plan_.lights.of == LightsOf::ggx && !plan_.mips.empty())
     picture_energies_ = whole_energies(energies_, texels, PictureShape::of(source_), {control.stop, {}});
 
   jobs::TaskGraph graph;
@@ -517,7 +517,8 @@ void LobeChain::run_narrow(const Control& control) {
   const NearSplit& split = narrow.split;
   const double sharpest = sharpest_lobe(split);
   const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
-  narrow.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
+  narrow.bright =
+      BrightLights(texels, PictureShape::of(source_), {LightsOf::ggx, kFarLights * sharpest}, narrow_reach(plan_));
   narrow.bright_texels = static_cast<int>(texels.size());
   narrow.contrast = contrast_of(source_);
   Rings rings = rings_of(source_, texels, source_.cubemap() ? far_rows_for_cubemap(split) : 0, {control.stop, {}});

@@ -294,9 +294,10 @@ bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource&
 
 bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {
   MipPlan narrowest;
-  narrowest.alpha = plan.least_alpha;
-  narrowest.lobe = std::make_shared<const Lobe>(plan.least_alpha);
-  narrowest.bands = choose_bands(plan.least_alpha, plan.bounds.tightened(kMostTightenings), plan.bands);  // at most
+  narrowest.alpha = plan.lights.least_alpha;
+  narrowest.lobe = std::make_shared<const Lobe>(plan.lights.least_alpha);
+  narrowest.bands =
+      choose_bands(plan.lights.least_alpha, plan.bounds.tightened(kMostTightenings), plan.bands);  // at most
   return keeps_rms_error(narrowest, plan.bounds.rms, source, lights);
 }
 

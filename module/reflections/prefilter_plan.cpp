@@ -154,7 +154,7 @@ double alpha_of_bands(int bands) noexcept {
 }  // namespace
 
 int PrefilterPlan::face_for_cubemap(int face) const noexcept {
-  const bool ggx = lights == LightsOf::ggx;
+  const bool ggx = lights.of == LightsOf::ggx;
   const double least = ggx ? face_texels_within(ring_alpha, bands_for_dark(tight()), tight())
                            : face_texels_within(alpha_of_bands(bands), bands, {});
   return halved_to(face, least, ggx ? tight() : ErrorBounds{});
@@ -162,7 +162,7 @@ int PrefilterPlan::face_for_cubemap(int face) const noexcept {
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
   const double wanted =
-      lights == LightsOf::ggx ? rings_within(ring_alpha, tight()) : rings_within(alpha_of_bands(bands), {});
+      lights.of == LightsOf::ggx ? rings_within(ring_alpha, tight()) : rings_within(alpha_of_bands(bands), {});
   return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
 }
 
@@ -222,7 +222,7 @@ bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
 
 PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
   constexpr double kLeastBound = 9e-4;  // weights err by less
-  if (!may_integrate || lights != LightsOf::ggx || bands == 0 || least_of(bounds) < kLeastBound || face % 2 != 0)
+  if (!may_integrate || lights.of != LightsOf::ggx || bands == 0 || least_of(bounds) < kLeastBound || face % 2 != 0)
     return *this;
   std::vector<MipPlan> own;
   for (std::size_t k = 0; k < spectral_lobes.size(); ++k)
@@ -260,7 +260,7 @@ PrefilterPlan PrefilterPlan::tightened(int steps) const {
 }
 
 PrefilterPlan PrefilterPlan::largest() const {
-  if (lights == LightsOf::ggx) return tightened(kMostTightenings);
+  if (lights.of == LightsOf::ggx) return tightened(kMostTightenings);
   PrefilterPlan most = *this;
   if (bands == 0) return most;
   const auto ends = [](const auto& lobe) { return lobe->last_band() > 0; };
@@ -299,7 +299,7 @@ namespace {
 /// Adds a spectral mip to what all of them share.
 void take_in(const MipPlan& mip, int bands, PrefilterPlan& plan) {
   plan.light_alpha = std::min(plan.light_alpha, mip.lobe->light_alpha());
-  plan.least_alpha = std::min(plan.least_alpha, mip.lobe->width_alpha());
+  plan.lights.take_in(*mip.lobe);
   plan.bands = std::max(plan.bands, bands);
   plan.ring_alpha = std::min(plan.ring_alpha, mip.lobe->width_alpha());
   plan.spectral_lobes.push_back(mip.lobe);
@@ -361,7 +361,7 @@ int first_bands(const Lobe& lobe, double rms_error) {
 void plan_kernels(const std::vector<ZonalKernel>& kernels, bool reference, PrefilterPlan& plan) {
   const ErrorBounds usual;
   plan.reach = reach_for(std::min(usual.rms, plan.bounds.rms), usual.maximum);
-  plan.lights = LightsOf::any;
+  plan.lights.of = LightsOf::any;
   for (std::size_t level = 0; level < kernels.size(); ++level) {
     MipPlan mip;
     mip.size = std::max(1, plan.size >> level);

@@ -53,11 +53,9 @@ struct PrefilterPlan {
   /// fewer.
   int bands = 0;
 
-  // Alphas of the spectral mips' lobes, the least of them, 1 if there is none; of the whole chain, as a mip must not
-  // change where others are left out. All are the same for GGX.
-  double light_alpha = 1.0;         ///< `Lobe::light_alpha`: decides which texels are taken out
-  double least_alpha = 1.0;         ///< `Lobe::width_alpha`: decides how those are cut into lights
-  LightsOf lights = LightsOf::ggx;  ///< the lobes of all mips
+  // Of the whole chain's spectral mips, as a mip must not change where others are left out.
+  double light_alpha = 1.0;  ///< `Lobe::light_alpha`: decides which texels are taken out
+  LightLobes lights;         ///< decide how those are cut into lights
 
   /// The family of lobes that options name, and of all but GGX what decides each lobe of the whole chain: roughness or
   /// spectrum.
