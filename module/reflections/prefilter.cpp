@@ -70,7 +70,7 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
-constexpr double kMostSharp = 2.6;         ///< over the reach: of lobes whose dark parts mostly take more bands
+constexpr double kMostSharp = 2.6;        ///< over the reach: of lobes whose dark parts mostly take more bands
 constexpr int kFewBands = 72;             ///< these take no longer than to look whether fewer do
 
 using Faces = std::array<float*, 6>;
@@ -432,8 +432,7 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   const ErrorBounds tight = target.bounds.tightened(target.tightenings);
   const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
   const bool sharp = 2.0 * mip.alpha * of_dark < kMostSharp * reach_within(tight);
-  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp)
-    mip.bands = tapered_lobe(mip.alpha, of_dark);
+  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp) mip.bands = tapered_lobe(mip.alpha, of_dark);
   blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   if (near) add_near_sums(target, mip, {control.stop, {}});
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {

@@ -64,8 +64,7 @@ static void of_equal_posts(void) {
 
 static void of_jobs_that_are_given_up(void) {
   static counter up[6];
-  const welkin_worker_options options = {
-      .struct_size = sizeof options, .threads = 1, .max_jobs = 4};
+  const welkin_worker_options options = {.struct_size = sizeof options, .threads = 1, .max_jobs = 4};
   welkin_worker* worker = NULL;
   CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &worker));
   gate closed = {0, 0};
