@@ -100,7 +100,7 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
     records = std::max<std::uint64_t>(records, reflections::near_sums_bytes(split));
     bytes += grid_bytes(split.bands, reflections::far_grid(split)) + reflections::NearTable::most_bytes(split);
   }
-  const int cut = finest.face / source.columns;
+  const auto cut = static_cast<std::uint64_t>(finest.face / source.columns);
   return bytes + records + (cut > 1 ? kTexelBytes * cut * source.texels() : 0);
 }
 

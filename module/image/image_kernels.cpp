@@ -391,13 +391,13 @@ float read_all(const float* values, std::int64_t groups) {
 // Plain loops, which the compiler vectorises; `half_from_float` and `float_from_half` are the same for one value.
 
 std::uint32_t bits_of(float value) {
-  std::uint32_t bits;
+  std::uint32_t bits = 0;
   std::memcpy(&bits, &value, sizeof bits);
   return bits;
 }
 
 float float_of(std::uint32_t bits) {
-  float value;
+  float value = 0.0F;
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }

@@ -81,7 +81,7 @@ class BrightLights {
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
   /// Returns how much of `LightsLobe::least` may be missing: nothing or all of it. The same bits on any number of
   /// threads and instruction set. Throws `Error` (cancelled).
-  double add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
+  double add(const LightsLobe& lights, int size, const std::array<float*, 6>& faces, const Control& control) const;
 
   /// Returns the root mean square over the sphere of what they err, all channels together: at the horizon, and where
   /// merged. `rms`: that of a mip of `size` that they are part of, which their own does not exceed.
