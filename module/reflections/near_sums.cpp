@@ -399,7 +399,7 @@ NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach
     const double reach = bands_of_reach / bands;
     if (reach > kMostReach) continue;
     const NearSplit split{face, size, alpha, reach, bands};
-    if (reach < std::max(split.reach_of_lobe(), split.reach_of_texels())) break;
+    if (!split.serves()) break;
     if (best.bands == 0 || milliseconds_of(split) < milliseconds_of(best)) best = split;
   }
   return best;

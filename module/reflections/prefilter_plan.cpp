@@ -197,25 +197,21 @@ MipPlan split_where_cheaper(std::shared_ptr<const Lobe> lobe, int size, int face
   return mip;
 }
 
-/// Gives all splits the bands of the largest, whose reach is shorter then. Returns false if that is too short for a
-/// lobe, which is then left to harmonics.
+/// Gives all splits the bands of the largest, whose reach is shorter then. Returns false if that is too short for one,
+/// whose lobe is then left to harmonics.
 bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
-  int shared = 0;
   plan.bands = bands_for_dark(plan.bounds);
   plan.ring_alpha = 1.0;
-  for (const MipPlan& mip : mips) {
-    shared = std::max(shared, mip.near.bands);
+  for (const MipPlan& mip : mips)
     plan.bands = std::max(plan.bands, mip.near.face > 0 ? mip.near.bands : bands_within(mip.alpha, plan.bounds));
-  }
   for (MipPlan& mip : mips) {
     if (mip.near.face > 0) {
-      mip.near.bands = shared;
-      const double shorter = std::min(mip.near.reach, bands_of_reach(least_of(plan.bounds)) / shared);
-      if (shorter < mip.near.reach_of_lobe()) {
+      mip.near.bands = plan.bands;
+      mip.near.reach = std::min(mip.near.reach, bands_of_reach(least_of(plan.bounds)) / plan.bands);
+      if (!mip.near.serves()) {
         mip.near = {};
         return false;
       }
-      mip.near.reach = std::max(mip.near.reach_of_texels(), shorter);
     }
     plan.ring_alpha = std::min(plan.ring_alpha, mip.ring_alpha());
   }
@@ -225,7 +221,7 @@ bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
 }  // namespace
 
 PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
-  constexpr double kLeastBound = 9e-5;
+  constexpr double kLeastBound = 9e-4;  // weights err by less
   if (!may_integrate || lights.of != LightsOf::ggx || bands == 0 || least_of(bounds) < kLeastBound || face % 2 != 0)
     return *this;
   std::vector<MipPlan> own;
