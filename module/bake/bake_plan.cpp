@@ -79,7 +79,8 @@ reflections::PictureShape picture_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Of narrow mips: a spectrum of their own, lights and a copy without them, the images of all texels, weights, grids.
+/// Returns the bytes that narrow mips add: a spectrum, lights and a copy without them, records of texels, weights and
+/// grids.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const reflections::NearSplit finest = split_of(source, plan.narrow_size, 0.0);
   const int rings = source.cubemap ? reflections::far_rows_for_cubemap(finest) : source.rows;
@@ -427,7 +428,7 @@ class BakePlanner {
         {400.0 * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
   }
 
-  /// Of the mips that are there: a file may carry fewer.
+  /// Counts only mips that exist: a file may hold fewer.
   void octahedral() {
     if (!options_.octahedral) return;
     if (!options_.specular) {

@@ -26,7 +26,7 @@ constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the squar
 constexpr double kLost = 5e-6;    ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 
-// The same by a table. Its constants were fitted in several rounds to some hundred random environments
+// Constants of lobes in tables. They were fitted in several rounds to some hundred random environments
 // (docs/reflections.md). Over its scale:
 constexpr double kMergedOfScale = 0.4;  ///< most radius of a node
 constexpr double kFieldOfScale = 0.25;  ///< most radius of a block with a field

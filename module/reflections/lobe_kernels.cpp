@@ -157,7 +157,7 @@ struct SeenLight {
   Lanes c, a, b;
   float along_square, down_square;
 
-  /// Of the length, in the mean.
+  /// Mean of the length.
   [[nodiscard]] WELKIN_INLINE float longer() const { return (along_square + down_square) / 6.0F; }
 };
 

@@ -100,7 +100,7 @@ struct PairKey {
   bool operator==(const PairKey&) const = default;
 };
 
-/// What a roughness between two mips makes of a picture's energies, degree by degree: no picture changes it.
+/// Factors on the energy of each degree for one roughness between two mips. They do not depend on the picture.
 struct SeenBetween {
   explicit SeenBetween(const PairKey& key);
 
