@@ -15,42 +15,7 @@
 #include "platform/standard_library.h"
 #include "welkin/environment_file.h"
 
-namespace welkin {
-namespace {
-
-[[noreturn]] void refuse_view(const EnvironmentInfo& info, const char* wanted) {
-  throw platform::file_error(ErrorCode::invalid_argument, info.path,
-                             std::string("is held as a ") + name(info.layout) + " (" + info.layout_reason +
-                                 "), and a view of a " + wanted + " was asked for; read it with that layout");
-}
-
-}  // namespace
-
-std::string EnvironmentInfo::format_words() const {
-  std::string words = name(format);
-  for (const FileFormat other : other_formats) words += std::string(", ") + name(other);
-  return words;
-}
-
-int Environment::face_size() const noexcept { return files::face_size(info.layout, info.width, info.height); }
-
-LatLongView Environment::lat_long() const {
-  if (info.layout != Layout::lat_long) refuse_view(info, "lat-long");
-  return {pixels.get(), info.width, info.height, 0, PixelFormat::rgb32f};
-}
-
-CubemapView Environment::cubemap() const {
-  const int size = face_size();
-  if (size == 0) refuse_view(info, "cubemap");
-  const std::size_t face_floats = static_cast<std::size_t>(files::rgb_bytes(size, size)) / sizeof(float);
-  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
-  for (std::size_t face = 0; face < view.faces.size(); ++face) {
-    view.faces[face] = pixels.get() + face * face_floats;
-  }
-  return view;
-}
-
-namespace files {
+namespace welkin::files {
 namespace {
 
 // Whether the picture's rows are those of `Environment::pixels`, in their order.
@@ -113,19 +78,6 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
   return environment;
 }
 
-}  // namespace files
-
-EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options) {
-  const platform::FloatingPointScope floating_point;
-  return files::open_row_source(input, options)->info();
-}
-
-Environment read_environment(const FileInput& input, const ReadOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return files::read_whole(*files::open_row_source(input, options), options, control);
-}
-
-namespace files {
 namespace {
 
 // What one row adds. Each row has a slot of its own and slots are added from top to bottom, so that neither
@@ -274,7 +226,52 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
 }
 
 }  // namespace
-}  // namespace files
+}  // namespace welkin::files
+
+namespace welkin {
+namespace {
+
+[[noreturn]] void refuse_view(const EnvironmentInfo& info, const char* wanted) {
+  throw platform::file_error(ErrorCode::invalid_argument, info.path,
+                             std::string("is held as a ") + name(info.layout) + " (" + info.layout_reason +
+                                 "), and a view of a " + wanted + " was asked for; read it with that layout");
+}
+
+}  // namespace
+
+std::string EnvironmentInfo::format_words() const {
+  std::string words = name(format);
+  for (const FileFormat other : other_formats) words += std::string(", ") + name(other);
+  return words;
+}
+
+int Environment::face_size() const noexcept { return files::face_size(info.layout, info.width, info.height); }
+
+LatLongView Environment::lat_long() const {
+  if (info.layout != Layout::lat_long) refuse_view(info, "lat-long");
+  return {pixels.get(), info.width, info.height, 0, PixelFormat::rgb32f};
+}
+
+CubemapView Environment::cubemap() const {
+  const int size = face_size();
+  if (size == 0) refuse_view(info, "cubemap");
+  const std::size_t face_floats = static_cast<std::size_t>(files::rgb_bytes(size, size)) / sizeof(float);
+  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
+  for (std::size_t face = 0; face < view.faces.size(); ++face) {
+    view.faces[face] = pixels.get() + face * face_floats;
+  }
+  return view;
+}
+
+EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options) {
+  const platform::FloatingPointScope floating_point;
+  return files::open_row_source(input, options)->info();
+}
+
+Environment read_environment(const FileInput& input, const ReadOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  return files::read_whole(*files::open_row_source(input, options), options, control);
+}
 
 EnvironmentStatistics measure_environment(const FileInput& input, const ReadOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;

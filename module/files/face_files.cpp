@@ -18,8 +18,7 @@
 #include "projection/sanitizer.h"
 #include "welkin/environment_file.h"
 
-namespace welkin {
-namespace files {
+namespace welkin::files {
 namespace {
 
 using Path = std::filesystem::path;
@@ -225,17 +224,7 @@ SixPaths faces_in(const Path& directory) {
 }
 
 }  // namespace
-}  // namespace files
 
-std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {
-  const platform::FloatingPointScope floating_point;
-  std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) ? files::faces_in(path) : files::faces_beside(path);
-}
-
-}  // namespace welkin
-
-namespace welkin::files {
 namespace {
 
 using Faces = std::array<std::unique_ptr<RowSource>, 6>;
@@ -411,3 +400,13 @@ std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vec
 }
 
 }  // namespace welkin::files
+
+namespace welkin {
+
+std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {
+  const platform::FloatingPointScope floating_point;
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? files::faces_in(path) : files::faces_beside(path);
+}
+
+}  // namespace welkin

@@ -115,61 +115,6 @@ int face_size(Layout layout, int width, int height) noexcept {
   return size * placement.columns == width && size * placement.rows == height ? size : 0;
 }
 
-}  // namespace welkin::files
-
-namespace welkin {
-
-const char* name(Layout layout) noexcept {
-  switch (layout) {
-    case Layout::automatic: return "automatic";
-    case Layout::lat_long: return "lat-long";
-    case Layout::vertical_strip: return "vertical-strip";
-    case Layout::horizontal_strip: return "horizontal-strip";
-    case Layout::horizontal_cross: return "horizontal-cross";
-    case Layout::vertical_cross: return "vertical-cross";
-    case Layout::six_files: return "six-files";
-  }
-  return "unknown";
-}
-
-const char* name(FileFormat format) noexcept {
-  switch (format) {
-    case FileFormat::openexr: return "OpenEXR";
-    case FileFormat::radiance: return "Radiance";
-    case FileFormat::pfm: return "PFM";
-    case FileFormat::png: return "PNG";
-    case FileFormat::ktx2: return "KTX2";
-    case FileFormat::dds: return "DDS";
-    case FileFormat::ktx1: return "KTX";
-    case FileFormat::babylon: return "Babylon.js .env";
-  }
-  return "unknown";
-}
-
-const char* name(ChannelType type) noexcept {
-  switch (type) {
-    case ChannelType::unknown: return "unknown";
-    case ChannelType::half: return "half";
-    case ChannelType::float32: return "float";
-    case ChannelType::uint32: return "uint";
-    case ChannelType::rgbe: return "rgbe";
-    case ChannelType::xyze: return "xyze";
-    case ChannelType::rgbd: return "rgbd";
-    case ChannelType::uint1: return "uint1";
-    case ChannelType::uint2: return "uint2";
-    case ChannelType::uint4: return "uint4";
-    case ChannelType::uint8: return "uint8";
-    case ChannelType::uint16: return "uint16";
-    case ChannelType::ufloat10: return "ufloat10";
-    case ChannelType::ufloat11: return "ufloat11";
-    case ChannelType::shared_exponent: return "shared exponent";
-  }
-  return "unknown";
-}
-
-}  // namespace welkin
-
-namespace welkin::files {
 namespace {
 
 // {column, row} of +X -X +Y -Y +Z -Z.
@@ -267,3 +212,55 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
 }
 
 }  // namespace welkin::files
+
+namespace welkin {
+
+const char* name(Layout layout) noexcept {
+  switch (layout) {
+    case Layout::automatic: return "automatic";
+    case Layout::lat_long: return "lat-long";
+    case Layout::vertical_strip: return "vertical-strip";
+    case Layout::horizontal_strip: return "horizontal-strip";
+    case Layout::horizontal_cross: return "horizontal-cross";
+    case Layout::vertical_cross: return "vertical-cross";
+    case Layout::six_files: return "six-files";
+  }
+  return "unknown";
+}
+
+const char* name(FileFormat format) noexcept {
+  switch (format) {
+    case FileFormat::openexr: return "OpenEXR";
+    case FileFormat::radiance: return "Radiance";
+    case FileFormat::pfm: return "PFM";
+    case FileFormat::png: return "PNG";
+    case FileFormat::ktx2: return "KTX2";
+    case FileFormat::dds: return "DDS";
+    case FileFormat::ktx1: return "KTX";
+    case FileFormat::babylon: return "Babylon.js .env";
+  }
+  return "unknown";
+}
+
+const char* name(ChannelType type) noexcept {
+  switch (type) {
+    case ChannelType::unknown: return "unknown";
+    case ChannelType::half: return "half";
+    case ChannelType::float32: return "float";
+    case ChannelType::uint32: return "uint";
+    case ChannelType::rgbe: return "rgbe";
+    case ChannelType::xyze: return "xyze";
+    case ChannelType::rgbd: return "rgbd";
+    case ChannelType::uint1: return "uint1";
+    case ChannelType::uint2: return "uint2";
+    case ChannelType::uint4: return "uint4";
+    case ChannelType::uint8: return "uint8";
+    case ChannelType::uint16: return "uint16";
+    case ChannelType::ufloat10: return "ufloat10";
+    case ChannelType::ufloat11: return "ufloat11";
+    case ChannelType::shared_exponent: return "shared exponent";
+  }
+  return "unknown";
+}
+
+}  // namespace welkin

@@ -215,10 +215,6 @@ void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, st
   }
 }
 
-}  // namespace welkin::files
-
-namespace welkin {
-namespace files {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
@@ -340,43 +336,6 @@ void TextureReader::read(int level, int face, int first_row, int rows, float* rg
   decode(texels_.data(), size, first_row, rows, rgb);
 }
 
-}  // namespace files
-
-CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_bytes, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  platform::ByteFile file = files::open_file(input);
-  const files::TextureLayout layout = files::read_texture_layout(file);
-  if (layout.faces() != 6 || layout.elements > 1) {
-    throw platform::file_error(ErrorCode::unsupported_file, input.path(),
-                               layout.faces() != 6
-                                   ? "is no cubemap, but a picture; read it as an environment (read_environment)"
-                                   : "is an array of " + std::to_string(layout.elements) +
-                                         " cubemaps; read one as an environment (ReadOptions::element)");
-  }
-  const files::Tiles tiles(layout);
-  const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * layout.size * layout.size);
-  const std::size_t workers = jobs::worker_count(placement);
-  files::check_memory(input.path(), layout, memory_limit_bytes, workers);
-
-  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
-                         files::words_for(layout), layout.metadata};
-  const int rows_at_once = files::whole_rows(layout.kind, files::kRowsAtOnce);
-  std::vector<std::unique_ptr<files::TextureReader>> readers(workers);
-  jobs::run_tiles(tiles.count, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
-    auto& reader = readers[worker];
-    if (!reader) reader = std::make_unique<files::TextureReader>(input, layout, control.stop);
-    const std::size_t first = tile * tiles.faces;
-    for (std::size_t face = first; face < first + tiles.faces; ++face) {
-      files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), rows_at_once,
-                       control.stop);
-    }
-  });
-  return texture;
-}
-
-}  // namespace welkin
-
-namespace welkin::files {
 namespace {
 
 constexpr int kStreamedRows = 16;
@@ -530,3 +489,39 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
 }
 
 }  // namespace welkin::files
+
+namespace welkin {
+
+CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_bytes, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  platform::ByteFile file = files::open_file(input);
+  const files::TextureLayout layout = files::read_texture_layout(file);
+  if (layout.faces() != 6 || layout.elements > 1) {
+    throw platform::file_error(ErrorCode::unsupported_file, input.path(),
+                               layout.faces() != 6
+                                   ? "is no cubemap, but a picture; read it as an environment (read_environment)"
+                                   : "is an array of " + std::to_string(layout.elements) +
+                                         " cubemaps; read one as an environment (ReadOptions::element)");
+  }
+  const files::Tiles tiles(layout);
+  const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * layout.size * layout.size);
+  const std::size_t workers = jobs::worker_count(placement);
+  files::check_memory(input.path(), layout, memory_limit_bytes, workers);
+
+  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
+                         files::words_for(layout), layout.metadata};
+  const int rows_at_once = files::whole_rows(layout.kind, files::kRowsAtOnce);
+  std::vector<std::unique_ptr<files::TextureReader>> readers(workers);
+  jobs::run_tiles(tiles.count, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+    auto& reader = readers[worker];
+    if (!reader) reader = std::make_unique<files::TextureReader>(input, layout, control.stop);
+    const std::size_t first = tile * tiles.faces;
+    for (std::size_t face = first; face < first + tiles.faces; ++face) {
+      files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), rows_at_once,
+                       control.stop);
+    }
+  });
+  return texture;
+}
+
+}  // namespace welkin

@@ -8,11 +8,8 @@
 #include <cstring>
 #include <string>
 
-#include "image/area_resampling.h"
 #include "image/image_kernels.h"
-#include "image/sphere_grid.h"
 #include "jobs/tiles.h"
-#include "platform/memory.h"
 #include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -345,125 +342,6 @@ void check_view(const LatLongView& lat_long) {
   check_lat_long_size(lat_long.width, lat_long.height);
   require_stride(lat_long.row_stride_bytes, lat_long.width, lat_long.format);
   require_pixels("the lat-long", lat_long.pixels, lat_long.format);
-}
-
-}  // namespace welkin::image
-
-namespace welkin {
-
-void CubemapChain::Free::operator()(float* pixels) const noexcept {
-  if (memory != nullptr) return memory->deallocate(pixels, bytes, platform::kCacheLine);
-  platform::give_working_memory({.data = pixels, .bytes = bytes, .alignment = platform::kHugePage});
-}
-
-CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
-  constexpr int largest = 16384;
-  if (size < 1 || size > largest) {
-    throw Error(ErrorCode::invalid_argument,
-                "a cubemap chain's size is " + std::to_string(size) + "; pass 1 to " + std::to_string(largest));
-  }
-  if (levels < 1 || levels > full_chain_levels(size)) {
-    throw Error(ErrorCode::invalid_argument, "a chain from " + std::to_string(size) + " texels cannot have " +
-                                                 std::to_string(levels) + " levels; pass 1 to " +
-                                                 std::to_string(full_chain_levels(size)));
-  }
-  offsets_.reserve(static_cast<std::size_t>(levels));
-  for (int level = 0; level < levels; ++level) {
-    const auto edge = static_cast<std::size_t>(level_size(level));
-    offsets_.push_back(values_);
-    values_ += 6 * edge * edge * 3;
-  }
-  if (memory == nullptr) memory = get_default_resource();
-  if (memory != new_delete_resource() || bytes() < platform::kLeastOwnBlock) {
-    pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
-    return;
-  }
-  // large chains are kept between calls as working memory is, unless none is kept
-  const platform::WorkingMemory block = platform::take_working_memory(bytes());
-  const bool kept = block.alignment == platform::kHugePage;
-  pixels_ = {static_cast<float*>(block.data), Free{kept ? nullptr : memory, block.bytes}};
-}
-
-CubemapView CubemapChain::view(int level) const noexcept {
-  CubemapView view{{}, level_size(level), 0, PixelFormat::rgb32f};
-  for (int side = 0; side < 6; ++side) view.faces[static_cast<std::size_t>(side)] = face(level, side);
-  return view;
-}
-
-std::vector<CubemapView> CubemapChain::views() const {
-  std::vector<CubemapView> views;
-  views.reserve(offsets_.size());
-  for (int level = 0; level < levels(); ++level) views.push_back(view(level));
-  return views;
-}
-
-}  // namespace welkin
-
-namespace welkin::image {
-namespace {
-
-constexpr int kTileTexels = 32768;
-constexpr int kBlock = 256;  ///< texels that are decoded at a time
-
-SphereGrid grid_of(const LatLongView& source, const Control& control) {
-  SphereGrid grid(source.height, source.width, GridContent::samples);
-  const std::size_t texel_bytes = bytes_per_texel(source.format);
-  const int tile_rows = std::max(1, kTileTexels / source.width);
-  const jobs::Placement placement = jobs::placement_for(std::int64_t{source.width} * source.height);
-  jobs::run_tiles(static_cast<std::size_t>((source.height + tile_rows - 1) / tile_rows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first_row = static_cast<int>(tile) * tile_rows;
-                    const int rows = std::min(tile_rows, source.height - first_row);
-                    for (int row = first_row; row < first_row + rows; ++row) {
-                      const auto* const from = static_cast<const std::byte*>(row_of(source, row));
-                      float rgb[3 * kBlock];
-                      for (int first = 0; first < source.width; first += kBlock) {
-                        const int count = std::min(kBlock, source.width - first);
-                        decode_texels(source.format, from + static_cast<std::size_t>(first) * texel_bytes, count, rgb);
-                        float* texel = grid.texel(first, row);
-                        for (int i = 0; i < count; ++i, texel += 4) {
-                          std::copy_n(rgb + 3 * i, 3, texel);
-                          texel[3] = 0.0F;
-                        }
-                      }
-                    }
-                    grid.fill_sides(first_row, rows);
-                  });
-  grid.fill_poles();
-  return grid;
-}
-
-}  // namespace
-
-CubemapView packed_cubemap(const float* pixels, int size) noexcept {
-  const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
-  for (std::size_t face = 0; face < view.faces.size(); ++face) view.faces[face] = pixels + face * face_values;
-  return view;
-}
-
-CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory) {
-  if (chain.size() == size && chain.levels() == levels) return chain;
-  chain = {};  // freed before the next one is allocated
-  return {size, levels, memory};
-}
-
-std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept {
-  std::array<float*, 6> faces{};
-  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = chain.face(level, static_cast<int>(face));
-  return faces;
-}
-
-void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 6>& faces, ResampleFilter filter,
-                  const Control& control) {
-  if (filter == ResampleFilter::area) return fill_cubemap_by_area(source, size, faces, control);
-  constexpr double kShareOfCopy = 0.3;
-  const SphereGrid grid = grid_of(source, jobs::part_of(control, 0.0, kShareOfCopy));
-  sample_faces(grid, size, faces, {}, jobs::part_of(control, kShareOfCopy, 1.0));
-}
-
-void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control) {
-  fill_cubemap(source, chain.size(), faces_of(chain, 0), filter, control);
 }
 
 }  // namespace welkin::image

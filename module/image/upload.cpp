@@ -262,9 +262,7 @@ std::uint64_t lay_out(const UploadLayout& layout, const Place& place) {
 
 }  // namespace
 
-namespace image {
-
-void check_chain_targets(const char* what, int size, int levels, std::span<const CubemapTarget> targets) {
+void image::check_chain_targets(const char* what, int size, int levels, std::span<const CubemapTarget> targets) {
   if (static_cast<std::size_t>(levels) != targets.size()) {
     throw Error(ErrorCode::invalid_argument, "the " + std::string(what) + " has " + std::to_string(levels) +
                                                  (levels == 1 ? " level" : " levels") + ", and there are " +
@@ -272,8 +270,6 @@ void check_chain_targets(const char* what, int size, int levels, std::span<const
   }
   for (std::size_t level = 0; level < targets.size(); ++level) check(std::max(1, size >> level), targets[level]);
 }
-
-}  // namespace image
 
 std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control) {
   const platform::FloatingPointScope floating_point;

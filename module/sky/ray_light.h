@@ -10,8 +10,8 @@
 #include "platform/memory.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
-#include "sky/sky_curve.h"
 #include "sky/sky_kernels.h"
+#include "sky/sun_brightness.h"
 #include "sky/sunlight.h"
 #include "sky/table_mapping.h"
 

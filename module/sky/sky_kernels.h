@@ -184,7 +184,8 @@ struct SkyRun {
   SunTaps sun_taps;     ///< from inside
   double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
   AzimuthTerms azimuth_terms;
-  const float* brightness;  ///< of suns, in steps between nodes (sky/sky_curve.h, fine_steps): [(suns - 1) steps + 1]
+  const float*
+      brightness;  ///< of suns, in steps between nodes (sky/sun_brightness.h, fine_steps): [(suns - 1) steps + 1]
   float fade;
 
   int half;  ///< nodes of either half of the views: first those that end on the ground

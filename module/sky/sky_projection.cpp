@@ -19,19 +19,6 @@
 #include "welkin/core.h"
 #include "welkin/sky.h"
 
-namespace welkin {
-
-const char* name(SkyQuadrature quadrature) noexcept {
-  switch (quadrature) {
-    case SkyQuadrature::uniform: return "uniform";
-    case SkyQuadrature::gauss: return "gauss";
-    case SkyQuadrature::gauss_split: return "gauss-split";
-  }
-  return "unknown";
-}
-
-}  // namespace welkin
-
 namespace welkin::sky {
 namespace {
 
@@ -523,9 +510,25 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
   }
 }
 
+void check_room(std::size_t room, int bands) {
+  const auto needed = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
+  if (room >= needed) return;
+  throw Error(ErrorCode::invalid_argument, "sky harmonics: room for " + std::to_string(room) + " coefficients; " +
+                                               std::to_string(bands) + " bands have " + std::to_string(needed));
+}
+
 }  // namespace welkin::sky
 
 namespace welkin {
+
+const char* name(SkyQuadrature quadrature) noexcept {
+  switch (quadrature) {
+    case SkyQuadrature::uniform: return "uniform";
+    case SkyQuadrature::gauss: return "gauss";
+    case SkyQuadrature::gauss_split: return "gauss-split";
+  }
+  return "unknown";
+}
 
 struct SkyProjector::Prepared {
   sky::SkyProjection projection;
@@ -561,14 +564,4 @@ const sky::SkyProjection& SkyProjectorAccess::projection(const SkyProjector& pro
   return projector.prepared_->projection;
 }
 
-namespace sky {
-
-void check_room(std::size_t room, int bands) {
-  const auto needed = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
-  if (room >= needed) return;
-  throw Error(ErrorCode::invalid_argument, "sky harmonics: room for " + std::to_string(room) + " coefficients; " +
-                                               std::to_string(bands) + " bands have " + std::to_string(needed));
-}
-
-}  // namespace sky
 }  // namespace welkin

@@ -120,6 +120,9 @@ class SkyProjection {
   int directions_ = 0;
 };
 
+/// Throws `Error` (invalid_argument) unless bands^2 coefficients have room.
+void check_room(std::size_t room, int bands);
+
 }  // namespace welkin::sky
 
 namespace welkin {
@@ -129,11 +132,4 @@ namespace welkin {
 struct WELKIN_HIDDEN SkyProjectorAccess {
   [[nodiscard]] static const sky::SkyProjection& projection(const SkyProjector& projector) noexcept;
 };
-
-namespace sky {
-
-/// Throws `Error` (invalid_argument) unless bands^2 coefficients have room.
-void check_room(std::size_t room, int bands);
-
-}  // namespace sky
 }  // namespace welkin

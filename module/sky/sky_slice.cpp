@@ -10,9 +10,9 @@
 #include "math/quadrature.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
-#include "sky/sky_curve.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
+#include "sky/sun_brightness.h"
 #include "sky/sunlight.h"
 
 namespace welkin::sky {

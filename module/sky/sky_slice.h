@@ -117,19 +117,6 @@ class SkySlice {
   std::vector<std::array<double, 3>> aureole_depths_;  ///< of the nodes' suns; none: nothing to correct
 };
 
-}  // namespace welkin::sky
-
-namespace welkin {
-
-/// A view's slice.
-struct WELKIN_HIDDEN SkyViewAccess {
-  [[nodiscard]] static const sky::SkySlice& slice(const SkyView& view) noexcept;
-};
-
-}  // namespace welkin
-
-namespace welkin::sky {
-
 // The scattering tables cut at one altitude.
 
 /// Nodes along the axes of a slice: those of the tables, and at least four (of the views: eight, four to the ground),
@@ -161,3 +148,12 @@ inline constexpr int kGroundNodes = 513;
                                               const ColourFold& fold, double altitude, int half);
 
 }  // namespace welkin::sky
+
+namespace welkin {
+
+/// A view's slice.
+struct WELKIN_HIDDEN SkyViewAccess {
+  [[nodiscard]] static const sky::SkySlice& slice(const SkyView& view) noexcept;
+};
+
+}  // namespace welkin

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "harmonics/derivatives.h"
 #include "math/elementary.h"
 #include "support/catch.h"
 #include "support/coefficients.h"

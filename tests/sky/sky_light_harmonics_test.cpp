@@ -11,7 +11,7 @@
 
 #include "perf/report/error_norms.h"
 #include "reference/sky_reference.h"
-#include "sky/sky_curve.h"
+#include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"

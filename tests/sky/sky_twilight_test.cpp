@@ -10,8 +10,8 @@
 #include "math/quadrature.h"
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
-#include "sky/sky_curve.h"
 #include "sky/sky_tables_for_tests.h"
+#include "sky/sun_brightness.h"
 #include "support/catch.h"
 #include "welkin/sky.h"
 

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "sky/sky_curve.h"
 #include "sky/sky_kernels.h"
+#include "sky/sun_brightness.h"
 #include "support/catch.h"
 #include "welkin/core.h"
 

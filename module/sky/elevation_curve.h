@@ -53,22 +53,6 @@ struct CurveValues {
 /// all around are above zero; limited so that no cubic goes below zero (|slope| <= 3 value).
 void set_slopes_of_positive(CurveValues& curve, int nodes, std::size_t function);
 
-// Light over suns that stand at the nodes of a table.
-
-/// Straight pieces between two nodes of `fine_steps`.
-inline constexpr int kSunSteps = 32;
-
-/// A brightness that is known at nodes and falls by decades between suns, kSunSteps times as densely:
-/// (nodes - 1) kSunSteps + 1 values. Between nodes its logarithm is the cubic through the four nearest, where one of
-/// them is 0 the straight line between the two nearest, and where one of those is 0 a straight line it is; it leaves
-/// the range of the two nearest by no more than a tenth, and what is below 1e-30 is 0. Where a step of nodes changes
-/// the brightness by a factor e, straight lines between what is returned are within 1.3e-4.
-[[nodiscard]] std::vector<float> fine_steps(std::span<const double> nodes);
-
-/// Of a brightness that something else is told relative to: no node is darker than a hundredth of either neighbour, as
-/// what is left where light goes out may come from one direction alone and tells nothing of the sun before.
-void limit_falls(std::span<double> nodes) noexcept;
-
 /// Slopes of a function that follows a positive one, `leader`, whose slopes are set: by their ratio.
 void set_slopes_by_ratio(CurveValues& curve, int nodes, std::size_t function, std::size_t leader);
 

@@ -1,0 +1,82 @@
+// The pixels of a cubemap and its mips, one after another in one block.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "image/pixels.h"
+#include "platform/memory.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+
+namespace welkin::image {
+
+CubemapView packed_cubemap(const float* pixels, int size) noexcept {
+  const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
+  for (std::size_t face = 0; face < view.faces.size(); ++face) view.faces[face] = pixels + face * face_values;
+  return view;
+}
+
+CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory) {
+  if (chain.size() == size && chain.levels() == levels) return chain;
+  chain = {};  // freed before the next one is allocated
+  return {size, levels, memory};
+}
+
+std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept {
+  std::array<float*, 6> faces{};
+  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = chain.face(level, static_cast<int>(face));
+  return faces;
+}
+
+}  // namespace welkin::image
+
+namespace welkin {
+
+void CubemapChain::Free::operator()(float* pixels) const noexcept {
+  if (memory != nullptr) return memory->deallocate(pixels, bytes, platform::kCacheLine);
+  platform::give_working_memory({.data = pixels, .bytes = bytes, .alignment = platform::kHugePage});
+}
+
+CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
+  constexpr int largest = 16384;
+  if (size < 1 || size > largest) {
+    throw Error(ErrorCode::invalid_argument,
+                "a cubemap chain's size is " + std::to_string(size) + "; pass 1 to " + std::to_string(largest));
+  }
+  if (levels < 1 || levels > full_chain_levels(size)) {
+    throw Error(ErrorCode::invalid_argument, "a chain from " + std::to_string(size) + " texels cannot have " +
+                                                 std::to_string(levels) + " levels; pass 1 to " +
+                                                 std::to_string(full_chain_levels(size)));
+  }
+  offsets_.reserve(static_cast<std::size_t>(levels));
+  for (int level = 0; level < levels; ++level) {
+    const auto edge = static_cast<std::size_t>(level_size(level));
+    offsets_.push_back(values_);
+    values_ += 6 * edge * edge * 3;
+  }
+  if (memory == nullptr) memory = get_default_resource();
+  if (memory != new_delete_resource() || bytes() < platform::kLeastOwnBlock) {
+    pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
+    return;
+  }
+  // large chains are kept between calls as working memory is, unless none is kept
+  const platform::WorkingMemory block = platform::take_working_memory(bytes());
+  const bool kept = block.alignment == platform::kHugePage;
+  pixels_ = {static_cast<float*>(block.data), Free{kept ? nullptr : memory, block.bytes}};
+}
+
+CubemapView CubemapChain::view(int level) const noexcept {
+  CubemapView view{{}, level_size(level), 0, PixelFormat::rgb32f};
+  for (int side = 0; side < 6; ++side) view.faces[static_cast<std::size_t>(side)] = face(level, side);
+  return view;
+}
+
+std::vector<CubemapView> CubemapChain::views() const {
+  std::vector<CubemapView> views;
+  views.reserve(offsets_.size());
+  for (int level = 0; level < levels(); ++level) views.push_back(view(level));
+  return views;
+}
+
+}  // namespace welkin
