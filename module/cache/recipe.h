@@ -17,8 +17,8 @@
 
 #include "cache/entry_store.h"
 #include "platform/standard_library.h"
-#include "projection/project.h"
 #include "projection/sanitized_pixels.h"
+#include "projection/tile_sums.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/octahedral.h"

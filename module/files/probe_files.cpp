@@ -19,7 +19,7 @@
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "probes/probe_arrays.h"
-#include "projection/project.h"
+#include "projection/tile_sums.h"
 #include "welkin/probe_file.h"
 #include "welkin/texture_file.h"
 

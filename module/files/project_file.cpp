@@ -16,8 +16,9 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "projection/lat_long_projection.h"
-#include "projection/project.h"
+#include "projection/projection_error.h"
 #include "projection/sanitizer.h"
+#include "projection/target_size.h"
 
 namespace welkin {
 namespace files {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "image/pixels.h"
-#include "projection/project.h"
+#include "projection/tile_sums.h"
 #include "simd/dispatch.h"
 
 namespace welkin::projection {

@@ -15,10 +15,11 @@
 #include "jobs/tiles.h"
 #include "projection/chunk_projection.h"
 #include "projection/midpoint_error.h"
-#include "projection/project.h"
+#include "projection/projection_error.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
 #include "projection/texel_weights.h"
+#include "projection/tile_sums.h"
 #include "transform/frame_transform.h"
 
 namespace welkin::projection {
@@ -54,7 +55,7 @@ class WorldSums {
   WorldSums(std::size_t tiles, int size, const ProjectionOptions& options, const TexelWeights& weights)
       : size_(size),
         bands_(options.bands),
-        place_(weights.place().data()),
+        weight_rows_(weights.weight_rows().data()),
         error_(midpoint_error_of(size, options, weights)),
         sums_(tiles, bands_),
         off_(error_ ? tiles : 0, bands_) {
@@ -63,7 +64,7 @@ class WorldSums {
   }
 
   void add(std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
-    transforms::face_transform(face, bands_).add(face_sums, place_, sums_.values(tile));
+    transforms::face_transform(face, bands_).add(face_sums, weight_rows_, sums_.values(tile));
     if (error_) error_->add(face, face_sums, off_.values(tile));
     sums_.record(tile).add(record);
   }
@@ -82,7 +83,7 @@ class WorldSums {
  private:
   int size_;
   int bands_;
-  const int* place_;
+  const int* weight_rows_;
   std::shared_ptr<const MidpointError> error_;
   TileSums sums_;
   TileSums off_;  ///< by the midpoint rule
@@ -136,7 +137,7 @@ class CubemapProjection {
   template <class Keep>
   void run_tiles(const Control& control, const Keep& keep) {
     if (StripProjection::serves(cubemap_.size, options_)) {
-      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, weights_.place().data()), control, keep);
+      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, weights_.weight_rows().data()), control, keep);
     } else {
       run_parts(ChunkProjection(cubemap_, options_, faces_, sanitizer_, weights_), control, keep);
     }
@@ -230,7 +231,8 @@ Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOp
   if (!options.target_size) return projection;
   for (int face = 0; face < kFaces; ++face) {
     const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
-    transforms::face_transform(face, options.bands).add(kept.exact.data(), weights->place().data(), exact.values(0));
+    transforms::face_transform(face, options.bands)
+        .add(kept.exact.data(), weights->weight_rows().data(), exact.values(0));
   }
   projection.diagnostics.error_estimate =
       relative_error(projection.radiance.coefficients(), exact.total().coefficients());

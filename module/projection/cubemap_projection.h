@@ -8,7 +8,7 @@
 #include <span>
 
 #include "projection/midpoint_error.h"
-#include "projection/project.h"
+#include "projection/tile_sums.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"

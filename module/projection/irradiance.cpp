@@ -113,9 +113,6 @@ glm::dvec3 direct_irradiance(const LatLongView& lat_long, const glm::dvec3& norm
   return direct_irradiance(lat_long, {&normal, 1}).front();
 }
 
-}  // namespace welkin
-
-namespace welkin {
 namespace {
 
 // The irradiance of the first bands beside the direct one.

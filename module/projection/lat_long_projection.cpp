@@ -14,9 +14,10 @@
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "platform/memory.h"
-#include "projection/project.h"
+#include "projection/projection_error.h"
 #include "projection/projection_kernels.h"
 #include "projection/sanitizer.h"
+#include "projection/tile_sums.h"
 #include "simd/dispatch.h"
 #include "transform/frame_transform.h"
 
@@ -106,15 +107,15 @@ LatLongWeights::LatLongWeights(const LatLongWeightsKey& key)
     : bands_(key.bands),
       paired_(key.width % 2 == 0),
       column_count_(paired_ ? key.width / 2 : key.width),
-      place_(static_cast<std::size_t>(2 * key.bands - 1)) {
+      weight_rows_(static_cast<std::size_t>(2 * key.bands - 1)) {
   // Class 0: even orders (or all, without pairs); class 1: odd orders. m = 0 first of all.
   int next = 0;
   for (int parity = 0; parity < 2; ++parity) {
     for (int order = 0; order < bands_; ++order) {
       const int symmetry = paired_ ? order % 2 : 0;
       if (symmetry != parity) continue;
-      place_[static_cast<std::size_t>(bands_ - 1 + order)] = next++;
-      if (order > 0) place_[static_cast<std::size_t>(bands_ - 1 - order)] = next++;
+      weight_rows_[static_cast<std::size_t>(bands_ - 1 + order)] = next++;
+      if (order > 0) weight_rows_[static_cast<std::size_t>(bands_ - 1 - order)] = next++;
       counts_.count[parity] += order > 0 ? 2 : 1;
     }
   }
@@ -135,7 +136,7 @@ void LatLongWeights::fill_columns(const LatLongWeightsKey& key) {
       for_each_overlap(column, key.width, cells, [&](int cell, double begin, double end) {
         weight += (end - begin) * cells_per_column * column_integral(m, cell, cells, key.midpoint);
       });
-      chunk[place(m) * kChunk + column % kChunk] = static_cast<float>(weight);
+      chunk[weight_row(m) * kChunk + column % kChunk] = static_cast<float>(weight);
     }
   }
 }
@@ -505,10 +506,10 @@ void LatLongProjector::State::add_row(int row, Scratch& room) noexcept {
       for (int m = -l; m <= l; ++m) {
         const int order = m < 0 ? -m : m;
         const int factor = l * (l + 1) / 2 + order;
-        local[l * (l + 1) + m] += factors[factor] * row_sums[weights->place(m)];
+        local[l * (l + 1) + m] += factors[factor] * row_sums[weights->weight_row(m)];
         if (!errs()) continue;
         const double to_mean = reduced ? 1.0 : over_centre[static_cast<std::size_t>(order)];
-        exact_local[l * (l + 1) + m] += exact_factors[factor] * to_mean * exact_sums_of_row[weights->place(m)];
+        exact_local[l * (l + 1) + m] += exact_factors[factor] * to_mean * exact_sums_of_row[weights->weight_row(m)];
       }
     }
   }

@@ -46,7 +46,7 @@ class LatLongWeights {
   [[nodiscard]] const ClassCounts& class_counts() const noexcept { return counts_; }
 
   /// Weights' row of order m: cos(m lon) for m >= 0, sin(|m| lon) for m < 0.
-  [[nodiscard]] int place(int m) const noexcept { return place_[static_cast<std::size_t>(m + bands_ - 1)]; }
+  [[nodiscard]] int weight_row(int m) const noexcept { return weight_rows_[static_cast<std::size_t>(m + bands_ - 1)]; }
 
   /// The row's factor of Y(l, +-m), at l (l + 1) / 2 + m.
   [[nodiscard]] const double* row_weights(int row) const noexcept;
@@ -60,7 +60,7 @@ class LatLongWeights {
   int bands_;
   bool paired_;
   int column_count_;
-  std::vector<int> place_;
+  std::vector<int> weight_rows_;
   ClassCounts counts_{};
   platform::AlignedBuffer<float> columns_;
   std::vector<double> rows_;

@@ -29,7 +29,7 @@ math::TableCache<Key, MidpointError>& cache() {
   return tables;
 }
 
-/// Solves `matrix` x = b for each row b of `right`, in place, by Cholesky's way. Both are [n][n]; the first is
+/// Solves `matrix` x = b for each row b of `right`, in weight_rows, by Cholesky's way. Both are [n][n]; the first is
 /// symmetric and positive definite.
 void solve(std::vector<double>& matrix, int n, double* right) {
   const auto at = [n](int row, int column) { return static_cast<std::size_t>(row * n + column); };
@@ -58,17 +58,17 @@ void solve(std::vector<double>& matrix, int n, double* right) {
 /// Some texels of the quadrant: harmonics at their centres and what those differ by from the means over the texels,
 /// both in the order of the weights.
 struct MidpointError::Samples {
-  Samples(int size, int bands, const std::vector<int>& place)
+  Samples(int size, int bands, const std::vector<int>& weight_rows)
       : functions(bands * bands), values(static_cast<std::size_t>(functions)) {
     const int half = (size + 1) / 2;
     const int across = std::min(half, kMostSamples);
     const auto texel = [&](int k) { return across > 1 ? k * (half - 1) / (across - 1) : 0; };
     for (int row = 0; row < across; ++row) {
-      for (int column = 0; column < across; ++column) add(size, bands, place, texel(row), texel(column));
+      for (int column = 0; column < across; ++column) add(size, bands, weight_rows, texel(row), texel(column));
     }
   }
 
-  void add(int size, int bands, const std::vector<int>& place, int row, int column) {
+  void add(int size, int bands, const std::vector<int>& weight_rows, int row, int column) {
     const double h = 1.0 / size;
     const double u = (2 * column + 1) * h - 1.0;
     const double v = (2 * row + 1) * h - 1.0;
@@ -79,7 +79,7 @@ struct MidpointError::Samples {
       const double r = std::sqrt(1.0 + x * x + y * y);
       math::evaluate_basis(x / r, y / r, 1.0 / r, bands, values.data());
       for (std::size_t k = 0; k < values.size(); ++k)
-        to[first + static_cast<std::size_t>(place[k])] += share * values[k];
+        to[first + static_cast<std::size_t>(weight_rows[k])] += share * values[k];
     };
     put(u, v, 1.0, centres);
     put(u, v, 1.0, off);
@@ -108,8 +108,8 @@ std::shared_ptr<const MidpointError> MidpointError::get(int size, int bands, con
 }
 
 MidpointError::MidpointError(int size, int bands, const TexelWeights& weights)
-    : bands_(bands), place_(weights.place()), counts_(weights.class_counts()) {
-  combine(Samples(size, bands, place_));
+    : bands_(bands), weight_rows_(weights.weight_rows()), counts_(weights.class_counts()) {
+  combine(Samples(size, bands, weight_rows_));
 }
 
 void MidpointError::combine(const Samples& samples) {
@@ -165,7 +165,7 @@ void MidpointError::add(int face, const double* face_sums, double* canonical) co
       first += count;
     }
   }
-  transforms::face_transform(face, bands_).add(off, place_.data(), canonical);
+  transforms::face_transform(face, bands_).add(off, weight_rows_.data(), canonical);
 }
 
 }  // namespace welkin::projection

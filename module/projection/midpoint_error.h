@@ -35,7 +35,7 @@ class MidpointError {
   void combine(const Samples& samples);
 
   int bands_;
-  std::vector<int> place_;
+  std::vector<int> weight_rows_;
   ClassCounts counts_;
   std::vector<double> combination_;  ///< of each class [count][count]
   double beyond_ = 0.0;

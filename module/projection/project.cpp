@@ -1,171 +1,25 @@
-#include "projection/project.h"
-
+// The public calls: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "projection/box_reduction.h"
 #include "projection/cubemap_projection.h"
 #include "projection/lat_long_projection.h"
+#include "projection/projection_error.h"
 #include "projection/sanitizer.h"
+#include "projection/target_size.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin {
-
-const char* name(PassAction action) noexcept {
-  switch (action) {
-    case PassAction::run: return "run";
-    case PassAction::reuse: return "reuse";
-    case PassAction::skip: break;
-  }
-  return "skip";
-}
-
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
-
-/// As the projection itself wants them: with the target that counts.
-ProjectionOptions effective(int size, ProjectionOptions options) {
-  options.target_size = projection::effective_target(size, options);
-  return options;
-}
-
-void check_faces(std::span<const int> faces) {
-  unsigned seen = 0;
-  for (const int face : faces) {
-    if (face < 0 || face > 5) refuse("face " + std::to_string(face) + "; a cubemap has faces 0 to 5");
-    const unsigned bit = 1U << static_cast<unsigned>(face);
-    if ((seen & bit) != 0) refuse("face " + std::to_string(face) + " is named twice; name each face once");
-    seen |= bit;
-  }
-}
-
-}  // namespace
-
-std::size_t FaceHarmonics::bytes() const noexcept {
-  std::size_t bytes = sizeof *this;
-  for (const auto& face : faces_) bytes += face ? face->bytes() : 0;
-  return bytes;
-}
-
-FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  FaceHarmonics faces(cubemap.size, options);
-  constexpr std::array<int, 6> kAll{0, 1, 2, 3, 4, 5};
-  update_faces(faces, cubemap, kAll, control);
-  return faces;
-}
-
-void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<const int> faces, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(cubemap);
-  projection::check_options(kept.options());
-  if (kept.options().quadrature == Quadrature::midpoint && projection::effective_target(cubemap.size, kept.options())) {
-    refuse("sums of faces are not kept for a target size with the midpoint rule; pass no target_size, or exact");
-  }
-  check_faces(faces);
-  if (cubemap.size != kept.size()) {
-    refuse("a cubemap of " + std::to_string(cubemap.size) + ", but sums of one of " + std::to_string(kept.size()) +
-           " are kept; call project_faces");
-  }
-  if (faces.empty()) return;
-  const projection::SixFaceSums sums =
-      projection::sum_faces(cubemap, effective(kept.size(), kept.options()), faces, control);
-  for (const int face : faces) kept.set_face(face, sums[static_cast<std::size_t>(face)]);
-}
-
-Projection total(const FaceHarmonics& faces) {
-  const platform::FloatingPointScope floating_point;
-  projection::SixFaceSums sums;
-  for (int face = 0; face < 6; ++face) {
-    sums[static_cast<std::size_t>(face)] = faces.face(face);
-    if (!faces.face(face)) refuse("face " + std::to_string(face) + " has no sums; call project_faces or update_faces");
-  }
-  const ProjectionOptions options = effective(faces.size(), faces.options());
-  const auto functions = static_cast<std::size_t>(options.bands) * static_cast<std::size_t>(options.bands);
-  for (const auto& face : sums) {
-    if (face->functions == functions && face->records.size() == projection::tiles_of_face(faces.size(), options))
-      continue;
-    refuse("a face's sums are of another size or other options; call project_faces");
-  }
-  Projection projection = projection::total_of_faces(sums, faces.size(), options);
-  projection::describe_projection(projection, faces.size(), options);
-  return projection;
-}
-
-}  // namespace welkin
-
-namespace welkin::projection {
-
-SphericalHarmonics TileSums::total() const {
-  std::vector<double> sums(3 * functions_);
-  for (std::size_t at = 0; at < values_.size(); at += sums.size()) {
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += values_[at + k];
-  }
-  SphericalHarmonics result(static_cast<int>(std::lround(std::sqrt(static_cast<double>(functions_)))));
-  for (std::size_t f = 0; f < functions_; ++f) {
-    result.coefficients()[f] = {sums[f], sums[functions_ + f], sums[2 * functions_ + f]};
-  }
-  return result;
-}
-
-SanitizeRecord TileSums::total_record() const {
-  SanitizeRecord total;
-  for (const SanitizeRecord& record : records_) total.add(record);
-  return total;
-}
-
-bool all_finite(std::span<const double> sums) noexcept {
-  // x - x is 0 for finite x and NaN else; adding those up needs no branch.
-  double poison = 0.0;
-  for (const double sum : sums) poison += sum - sum;
-  return poison == 0.0;
-}
-
-void weighted_sums_in_double(const double* planes, int class_count, const float* weights, const ClassCounts& counts,
-                             int positions, double* sums) noexcept {
-  for (int channel = 0; channel < 3; ++channel) {
-    const float* weight = weights;
-    for (int symmetry = 0; symmetry < class_count; ++symmetry) {
-      const double* const plane = planes + static_cast<std::ptrdiff_t>(channel * class_count + symmetry) * kChunk;
-      for (int i = 0; i < counts.count[symmetry]; ++i, weight += kChunk, ++sums) {
-        for (int k = 0; k < positions; ++k) *sums += plane[k] * static_cast<double>(weight[k]);
-      }
-    }
-  }
-}
-
-ProjectionDiagnostics diagnostics_of(std::span<const glm::dvec3> radiance, const SanitizeRecord& record,
-                                     double steradians_per_weight) {
-  ProjectionDiagnostics diagnostics;
-  diagnostics.nans_replaced = record.nans;
-  diagnostics.infinities_replaced = record.infinities;
-  diagnostics.negatives_replaced = record.negatives;
-  diagnostics.texels_clamped = record.clamped;
-  // c(0,0) = Int L Y(0,0), and Y(0,0) = 1 / sqrt(4 pi).
-  diagnostics.total_radiance = radiance.front() * (2.0 * std::sqrt(std::numbers::pi));
-  diagnostics.total_radiance_before_clamp =
-      diagnostics.total_radiance + record.radiance_removed * steradians_per_weight;
-  return diagnostics;
-}
-
-}  // namespace welkin::projection
-
-namespace welkin {
-namespace {
-
-// The public calls: arguments checked, the size chosen, the passes recorded.
 
 class Stopwatch {
  public:
@@ -288,84 +142,13 @@ Projection project(const LatLongView& lat_long, const ProjectionOptions& options
   return projection;
 }
 
+const char* name(PassAction action) noexcept {
+  switch (action) {
+    case PassAction::run: return "run";
+    case PassAction::reuse: return "reuse";
+    case PassAction::skip: break;
+  }
+  return "skip";
+}
+
 }  // namespace welkin
-
-namespace welkin::projection {
-namespace {
-
-constexpr double kRounding = 2e-7;
-
-using BandNorms = std::array<double, kMaximumBands>;
-
-/// |c_l| of each band, over orders and channels; returns those that there are.
-std::span<const double> band_norms(std::span<const glm::dvec3> radiance, BandNorms& norms) {
-  std::size_t bands = 0;
-  for (std::size_t at = 0; at < radiance.size(); ++bands) {
-    double sum = 0.0;
-    for (const std::size_t end = (bands + 1) * (bands + 1); at < end; ++at) sum += glm::dot(radiance[at], radiance[at]);
-    norms[bands] = std::sqrt(sum);
-  }
-  return {norms.data(), bands};
-}
-
-}  // namespace
-
-double relative_error(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> exact, double beyond) {
-  double exact_squared = 0.0;
-  double off_squared = 0.0;
-  for (std::size_t f = 0; f < radiance.size(); ++f) {
-    const glm::dvec3 off = radiance[f] - exact[f];
-    exact_squared += glm::dot(exact[f], exact[f]);
-    off_squared += glm::dot(off, off);
-  }
-  const double lost = std::sqrt(off_squared) + beyond;
-  if (exact_squared == 0.0) return lost > 0.0 ? 1.0 : 0.0;
-  return kRounding + lost / std::sqrt(exact_squared);
-}
-
-double mip_error(std::span<const glm::dvec3> radiance, double size) {
-  BandNorms room;
-  const std::span<const double> norms = band_norms(radiance, room);
-  double total_squared = 0.0;
-  for (const double norm : norms) total_squared += norm * norm;
-  if (total_squared == 0.0) return 0.0;
-  double error_squared = 0.0;
-  const auto add = [&](double error) { error_squared += error * error; };
-  // Without a band 2 nothing is known of how concentrated the light is; band 1 is the next best witness.
-  const std::size_t witness = std::min<std::size_t>(2, norms.size() - 1);
-  const double point_norm = std::sqrt(2.0 * static_cast<double>(witness) + 1.0) * norms[0];
-  const double point_share = norms[0] > 0.0 ? std::min(1.0, norms[witness] / point_norm) : 1.0;
-  double varied_squared = 0.0;
-  for (std::size_t band = 1; band < norms.size(); ++band) varied_squared += norms[band] * norms[band];
-  add(0.45 * std::min(norms[0], 100.0 * std::sqrt(varied_squared)) / (size * size));
-  const double cell = 0.5 * std::numbers::pi / size;
-  for (std::size_t band = 1; band < norms.size(); ++band) {
-    const auto l = static_cast<double>(band);
-    add(l * (l + 1.0) * cell * cell / 7.0 * norms[band]);
-    add(0.35 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
-  }
-  return std::sqrt(error_squared / total_squared);
-}
-
-std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept {
-  if (!options.target_size) return std::nullopt;
-  const int target = options.quadrature == Quadrature::midpoint
-                         ? static_cast<int>(std::bit_floor(static_cast<unsigned>(*options.target_size)))
-                         : *options.target_size;
-  return target < size ? std::optional(target) : std::nullopt;
-}
-
-// Of neighbours a > t > b the first is nearer if a / t < t / b.
-std::size_t nearest_level(std::span<const int> sizes, int target) noexcept {
-  std::size_t level = 0;
-  while (level + 1 < sizes.size() && sizes[level] > target) {
-    const std::int64_t a = sizes[level];
-    const std::int64_t b = sizes[level + 1];
-    const std::int64_t t = target;
-    if (b <= t && a * b < t * t) break;
-    ++level;
-  }
-  return level;
-}
-
-}  // namespace welkin::projection

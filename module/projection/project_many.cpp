@@ -19,10 +19,12 @@
 #include "projection/chunk_projection.h"
 #include "projection/cubemap_projection.h"
 #include "projection/midpoint_error.h"
-#include "projection/project.h"
+#include "projection/projection_error.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
+#include "projection/target_size.h"
 #include "projection/texel_weights.h"
+#include "projection/tile_sums.h"
 #include "transform/frame_transform.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -41,21 +43,6 @@ constexpr std::array<int, 6> kAllFaces{0, 1, 2, 3, 4, 5};
 
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
 std::int64_t texels_of(const CubemapView& probe) { return texels_of(probe.size); }
-
-}  // namespace
-
-void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one) {
-  sum.texels += one.texels;
-  sum.nans_replaced += one.nans_replaced;
-  sum.infinities_replaced += one.infinities_replaced;
-  sum.negatives_replaced += one.negatives_replaced;
-  sum.texels_clamped += one.texels_clamped;
-  sum.total_radiance_before_clamp += one.total_radiance_before_clamp;
-  sum.total_radiance += one.total_radiance;
-  sum.error_estimate = std::max(sum.error_estimate, one.error_estimate);
-}
-
-namespace {
 
 /// Small cubemaps: each is projected whole by one thread, with the bits of `project`, and without the heap.
 ///
@@ -107,7 +94,7 @@ class SmallCubemaps {
     std::fill(room.sums.begin(), room.sums.end(), 0.0);
     std::fill(room.off.begin(), room.off.end(), 0.0);
     for (int tile = 0; tile < ChunkProjection::tile_count(weights); ++tile) {
-      record.add(add_tile(chunks, tile, weights.place().data(), error, room));
+      record.add(add_tile(chunks, tile, weights.weight_rows().data(), error, room));
     }
     const std::size_t functions = radiance.size();
     const auto at = [functions](const std::vector<double>& sums, std::size_t f) {
@@ -146,7 +133,7 @@ class SmallCubemaps {
     return options;
   }
 
-  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* place, const MidpointError* error,
+  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* weight_rows, const MidpointError* error,
                           Room& room) const {
     std::fill(room.slot.begin(), room.slot.end(), 0.0);
     std::fill(room.off_slot.begin(), room.off_slot.end(), 0.0);
@@ -155,7 +142,7 @@ class SmallCubemaps {
     for (const int face : kAllFaces) {
       SanitizeRecord of_face;
       const std::span<const double> sums = chunks.face_sums(tile, face, room.scratch, of_face);
-      transforms::face_transform(face, options_.bands).add(sums.data(), place, room.slot.data());
+      transforms::face_transform(face, options_.bands).add(sums.data(), weight_rows, room.slot.data());
       if (error != nullptr) error->add(face, sums.data(), room.off_slot.data());
       of_tile.add(of_face);
     }

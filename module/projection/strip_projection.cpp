@@ -5,8 +5,8 @@
 
 #include "image/image_kernels.h"
 #include "image/pixels.h"
-#include "projection/project.h"
 #include "projection/projection_kernels.h"
+#include "projection/tile_sums.h"
 
 namespace welkin::projection {
 namespace {
@@ -47,15 +47,15 @@ bool StripProjection::serves(int size, const ProjectionOptions& options) noexcep
 int StripProjection::tile_count(int size) noexcept { return size / 2 / kStripRows * segments_of(size); }
 
 StripProjection::StripProjection(const CubemapView& cubemap, const ProjectionOptions& options,
-                                 std::span<const int> faces, const Sanitizer& sanitizer, const int* place)
+                                 std::span<const int> faces, const Sanitizer& sanitizer, const int* weight_rows)
     : cubemap_(cubemap),
       faces_(faces),
       sanitizer_(sanitizer),
-      place_(place),
+      weight_rows_(weight_rows),
       midpoint_(options.quadrature == Quadrature::midpoint),
       texel_bytes_(static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format))),
       row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
-      strip_weights_(cubemap.size, midpoint_, place),
+      strip_weights_(cubemap.size, midpoint_, weight_rows),
       moments_(strip_weights_.moments()),
       kernels_(strip_kernels()),
       sum_decoded_(kernels_.sum_strip[strip_rgb32f][moments_ - kFewestMoments]) {
@@ -240,7 +240,7 @@ void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, i
   float solid_angles[kSegment];
   const int mirrored = std::min(row, cubemap_.size - 1 - row);
   image::texel_kernels().expand_texels({cubemap_.size, mirrored, tile.first_column, tile.positions, 1, midpoint_},
-                                       place_, solid_angles, kSegment);
+                                       weight_rows_, solid_angles, kSegment);
   sanitizer_.sanitize({.rgb = rgb,
                        .count = tile.positions,
                        .face = face,
@@ -280,8 +280,8 @@ void StripProjection::sum_in_double(const Tile& tile, int face, Scratch& scratch
   SanitizeRecord counted_before;
   for (int k = 0; k < kStripRows; ++k) {
     image::texel_kernels().expand_texels(
-        {cubemap_.size, tile.strip * kStripRows + k, tile.first_column, tile.positions, kBands, midpoint_}, place_,
-        weights, kSegment);
+        {cubemap_.size, tile.strip * kStripRows + k, tile.first_column, tile.positions, kBands, midpoint_},
+        weight_rows_, weights, kSegment);
     for (const auto [bottom, right] : kPieceSides) {
       const Piece piece{bottom, right};
       const int row = row_of(tile, piece, k);

@@ -27,9 +27,9 @@ class StripProjection {
   [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept;
   [[nodiscard]] static int tile_count(int size) noexcept;
 
-  /// `cubemap`, `faces`, `sanitizer` and `place` (as `TexelWeights::place`) must stay.
+  /// `cubemap`, `faces`, `sanitizer` and `weight_rows` (as `TexelWeights::weight_rows`) must stay.
   StripProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
-                  const Sanitizer& sanitizer, const int* place);
+                  const Sanitizer& sanitizer, const int* weight_rows);
 
   /// What one worker needs.
   class Scratch {
@@ -86,7 +86,7 @@ class StripProjection {
   const CubemapView& cubemap_;
   std::span<const int> faces_;
   const Sanitizer& sanitizer_;
-  const int* place_;
+  const int* weight_rows_;
   bool midpoint_;
   std::ptrdiff_t texel_bytes_;
   std::ptrdiff_t row_bytes_;

@@ -95,8 +95,8 @@ bool StripWeights::serve(int size) noexcept { return size >= kSmallestFace && si
 
 int StripWeights::moments_for(int size) noexcept { return size >= 1024 ? 4 : size >= 512 ? 5 : 6; }
 
-StripWeights::StripWeights(int size, bool midpoint, const int* place)
-    : size_(size), midpoint_(midpoint), place_(place) {
+StripWeights::StripWeights(int size, bool midpoint, const int* weight_rows)
+    : size_(size), midpoint_(midpoint), weight_rows_(weight_rows) {
   const int moments = moments_for(size);
   const int pairs = moments / 2;
   const int evens = moments - pairs;
@@ -159,7 +159,7 @@ void StripWeights::fill(int strip, int first_column, int positions, float* weigh
   const int above_middle = strip * kStripRows + kStripRows / 2 - 1;
   for (int k = 0; k < moments(); ++k) {
     image::texel_kernels().expand_texels(
-        {size_, above_middle, first_column, positions, kBands, midpoint_, 0.5 + rows_[k]}, place_,
+        {size_, above_middle, first_column, positions, kBands, midpoint_, 0.5 + rows_[k]}, weight_rows_,
         scratch + std::ptrdiff_t{kStripFunctions} * positions * k, positions);
   }
   strip_kernels().weigh_moments(matrix_, scratch, positions, positions / simd::kLanes, weights);

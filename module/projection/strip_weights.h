@@ -18,9 +18,9 @@ class StripWeights {
   [[nodiscard]] static bool serve(int size) noexcept;
   [[nodiscard]] static int moments_for(int size) noexcept;
 
-  /// `place`: as `TexelWeights::place`; it must stay. The weights of faces of 256 texels are looked up, or all
-  /// computed here if they are used for the first time.
-  StripWeights(int size, bool midpoint, const int* place);
+  /// `weight_rows`: as `TexelWeights::weight_rows`; it must stay. The weights of faces of 256 texels are looked up, or
+  /// all computed here if they are used for the first time.
+  StripWeights(int size, bool midpoint, const int* weight_rows);
 
   [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
 
@@ -41,7 +41,7 @@ class StripWeights {
 
   int size_;
   bool midpoint_;
-  const int* place_;
+  const int* weight_rows_;
   MomentsFromRows matrix_{};
   double rows_[kMostMoments] = {};    ///< where weights are computed, from the strip's middle
   std::shared_ptr<const Kept> kept_;  ///< all of a face's weights, or null

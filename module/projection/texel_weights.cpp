@@ -66,13 +66,13 @@ TexelWeights::TexelWeights(const TexelWeightsKey& key)
       rows_per_chunk_(std::max(1, kChunk / kLanes / groups_per_row_)),
       chunks_per_row_((groups_per_row_ * kLanes + kChunk - 1) / kChunk),
       chunk_count_((half_ + rows_per_chunk_ - 1) / rows_per_chunk_ * chunks_per_row_),
-      place_(static_cast<std::size_t>(key.bands * key.bands)) {
+      weight_rows_(static_cast<std::size_t>(key.bands * key.bands)) {
   int next = 0;
   for (int wanted = 0; wanted < kMaximumClasses; ++wanted) {
     for (int l = 0; l < key.bands; ++l) {
       for (int m = -l; m <= l; ++m) {
         if (symmetry_class(m) != wanted) continue;
-        place_[static_cast<std::size_t>(l * (l + 1) + m)] = next++;
+        weight_rows_[static_cast<std::size_t>(l * (l + 1) + m)] = next++;
         ++counts_.count[wanted];
       }
     }
@@ -136,9 +136,9 @@ void TexelWeights::fill_row(int row, int first_column, int count, float* weights
 void TexelWeights::fill_run(const image::TexelRun& run, float* weights, int stride) const {
   const image::TexelKernels& kernels = image::texel_kernels();
   if (expandable()) {
-    kernels.expand_texels(run, place_.data(), weights, stride);
+    kernels.expand_texels(run, weight_rows_.data(), weights, stride);
   } else {
-    kernels.integrate_texels(run, math::basis_constants(), weights_rule(key_), place_.data(), weights, stride);
+    kernels.integrate_texels(run, math::basis_constants(), weights_rule(key_), weight_rows_.data(), weights, stride);
   }
 }
 

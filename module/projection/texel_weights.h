@@ -61,8 +61,8 @@ class TexelWeights {
   /// How many functions each symmetry class has.
   [[nodiscard]] const ClassCounts& class_counts() const noexcept { return counts_; }
 
-  /// place()[l(l+1)+m]: the row of the weights that belongs to Y(l, m). Row 0 is Y(0, 0).
-  [[nodiscard]] const std::vector<int>& place() const noexcept { return place_; }
+  /// weight_rows()[l(l+1)+m]: the row of the weights that belongs to Y(l, m). Row 0 is Y(0, 0).
+  [[nodiscard]] const std::vector<int>& weight_rows() const noexcept { return weight_rows_; }
 
   [[nodiscard]] std::size_t bytes() const noexcept {
     return table_.bytes() + sizeof(*this) + (target_ ? target_->bytes() : 0);
@@ -84,7 +84,7 @@ class TexelWeights {
   int chunks_per_row_;
   int chunk_count_;
   ClassCounts counts_{};
-  std::vector<int> place_;
+  std::vector<int> weight_rows_;
   platform::AlignedBuffer<float> table_;        ///< all chunks' weights, or empty
   std::shared_ptr<const TexelWeights> target_;  ///< of the reduced face, where there is one
 };

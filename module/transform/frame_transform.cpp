@@ -77,11 +77,11 @@ FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions
   }
 }
 
-void FrameTransform::add(const double* local, const int* place, double* canonical) const noexcept {
+void FrameTransform::add(const double* local, const int* rows, double* canonical) const noexcept {
   for (int channel = 0; channel < 3; ++channel) {
     const double* const from = local + channel * functions_;
     double* const to = canonical + channel * functions_;
-    for (const Entry& entry : entries_) to[entry.canonical] += entry.factor * from[place[entry.local]];
+    for (const Entry& entry : entries_) to[entry.canonical] += entry.factor * from[rows[entry.local]];
   }
 }
 

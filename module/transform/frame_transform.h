@@ -13,9 +13,9 @@ class FrameTransform {
  public:
   FrameTransform(const image::Frame& frame, int bands);
 
-  /// canonical[l(l+1)+m] += sum over m' of T_l[m][m'] local[place[l(l+1)+m']], for the three channels.
-  /// local: [3][bands^2], in the order that `place` says; canonical: [3][bands^2].
-  void add(const double* local, const int* place, double* canonical) const noexcept;
+  /// canonical[l(l+1)+m] += sum over m' of T_l[m][m'] local[rows[l(l+1)+m']], for the three channels.
+  /// local: [3][bands^2], in the order that `rows` says; canonical: [3][bands^2].
+  void add(const double* local, const int* rows, double* canonical) const noexcept;
 
  private:
   struct Entry {

@@ -212,8 +212,8 @@ TEST_CASE("Moments times weights are the sums of double precision on every instr
 TEST_CASE("What moments weigh gives every texel its integral", "[projection][strip][truth]") {
   for (const bool midpoint : {false, true}) {
     for (const int size : {256, 288, 512, 1024, 2048}) {
-      const auto place = projection::TexelWeights::get({size, 3, midpoint, size})->place();
-      const projection::StripWeights strips(size, midpoint, place.data());
+      const auto weight_rows = projection::TexelWeights::get({size, 3, midpoint, size})->weight_rows();
+      const projection::StripWeights strips(size, midpoint, weight_rows.data());
       constexpr int positions = 16;
       platform::AlignedBuffer<float> weights(strips.size(positions));
       platform::AlignedBuffer<float> scratch(strips.scratch_size(positions));
@@ -225,8 +225,8 @@ TEST_CASE("What moments weigh gives every texel its integral", "[projection][str
             double truth[9 * positions];
             std::vector<float> exact(9 * positions);
             const image::TexelRun run{size, strip * kStripRows + row, column, positions, 3, midpoint};
-            image::texel_kernels().integrate_texels(run, math::basis_constants(), math::gauss_legendre(3), place.data(),
-                                                    exact.data(), positions);
+            image::texel_kernels().integrate_texels(run, math::basis_constants(), math::gauss_legendre(3),
+                                                    weight_rows.data(), exact.data(), positions);
             std::copy(exact.begin(), exact.end(), truth);
             for (int f = 0; f < kStripFunctions; ++f) {
               for (int t = 0; t < positions; ++t) {
@@ -252,8 +252,8 @@ TEST_CASE("What moments weigh gives every texel its integral", "[projection][str
 TEST_CASE("The weights of strips that are kept are those that would be computed", "[projection][strip]") {
   for (const bool midpoint : {false, true}) {
     constexpr int size = 256;
-    const auto place = projection::TexelWeights::get({size, 3, midpoint, size})->place();
-    const projection::StripWeights strips(size, midpoint, place.data());
+    const auto weight_rows = projection::TexelWeights::get({size, 3, midpoint, size})->weight_rows();
+    const projection::StripWeights strips(size, midpoint, weight_rows.data());
     REQUIRE(strips.room_size(size / 2) == 0);
     const int last = size / 2 / kStripRows - 1;
     for (const auto& [strip, column] : {std::pair{0, 0}, {1, 32}, {last, 0}, {last, size / 2 - 16}}) {
@@ -279,7 +279,7 @@ TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[proj
       const float* const weights = table->chunk_weights(index, scratch.data());
       image::texel_kernels().integrate_texels(
           {size, chunk.first_row, chunk.first_column, chunk.column_count, bands, false}, math::basis_constants(),
-          math::gauss_legendre(8), table->place().data(), fine.data(), projection::kChunk);
+          math::gauss_legendre(8), table->weight_rows().data(), fine.data(), projection::kChunk);
       for (int f = 0; f < functions; ++f) {
         for (int t = 0; t < chunk.column_count; ++t) {
           CAPTURE(size, bands, index, f, t);
