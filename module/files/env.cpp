@@ -19,8 +19,8 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
+#include "welkin/bake_file.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::files {
 namespace {
