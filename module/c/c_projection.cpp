@@ -67,7 +67,7 @@ welkin_status welkin_post_project_cubemap(welkin_worker* worker, const welkin_cu
     auto views = cubemap_views(mips, mip_count);
     const auto wanted = projection_options(options);
     auto owner = make_owner(std::move(posting.handed_over));
-    welkin::ProjectCubemap request{{std::move(views), std::move(owner)}, wanted};
+    welkin::Project request{{std::move(views), std::move(owner)}, wanted};
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
 }
@@ -78,7 +78,7 @@ welkin_status welkin_post_project_lat_long(welkin_worker* worker, const welkin_l
   return guarded_post(worker, post, job, [&](Posting& posting) {
     const auto view = lat_long_view(lat_long);
     const auto wanted = projection_options(options);
-    welkin::ProjectLatLong request{{view, make_owner(std::move(posting.handed_over))}, wanted};
+    welkin::Project request{{view, make_owner(std::move(posting.handed_over))}, wanted};
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
 }

@@ -206,10 +206,10 @@ inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's
 
 [[nodiscard]] inline CubemapView pixels_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap); }
 [[nodiscard]] inline LatLongView pixels_view(const welkin_lat_long* lat_long) { return lat_long_view(lat_long); }
-[[nodiscard]] inline CubemapSource source_of(const CubemapView& view, std::shared_ptr<const void> owner) {
+[[nodiscard]] inline EnvironmentSource source_of(const CubemapView& view, std::shared_ptr<const void> owner) {
   return {view, std::move(owner)};
 }
-[[nodiscard]] inline LatLongSource source_of(const LatLongView& view, std::shared_ptr<const void> owner) {
+[[nodiscard]] inline EnvironmentSource source_of(const LatLongView& view, std::shared_ptr<const void> owner) {
   return {view, std::move(owner)};
 }
 

@@ -82,7 +82,7 @@ void plan_and_worker() {
   require(near(welkin::bake(picture.view(), plan).radiance->coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)),
           "the planned bake has other light");
   welkin::Worker worker;
-  auto job = worker.post(welkin::ProjectLatLong{even_picture()});
+  auto job = worker.post(welkin::Project{even_picture()});
   require(near(job.get().radiance.coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)), "the worker's light differs");
 }
 
