@@ -94,8 +94,8 @@ enum class EnvironmentKind { lat_long, cubemap };
 /// A lat-long or a cubemap, for calls that read either. Both views convert to it.
 class EnvironmentView {
  public:
-  EnvironmentView(const LatLongView& view) noexcept : view_(view) {}  // NOLINT(google-explicit-constructor)
-  EnvironmentView(const CubemapView& view) noexcept : view_(view) {}  // NOLINT(google-explicit-constructor)
+  EnvironmentView(const LatLongView& view) noexcept : view_(view) {}  ///< converts. NOLINT(google-explicit-constructor)
+  EnvironmentView(const CubemapView& view) noexcept : view_(view) {}  ///< converts. NOLINT(google-explicit-constructor)
 
   /// Which of the two it is.
   [[nodiscard]] EnvironmentKind kind() const noexcept {

@@ -32,11 +32,11 @@ class EnvironmentSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.
   EnvironmentSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written as what it reads
-  EnvironmentSource(LatLongImage image);  // NOLINT(google-explicit-constructor)
-  EnvironmentSource(Environment environment);  // NOLINT(google-explicit-constructor): defined in welkin::files
+  EnvironmentSource(LatLongImage image);  ///< moved in, too. NOLINT(google-explicit-constructor)
+  EnvironmentSource(Environment environment);  ///< defined in welkin::files. NOLINT(google-explicit-constructor)
   /// The pixels are shared, and must not change until the job is ready.
   EnvironmentSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
-  EnvironmentSource(std::shared_ptr<const LatLongImage> image);  // NOLINT(google-explicit-constructor)
+  EnvironmentSource(std::shared_ptr<const LatLongImage> image);  ///< shared, too. NOLINT(google-explicit-constructor)
   /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
   /// empty, they must stay until the job is ready.
   EnvironmentSource(const EnvironmentView& view, std::shared_ptr<const void> owner);

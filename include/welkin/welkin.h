@@ -79,17 +79,16 @@ typedef struct welkin_worker welkin_worker;
 /* A posted job. Handles are counted: a post gives one reference, `welkin_job_release` gives it back. A handle is valid
  * for as long as it is held, also when the worker is gone; a job runs to its end whether one is held or not. */
 typedef struct welkin_job welkin_job;
-/* Given by a worker to a caller's function (`welkin_post_function`): steers the job. Valid until that function returns,
- * on any thread. */
+/* Given by a worker to a caller's function (`welkin_post_function`): steers the job, until that function returns. */
 typedef struct welkin_control welkin_control;
 
 /* Destroy a handle, without waiting. What handles share goes with the last of them. */
 WELKIN_API void welkin_chain_destroy(welkin_chain* chain);
-WELKIN_API void welkin_bake_result_destroy(welkin_bake_result* result);
-WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);
-WELKIN_API void welkin_sky_view_destroy(welkin_sky_view* view);
-WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
-WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);
+WELKIN_API void welkin_bake_result_destroy(welkin_bake_result* result); /* of a bake */
+WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);   /* of tables */
+WELKIN_API void welkin_sky_view_destroy(welkin_sky_view* view);         /* of a view */
+WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);      /* of a curve */
+WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);      /* of a dynamic sky */
 
 /* ---- Status ---- */
 
@@ -168,10 +167,10 @@ enum { WELKIN_TRANSFER_AUTOMATIC = 0, WELKIN_TRANSFER_SRGB = 1, WELKIN_TRANSFER_
 /* How a file is read. A part, layer, level or element that the file does not have gives WELKIN_UNSUPPORTED_FILE. */
 typedef struct welkin_read_options {
   uint32_t struct_size;
-  welkin_layout layout;
-  const char* part;  /* of a multi-part OpenEXR file: its name, or its number from 0; null: the first with colour */
-  const char* layer; /* of an OpenEXR file with layers; null: the channels without one, else the only one */
-  welkin_transfer transfer;
+  welkin_layout layout; /* how the picture holds the sphere */
+  const char* part;     /* of a multi-part OpenEXR file: its name, or its number from 0; null: the first with colour */
+  const char* layer;    /* of an OpenEXR file with layers; null: the channels without one, else the only one */
+  welkin_transfer transfer;    /* what the numbers of a PNG mean */
   int32_t primaries_as_stored; /* 1: the file's numbers; 0: Rec. 709, converted where the file states others */
   uint64_t memory_limit_bytes; /* the most that pixels may take; 0: 8 GiB */
   int64_t level;               /* of a file with a mip chain; 0 is the full size */
@@ -190,12 +189,12 @@ enum { WELKIN_NEGATIVE_KEEP = 0, WELKIN_NEGATIVE_REPLACE = 1, WELKIN_NEGATIVE_RE
 /* What becomes of pixel values before they count as radiance. */
 typedef struct welkin_pixel_policy {
   uint32_t struct_size;
-  float clamp_maximum;           /* upper bound on radiance, above 0; 0: none */
-  int32_t clamp_preserve_colour; /* 1: r, g and b are scaled together; 0: each is clamped to [0, maximum] */
-  int32_t gamma;                 /* 1: channels are clamped to [0, 1] and raised to 2.2 (Babylon.js's gammaSpace) */
-  int32_t reject_nan;            /* 1: a NaN gives WELKIN_REJECTED_PIXEL; 0: it counts as 0 */
-  int32_t reject_infinity;       /* 1: likewise; 0: +infinity counts as clamp_maximum or 65504, -infinity as 0 */
-  welkin_negative_policy negative;
+  float clamp_maximum;             /* upper bound on radiance, above 0; 0: none */
+  int32_t clamp_preserve_colour;   /* 1: r, g and b are scaled together; 0: each is clamped to [0, maximum] */
+  int32_t gamma;                   /* 1: channels are clamped to [0, 1] and raised to 2.2 (Babylon.js's gammaSpace) */
+  int32_t reject_nan;              /* 1: a NaN gives WELKIN_REJECTED_PIXEL; 0: it counts as 0 */
+  int32_t reject_infinity;         /* 1: likewise; 0: +infinity counts as clamp_maximum or 65504, -infinity as 0 */
+  welkin_negative_policy negative; /* of finite values below zero */
 } welkin_pixel_policy;
 
 /* How an environment is projected. */
@@ -211,7 +210,7 @@ typedef struct welkin_projection_options {
  * if it has room for the bands. */
 typedef struct welkin_projection {
   uint32_t struct_size;
-  int32_t bands;
+  int32_t bands;                         /* of `coefficients` */
   uint64_t texels;                       /* read and projected */
   uint64_t nans_replaced;                /* channel values */
   uint64_t infinities_replaced;          /* channel values */
@@ -295,7 +294,7 @@ WELKIN_API welkin_status welkin_get_axes(welkin_engine engine, double* from_welk
 /* Light in an engine's own form; docs/engines.md has the formulas. */
 typedef struct welkin_engine_light {
   uint32_t struct_size;
-  welkin_engine engine;
+  welkin_engine engine; /* whose form it is */
   int32_t term_count;   /* 9 */
   int32_t vector_count; /* 7 for Unity and Unreal, else 0 */
   double terms[9][3];   /* Babylon.js (SphericalPolynomial): x y z xx yy zz yz zx xy; else coefficient l (l + 1) + m */
@@ -315,7 +314,7 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
  * `values_clamped` (may be null), which gets the number of such values. Targets are checked before any work is done. */
 typedef struct welkin_target {
   uint32_t struct_size;
-  welkin_format format;
+  welkin_format format;     /* of all texels */
   int64_t row_stride_bytes; /* from a row to the next, at least a row; 0: rows are packed; negative: bottom-up */
   void* faces[6];           /* first texel of the top row of each, aligned to its channels; flat: faces[0] alone */
   int64_t size;             /* texels along an edge of a cubemap; 0: a flat picture */
@@ -382,15 +381,15 @@ enum { WELKIN_QUALITY_NORMAL = 0, WELKIN_QUALITY_FAST = 1, WELKIN_QUALITY_REFERE
 /* Sizes, lobes and bounds of a chain. Arrays are copied. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
-  int32_t size;            /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;            /* 0: `roughness_count`, else the schedule's; of LAMBERT and SPECTRA 1 */
-  int32_t roughness_count; /* numbers at `roughness`; 0: the schedule's */
-  const double* roughness; /* perceptual, 0 to 1, of each mip */
-  welkin_prefilter_method method;
-  double rms_error;                  /* bound on a mip's relative root mean square error; 0: by `quality` */
-  double maximum_error;              /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */
-  const welkin_pixel_policy* pixels; /* null: the defaults. Must be null in a bake and of a sky */
-  welkin_lobe_family lobe;
+  int32_t size;                       /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
+  int32_t mips;                       /* 0: `roughness_count`, else the schedule's; of LAMBERT and SPECTRA 1 */
+  int32_t roughness_count;            /* numbers at `roughness`; 0: the schedule's */
+  const double* roughness;            /* perceptual, 0 to 1, of each mip */
+  welkin_prefilter_method method;     /* of all mips */
+  double rms_error;                   /* bound on a mip's relative root mean square error; 0: by `quality` */
+  double maximum_error;               /* bound on the relative error at any texel; 0: ten times rms_error, at most 1 */
+  const welkin_pixel_policy* pixels;  /* null: the defaults. Must be null in a bake and of a sky */
+  welkin_lobe_family lobe;            /* of all mips */
   int32_t spectrum_bands;             /* SPECTRA only: numbers of each mip's spectrum, 1 to 1536 */
   const double* spectra;              /* SPECTRA only: mips times spectrum_bands factors of degree 0, 1, ... */
   welkin_quality quality;             /* method and bounds; not read where `rms_error` is not 0 */
@@ -460,17 +459,17 @@ typedef struct welkin_bake_options {
   int32_t background_without_mips; /* 1: level 0 alone */
   int32_t background_box_filter;   /* 1: levels are plain means, as in graphics APIs; 0: means by solid angle */
   int32_t irradiance_size;         /* 0: 64 */
-  welkin_irradiance_method irradiance_method;
-  int32_t bands;                            /* of the harmonics; 0: 3 */
-  const welkin_prefilter_options* specular; /* null: the defaults */
-  const welkin_brdf_options* brdf;          /* null: the defaults */
-  const welkin_pixel_policy* pixels;        /* for all parts; null: the defaults */
-  uint64_t memory_limit_bytes;              /* results and working memory together; 0: 8 GiB */
-  double irradiance_rms_error;              /* bound of the automatic method, 1e-6 to 1; 0: by `quality` */
-  int32_t octahedral_size;                  /* texels along an edge, borders included; 0: no map is made */
-  int32_t octahedral_levels;                /* 0: 1. Size and border must be multiples of 2^(levels - 1) */
-  int32_t octahedral_border;                /* texels on each side of level 0; 0: 2^(octahedral_levels - 1) */
-  welkin_quality quality;                   /* of irradiance, and of reflections whose own quality is normal */
+  welkin_irradiance_method irradiance_method; /* of the irradiance cubemap */
+  int32_t bands;                              /* of the harmonics; 0: 3 */
+  const welkin_prefilter_options* specular;   /* null: the defaults */
+  const welkin_brdf_options* brdf;            /* null: the defaults */
+  const welkin_pixel_policy* pixels;          /* for all parts; null: the defaults */
+  uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
+  double irradiance_rms_error;                /* bound of the automatic method, 1e-6 to 1; 0: by `quality` */
+  int32_t octahedral_size;                    /* texels along an edge, borders included; 0: no map is made */
+  int32_t octahedral_levels;                  /* 0: 1. Size and border must be multiples of 2^(levels - 1) */
+  int32_t octahedral_border;                  /* texels on each side of level 0; 0: 2^(octahedral_levels - 1) */
+  welkin_quality quality;                     /* of irradiance, and of reflections whose own quality is normal */
 } welkin_bake_options;
 
 /* Which parts a bake made, and how large they are. */
@@ -554,16 +553,16 @@ enum { WELKIN_PHASE_DEFAULT = 0, WELKIN_PHASE_CORNETTE_SHANKS = 1, WELKIN_PHASE_
  * null leave what the planet has. All is copied by the calls that read it. */
 typedef struct welkin_atmosphere {
   uint32_t struct_size;
-  welkin_planet planet;
+  welkin_planet planet;         /* to begin with */
   int32_t wavelength_count;     /* 3, or up to 96 with `linear_srgb`; 0: 680, 550 and 440 nm, or the planet's own */
   int32_t absorber_count;       /* of `absorbers`; -1: there are none */
   const double* wavelengths_nm; /* rising or falling. Of EARTH, HAZY, DUSTY and POLLUTED 360 to 830; of other planets
                                    all that has a value per wavelength must be given too */
-  const welkin_constituent* rayleigh;
-  const welkin_constituent* aerosol;
+  const welkin_constituent* rayleigh; /* molecules */
+  const welkin_constituent* aerosol;  /* particles */
   const double* aerosol_optics; /* instead of `aerosol`, of scale height 1200 m: vertical optical depth at 550 nm (0 to
                                    100), Angstrom exponent (-4 to 8), single scattering albedo, asymmetry */
-  welkin_aerosol_phase aerosol_phase;
+  welkin_aerosol_phase aerosol_phase;     /* of the particles */
   double aerosol_asymmetry;               /* g of its phase function, -0.8 to 0.999 */
   const double* aerosol_asymmetries;      /* g by wavelength */
   const welkin_constituent* absorbers[4]; /* ozone and the like */
@@ -571,8 +570,8 @@ typedef struct welkin_atmosphere {
   double top_radius_m;                    /* of the air, above the ground's, at most 11 times it */
   const double* ground_albedo;            /* 0 to 1 */
   const double* sun_irradiance;           /* above the air, on a surface that faces the sun, W/m2/nm */
-  double sun_angular_radius_degrees;
-  double night_zenith_luminance; /* airglow and stars, from the ground, up to 1 cd/m2; a dark place has 2e-4 */
+  double sun_angular_radius_degrees;      /* of the disc */
+  double night_zenith_luminance;          /* airglow and stars, from the ground, up to 1 cd/m2; a dark place has 2e-4 */
 } welkin_atmosphere;
 
 /* Computes the unit direction towards a sun. */
@@ -668,15 +667,15 @@ typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
                       engine runs at the same time; 0: as many as the process may use */
-  welkin_thread_priority thread_priority;
-  const char* name; /* of the threads; null: "welkin" */
+  welkin_thread_priority thread_priority; /* of its own threads */
+  const char* name;                       /* of the threads; null: "welkin" */
 
   /* Null, or lends the worker the engine's threads; it then has none of its own. `enqueue` has `task(argument)` called,
    * soon and exactly once, on a thread of the engine's choice. It is called from any thread, several at once, with at
    * most `threads` tasks outstanding. `enqueue_user` must live until the worker is terminated or destroyed; a task that
    * is called later does nothing. A task that is never called leaks, and a job may wait for it. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
-  void* enqueue_user;
+  void* enqueue_user; /* what `enqueue` gets */
 
   /* A job that is posted beyond a limit ends with WELKIN_QUEUE_FULL. */
   uint64_t max_jobs;  /* in flight; 0: 4096 */
@@ -716,7 +715,7 @@ enum { WELKIN_PRIORITY_LOW = -1, WELKIN_PRIORITY_NORMAL = 0, WELKIN_PRIORITY_HIG
 /* How a job is posted, and who hears of its end. */
 typedef struct welkin_post_options {
   uint32_t struct_size;
-  welkin_priority priority;
+  welkin_priority priority; /* among the jobs that wait */
   const char* key; /* latest wins: a job of the same key that waits or runs ends with WELKIN_REPLACED; null: no key */
   uint64_t bytes;  /* that the job counts against `max_bytes`; 0: those of its pixels */
 
@@ -730,12 +729,12 @@ typedef struct welkin_post_options {
    *   `welkin_worker_destroy` return.
    * The one exception: if `struct_size` itself is refused, nothing is called. */
   void (*release)(void* release_user);
-  void* release_user;
+  void* release_user; /* what `release` gets */
 
   /* Null, or called inside `welkin_worker_drain` once the job is done, well or not: exactly once if the post succeeds
    * and the worker is drained to the end. `job` is lent for the call; `welkin_job_retain` keeps it. */
   void (*completed)(welkin_job* job, void* completed_user);
-  void* completed_user;
+  void* completed_user; /* what `completed` gets */
 } welkin_post_options;
 
 /* Post the call of the same name, or the curve or the reflections (without the sun's disc) of a sky at a height. */
@@ -745,24 +744,24 @@ WELKIN_API welkin_status welkin_post_project(welkin_worker* worker, const welkin
 WELKIN_API welkin_status welkin_post_project_file(welkin_worker* worker, const char* path,
                                                   const welkin_read_options* read_options,
                                                   const welkin_projection_options* options,
-                                                  const welkin_post_options* post, welkin_job** job);
+                                                  const welkin_post_options* post, welkin_job** job); /* a projection */
 WELKIN_API welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
                                                const welkin_prefilter_options* options, const welkin_post_options* post,
-                                               welkin_job** job);
+                                               welkin_job** job); /* a chain */
 WELKIN_API welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path,
                                                const welkin_read_options* read_options,
                                                const welkin_bake_options* options, const welkin_post_options* post,
-                                               welkin_job** job);
+                                               welkin_job** job); /* a bake */
 WELKIN_API welkin_status welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,
                                                 const welkin_sky_table_options* options,
-                                                const welkin_post_options* post, welkin_job** job);
+                                                const welkin_post_options* post, welkin_job** job); /* tables */
 WELKIN_API welkin_status welkin_post_sky_curve(welkin_worker* worker, const welkin_sky_tables* tables,
                                                double altitude_m, const welkin_sky_harmonics_options* options,
-                                               const welkin_post_options* post, welkin_job** job);
+                                               const welkin_post_options* post, welkin_job** job); /* a curve */
 WELKIN_API welkin_status welkin_post_sky_specular(welkin_worker* worker, const welkin_sky_tables* tables,
                                                   double altitude_m, const double* sun,
                                                   const welkin_prefilter_options* options,
-                                                  const welkin_post_options* post, welkin_job** job);
+                                                  const welkin_post_options* post, welkin_job** job); /* a chain */
 
 /* Memory of the caller's for the cubemaps of a bake: RGBA_F16 or RGBA_F32, the targets of a part all of one
  * `struct_size`. A part without targets stays in the result. */
@@ -816,10 +815,10 @@ WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout
 
 /* Get the result: a copy of a projection, and a handle to a chain, a bake, a sky's tables and a sky's curve. */
 WELKIN_API welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection);
-WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain);
-WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);
-WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables);
-WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);
+WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain);            /* a chain */
+WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);      /* a bake */
+WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables); /* a sky */
+WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);    /* a curve */
 
 /* Cancels the job: it ends with WELKIN_CANCELLED, at once if it waits, else before its next tile (a function: when it
  * returns). `given_up` (may be null) gets 1 if this call did it, 0 if the job was done or cancelled before. */
@@ -830,7 +829,7 @@ WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priorit
 
 /* Take one more reference, and give one back. The handle goes with the last one; the job runs to its end. */
 WELKIN_API void welkin_job_retain(welkin_job* job);
-WELKIN_API void welkin_job_release(welkin_job* job);
+WELKIN_API void welkin_job_release(welkin_job* job); /* one back */
 
 /* ---- The dynamic sky of an engine's loop ----
  * It posts to a worker, which must outlive it: a new atmosphere makes tables, a curve and reflections, a new altitude
@@ -862,9 +861,9 @@ typedef struct welkin_sky_reflections {
 /* The light of a frame. Its `struct_size` may end inside `coefficients`. */
 typedef struct welkin_sky_frame {
   uint32_t struct_size;
-  int32_t ready;   /* 0 until the first curve has come: all is black */
-  int32_t settled; /* 1: nothing is being made or blended */
-  int32_t bands;
+  int32_t ready;                         /* 0 until the first curve has come: all is black */
+  int32_t settled;                       /* 1: nothing is being made or blended */
+  int32_t bands;                         /* of `coefficients` */
   double sun_direction[3];               /* towards it */
   double sun_irradiance[3];              /* on a surface that faces it, intensity included */
   double sun_solid_angle;                /* steradians */
@@ -879,11 +878,12 @@ WELKIN_API welkin_status welkin_sky_light_create(welkin_worker* worker, const we
                                                  const welkin_sky_tables* tables,
                                                  const welkin_sky_light_options* options, welkin_sky_light** light);
 
-/* Change the sun's direction, a factor of all light (0 to 1e12), the observer's metres above the ground, and the
+/* Change the sun's direction, a factor of all light (0 to 1e12), the observer's metres above the ground, or the
  * planet. They post a request only if there is something to make. */
 WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
-WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity);
-WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m);
+WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity); /* a factor */
+WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m); /* metres */
+/* Changes the planet. */
 WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
 
 /* Takes what has come, goes on with what is being blended, and writes the light. Never waits; allocates only when new
@@ -918,7 +918,7 @@ enum { WELKIN_SUPERCOMPRESSION_NONE = 0, WELKIN_SUPERCOMPRESSION_ZLIB = 1, WELKI
 /* How texels are stored in a file. */
 typedef struct welkin_texture_options {
   uint32_t struct_size;
-  welkin_texel_format format;
+  welkin_texel_format format;               /* of all texels */
   welkin_supercompression supercompression; /* KTX2 only */
   welkin_effort effort;                     /* with the BC6H and ASTC formats */
 } welkin_texture_options;
