@@ -7,5 +7,6 @@ s|^  \[\[nodiscard\]\] .* operator()(const Control& control) const;|  /** Comput
 s|^/\* ---- .* ---- \*/$||
 s|^/\* |/** |
 s|^\(  *[A-Za-z].*[;,0-9]\)  */\* |\1 /**< |
+s|^\(WELKIN_API .*;\)  */\* |\1 /**< |
 s|^\(  *\)/\* |\1/** |
 s|^  uint32_t struct_size;|  uint32_t struct_size; /**< sizeof the structure, as the caller has compiled it */|

@@ -178,11 +178,11 @@ void add_files(const std::vector<int>& thread_counts) {
 
 void add_cancel_latency(const std::vector<int>& thread_counts) {
   add("ProjectCubemap", "2048", thread_counts, 200,
-      [] { return ProjectCubemap{CubemapSource(noise_cubemap(PixelFormat::rgb32f, 2048), nullptr)}; });
+      [] { return Project{EnvironmentSource(noise_cubemap(PixelFormat::rgb32f, 2048), nullptr)}; });
   add("ProjectLatLong", "8192x4096", thread_counts, 200,
-      [] { return ProjectLatLong{LatLongSource(noise_lat_long(PixelFormat::rgb32f, 8192, 4096), nullptr)}; });
+      [] { return Project{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, 8192, 4096), nullptr)}; });
   add("LatLongToCubemap", "4096x2048-to-512", thread_counts, 30, [] {
-    return LatLongToCubemap{LatLongSource(noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), nullptr), 512};
+    return ToCubemap{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), nullptr), 512};
   });
   add_files(thread_counts);
 }

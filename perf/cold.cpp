@@ -152,7 +152,7 @@ void add_others(std::vector<Operation>& operations) {
 
 void add_workers(std::vector<Operation>& operations) {
   const auto post = [](Worker& worker, const std::shared_ptr<const CubemapImage>& cube) {
-    use(worker.post(ProjectCubemap{CubemapSource(cube), {}}).get());
+    use(worker.post(Project{EnvironmentSource(cube), {}}).get());
   };
   operations.push_back({"worker made, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
                           const auto cube = std::make_shared<const CubemapImage>(pixels.cube);

@@ -16,8 +16,7 @@ constexpr int kAtATime = 100;  ///< environments from table to table
 
 CubemapImage reduced(const std::filesystem::path& file) {
   const Environment environment = read_environment(file);
-  if (environment.info.layout == Layout::lat_long) return to_cubemap(environment.lat_long(), kPictureSize);
-  return to_cubemap(environment.cubemap(), kPictureSize);
+  return to_cubemap(environment.view(), kPictureSize);
 }
 
 std::string table_of(const test::EstimateTrials& trials) {

@@ -38,8 +38,7 @@ std::string percent(double share) {
 double smallest(const glm::dvec3& rgb) { return std::min({rgb.r, rgb.g, rgb.b}); }
 
 std::vector<IrradianceError> errors_of(const Environment& environment, const SphericalHarmonics& radiance) {
-  if (environment.info.layout != Layout::lat_long) return irradiance_errors(environment.cubemap(), radiance, kNormals);
-  return irradiance_errors(environment.lat_long(), radiance, kNormals);
+  return irradiance_errors(environment.view(), radiance, kNormals);
 }
 
 /// What is left without the sun, and how far its irradiance is from that of its bands.
@@ -114,8 +113,7 @@ std::string error_text(const CubemapImage& found, const CubemapImage& truth) {
 }
 
 /// The irradiance cubemap of a bake, from bands and by default.
-template <class View>
-std::string cubemap_row(const View& view, const std::string& name) {
+std::string cubemap_row(const EnvironmentView& view, const std::string& name) {
   const CubemapImage truth = direct_irradiance_cubemap(view, kCubemap);
   std::string row = "| " + name + " |";
   for (const IrradianceMethod method : {IrradianceMethod::harmonics, IrradianceMethod::automatic}) {
@@ -131,9 +129,7 @@ Rows rows_of(const std::filesystem::path& file) {
   const EnvironmentStatistics statistics = measure_environment(file);
   ProjectionOptions options;
   options.bands = kBands[std::size(kBands) - 1];
-  const SphericalHarmonics radiance = environment.info.layout != Layout::lat_long
-                                          ? project(environment.cubemap(), options).radiance
-                                          : project(environment.lat_long(), options).radiance;
+  const SphericalHarmonics radiance = project(environment.view(), options).radiance;
   const glm::dvec3 mean = statistics.mean;
 
   Rows rows;
@@ -147,9 +143,7 @@ Rows rows_of(const std::filesystem::path& file) {
 
   rows.suns = sun_row(environment, options, file.stem().string(), radiance, errors);
 
-  rows.cubemaps = environment.info.layout != Layout::lat_long
-                      ? cubemap_row(environment.cubemap(), file.stem().string())
-                      : cubemap_row(environment.lat_long(), file.stem().string());
+  rows.cubemaps = cubemap_row(environment.view(), file.stem().string());
 
   SphericalHarmonics few(kWindowedBands);
   std::copy_n(radiance.coefficients().begin(), few.coefficients().size(), few.coefficients().begin());

@@ -80,8 +80,8 @@ float least_of(const CubemapChain& chain, int level) {
 }
 
 /// A row for each mip but those that are copies.
-template <class View>
-std::string rows_of(const Picture& picture, const View& view, const PrefilterOptions& chain, const Settings& settings) {
+std::string rows_of(const Picture& picture, const EnvironmentView& view, const PrefilterOptions& chain,
+                    const Settings& settings) {
   std::string rows;
   std::mt19937 random(11);
   std::map<int, std::vector<report::Probe>> probes;

@@ -57,14 +57,14 @@ void add_post_to_start(int threads) {
   }
 }
 
-/// ProjectCubemap, and when it began and ended.
+/// Project, and when it began and ended.
 struct TimedProjection {
   struct Moments {
     Clock::time_point started;
     Clock::time_point ended;
   };
 
-  ProjectCubemap request;
+  Project request;
   Moments* moments;
 
   Projection operator()(const Control& control) const {
@@ -82,7 +82,7 @@ class ResultLatency {
  public:
   ResultLatency(int size, int threads, Waiting waiting, milliseconds pause)
       : view_(noise_cubemap(PixelFormat::rgb32f, size)),
-        request_{{CubemapSource(view_, nullptr)}, &moments_},
+        request_{{EnvironmentSource(view_, nullptr)}, &moments_},
         threads_(threads),
         waiting_(waiting),
         pause_(pause),

@@ -29,20 +29,6 @@ Size size_of(const SourceShape& source, const BakeCommandOptions& options, const
   return {4 * face, 2 * face};
 }
 
-template <class View>
-LatLongImage made_of(const View& source, const BakeCommandOptions& options, const BakeOptions& whole,
-                     const Control& control) {
-  const Size size = size_of(shape_of(source), options, whole);
-  if (size.width == 0) return {};
-  const projection::SanitizedSource clean(source, whole.pixels, control);
-  const View pixels = view_of(clean, source);
-  if constexpr (std::is_same_v<View, LatLongView>) {
-    return to_lat_long(pixels, size.width, size.height, dmat3(1.0), control);
-  } else {
-    return to_lat_long(pixels, size.width, size.height, dmat3(1.0), ResampleFilter::bilinear, control);
-  }
-}
-
 }  // namespace
 
 std::uint64_t lat_long_bytes(const SourceShape& source, const BakeCommandOptions& options, const BakeOptions& whole) {
@@ -50,14 +36,12 @@ std::uint64_t lat_long_bytes(const SourceShape& source, const BakeCommandOptions
   return 3 * sizeof(float) * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-LatLongImage lat_long_of(const LatLongView& source, const BakeCommandOptions& options, const BakeOptions& whole,
+LatLongImage lat_long_of(const EnvironmentView& source, const BakeCommandOptions& options, const BakeOptions& whole,
                          const Control& control) {
-  return made_of(source, options, whole, control);
-}
-
-LatLongImage lat_long_of(const CubemapView& source, const BakeCommandOptions& options, const BakeOptions& whole,
-                         const Control& control) {
-  return made_of(source, options, whole, control);
+  const Size size = size_of(shape_of(source), options, whole);
+  if (size.width == 0) return {};
+  const projection::SanitizedSource clean(source, whole.pixels, control);
+  return to_lat_long(clean.view(), size.width, size.height, dmat3(1.0), ResampleFilter::bilinear, control);
 }
 
 }  // namespace welkin::tool

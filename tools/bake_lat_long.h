@@ -17,9 +17,7 @@ namespace welkin::tool {
 /// Returns the lat-long of a bake, without width if there is none. In an engine's folder, if no option names a size, it
 /// is as large as the source, or four times as wide as a cubemap's face; else it is four times as wide as the
 /// background cubemap. A lat-long source of that size keeps its pixels, except for those that the pixel policy changes.
-[[nodiscard]] LatLongImage lat_long_of(const LatLongView& source, const BakeCommandOptions& options,
-                                       const BakeOptions& whole, const Control& control);
-[[nodiscard]] LatLongImage lat_long_of(const CubemapView& source, const BakeCommandOptions& options,
+[[nodiscard]] LatLongImage lat_long_of(const EnvironmentView& source, const BakeCommandOptions& options,
                                        const BakeOptions& whole, const Control& control);
 
 }  // namespace welkin::tool

@@ -40,12 +40,7 @@ class BakeSource {
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 
-  /// Calls `function` with the view of the pixels, a lat-long's or a cubemap's.
-  template <typename Function>
-  auto visit(const Function& function) const {
-    if (!file_) return with_view(pixels_, function);
-    return file_->face_size() > 0 ? function(file_->cubemap()) : function(file_->lat_long());
-  }
+  [[nodiscard]] EnvironmentView view() const { return file_ ? file_->view() : pixels_.view(); }
 
  private:
   void read(const BakeCommandOptions& options, const Control& control);
@@ -134,10 +129,10 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
   turned.is_cubemap = is_cubemap();
   if (turned.is_cubemap) {
     const CubemapView view = file_ ? file_->cubemap() : pixels_.cubemap.view();
-    turned.cubemap = to_cubemap(view, view.size, matrix, control);
+    turned.cubemap = to_cubemap(view, view.size, matrix, ResampleFilter::area, control);
   } else {
     const LatLongView view = file_ ? file_->lat_long() : pixels_.lat_long.view();
-    turned.lat_long = to_lat_long(view, view.width, view.height, matrix, control);
+    turned.lat_long = to_lat_long(view, view.width, view.height, matrix, ResampleFilter::area, control);
   }
   pixels_ = std::move(turned);
   file_.reset();
@@ -354,9 +349,8 @@ std::string lobe_pass(LobeFamily lobe) { return std::string("lobe ") + name(lobe
 
 constexpr const char* kLobeReason = "as --lobe asks";
 
-template <class Source>
-void plan_chain(const Source& source, const PrefilterOptions& chain, const std::string& name, const std::string& reason,
-                Plan& planned) {
+void plan_chain(const SourceShape& source, const PrefilterOptions& chain, const std::string& name,
+                const std::string& reason, Plan& planned) {
   const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain));
   PlannedPass pass = beside.pass("specular");
   pass.name = name;
@@ -367,8 +361,7 @@ void plan_chain(const Source& source, const PrefilterOptions& chain, const std::
 }
 
 /// What the library's bake does not make stands in the plan too: the chain of the .env or .glb, and those of --lobe.
-template <class Source>
-void plan_chains(const Source& source, const EnvChain& env, const BakeCommandOptions& options,
+void plan_chains(const SourceShape& source, const EnvChain& env, const BakeCommandOptions& options,
                  const PrefilterOptions& specular, Plan& planned) {
   if (env.second()) {
     plan_chain(source, env.options, env.pass, "Babylon.js has a roughness of its own for each mip", planned);
@@ -409,17 +402,13 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
 }
 
 BakeResult bake_light(const BakeSource& source, const Plan& plan, ResultCache* cache, const Control& control) {
-  return source.visit([&](const auto& view) {
-    return cache != nullptr ? cache->bake(view, plan, control) : bake(view, plan, control);
-  });
+  return cache != nullptr ? cache->bake(source.view(), plan, control) : bake(source.view(), plan, control);
 }
 
 PrefilteredSpecular prefilter_chain(const BakeSource& source, const PrefilterOptions& chain, ResultCache* cache,
                                     const Control& control) {
-  return source.visit([&](const auto& view) {
-    return cache != nullptr ? cache->prefilter_specular(view, chain, control)
-                            : prefilter_specular(view, chain, control);
-  });
+  return cache != nullptr ? cache->prefilter_specular(source.view(), chain, control)
+                          : prefilter_specular(source.view(), chain, control);
 }
 
 /// Whether light that lies beside the pixels may replace what is computed of them.
@@ -451,17 +440,16 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
                       Baked& baked) {
   PixelWork work;
   BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0, 0};
-  source.visit([&](const auto& view) {
-    work.light = plan(view, needs, baked.whole);
-    explain_folder(options, work.light);
-    memory.lat_long = lat_long_bytes(shape_of(view), options, baked.whole);
-    baked.plan = work.light;
-    baked.options = work.light.options;
-    work.env = env_chain(options, baked.whole, work.light);
-    plan_chains(view, work.env, options, *baked.whole.specular, baked.plan);
-    memory.bake = work.light.result_bytes + work.light.working_bytes;
-    if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
-  });
+  const EnvironmentView view = source.view();
+  work.light = plan(view, needs, baked.whole);
+  explain_folder(options, work.light);
+  memory.lat_long = lat_long_bytes(shape_of(view), options, baked.whole);
+  baked.plan = work.light;
+  baked.options = work.light.options;
+  work.env = env_chain(options, baked.whole, work.light);
+  plan_chains(shape_of(view), work.env, options, *baked.whole.specular, baked.plan);
+  memory.bake = work.light.result_bytes + work.light.working_bytes;
+  if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
   baked.env_container = env_container(options);
   baked.env_left_out = contains_rgbd(options.files) && !work.env.wanted;
   baked.env_is_specular = work.env.is_specular;
@@ -544,9 +532,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   }
   if (contains(options.files, Content::lat_long)) {
     baked.lat_long = timed(baked.passes, "lat-long", "of the source's pixels", [&] {
-      return source.visit([&](const auto& view) {
-        return lat_long_of(view, options, baked.whole, {control.stop, {}});
-      });
+      return lat_long_of(source.view(), options, baked.whole, {control.stop, {}});
     });
   }
   baked.picture = source.take_picture();
@@ -569,12 +555,10 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
   const BakeSource source(options, part_of(control, 0.0, kRead));
   const SceneNeeds needs = needs_of(options);
   const BakeOptions whole = library_options(options);
-  return source.visit([&](const auto& view) {
-    Plan planned = plan(view, needs, whole);
-    explain_folder(options, planned);
-    plan_chains(view, env_chain(options, whole, planned), options, *whole.specular, planned);
-    return planned;
-  });
+  Plan planned = plan(source.view(), needs, whole);
+  explain_folder(options, planned);
+  plan_chains(shape_of(source.view()), env_chain(options, whole, planned), options, *whole.specular, planned);
+  return planned;
 }
 
 Prediction predict(BakeCommandOptions options) {

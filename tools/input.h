@@ -108,6 +108,11 @@ struct Pixels {
   bool is_cubemap = false;
   LatLongImage lat_long;
   CubemapImage cubemap;
+
+  /// Whichever it is.
+  [[nodiscard]] EnvironmentView view() const {
+    return is_cubemap ? EnvironmentView(cubemap.view()) : EnvironmentView(lat_long.view());
+  }
 };
 
 /// A copy of what was read.
@@ -121,12 +126,6 @@ std::uint64_t replace_infinities(Pixels& pixels, float largest);
 
 /// The same in what was read, infinities being 65504, the largest half.
 [[nodiscard]] std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& options);
-
-/// Calls `function` with the view of whichever it is.
-template <typename Function>
-auto with_view(const Pixels& pixels, const Function& function) {
-  return pixels.is_cubemap ? function(pixels.cubemap.view()) : function(pixels.lat_long.view());
-}
 
 /// What becomes of the sun.
 struct SunChoice {

@@ -220,8 +220,7 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
                  std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  CubemapImage result = face > 0 ? to_cubemap(source.cubemap(), size, turn, middle)
-                                 : to_cubemap(source.lat_long(), size, turn, ResampleFilter::area, middle);
+  CubemapImage result = to_cubemap(source.view(), size, turn, ResampleFilter::area, middle);
   tone_map(
       options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
   return write_output(options.output, result.view(), last);
@@ -244,8 +243,7 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
   require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  LatLongImage result = face > 0 ? to_lat_long(source.cubemap(), width, height, turn, ResampleFilter::bilinear, middle)
-                                 : to_lat_long(source.lat_long(), width, height, turn, middle);
+  LatLongImage result = to_lat_long(source.view(), width, height, turn, ResampleFilter::bilinear, middle);
   tone_map(
       options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
   return write_output(options.output, result.view(), last);

@@ -70,10 +70,8 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
   }
   begin_stage("project");
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
-    report.projection = with_view(pixels, [&](const auto& view) {
-      return cache != nullptr ? cache->project(view, options.projection, {}, control)
-                              : project(view, options.projection, control);
-    });
+    report.projection = cache != nullptr ? cache->project(pixels.view(), options.projection, {}, control)
+                                         : project(pixels.view(), options.projection, control);
   });
   report.projection.diagnostics.infinities_replaced += infinities;
   if (options.irradiance_error) {
@@ -81,9 +79,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
     constexpr int kNormals = 500;
     const SphericalHarmonics windowed =
         apply_window(report.projection.radiance, options.window, options.window_width).radiance;
-    report.irradiance_errors = with_view(pixels, [&](const auto& view) {
-      return irradiance_errors(view, windowed, kNormals, options.projection.pixels, control);
-    });
+    report.irradiance_errors = irradiance_errors(pixels.view(), windowed, kNormals, options.projection.pixels, control);
   }
 }
 

@@ -122,7 +122,8 @@ CubemapChain turned(const CubemapChain& chain, const glm::dmat3& symmetry, const
   const Control quiet{control.stop, {}};
   CubemapChain result(chain.size(), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
-    const CubemapImage image = to_cubemap(chain.view(level), chain.level_size(level), symmetry, quiet);
+    const CubemapImage image =
+        to_cubemap(chain.view(level), chain.level_size(level), symmetry, ResampleFilter::area, quiet);
     const auto values = static_cast<std::ptrdiff_t>(image.pixels.size() / 6);
     for (int face = 0; face < 6; ++face) {
       std::copy_n(image.pixels.begin() + face * values, values, result.face(level, face));
@@ -133,7 +134,7 @@ CubemapChain turned(const CubemapChain& chain, const glm::dmat3& symmetry, const
 
 CubemapImage turned(const CubemapImage& cubemap, const glm::dmat3& symmetry, const Control& control) {
   if (cubemap.size == 0) return {};
-  return to_cubemap(cubemap.view(), cubemap.size, symmetry, Control{control.stop, {}});
+  return to_cubemap(cubemap.view(), cubemap.size, symmetry, ResampleFilter::area, Control{control.stop, {}});
 }
 
 }  // namespace welkin::tool

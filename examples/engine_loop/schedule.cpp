@@ -26,7 +26,7 @@ Schedule::Schedule(const ScheduleOptions& options) : frames_(static_cast<std::si
     // In the middle of each third of the run.
     if (frame == (2 * level + 1) * options.frames / (2 * kLevels)) {
       for (int cubemap = 0; cubemap < kCubemapsPerLevel; ++cubemap) {
-        add(frame, welkin::ProjectCubemap{sky_cubemap(options.level_size, 1.0 * level + 0.3 * cubemap)});
+        add(frame, welkin::Project{sky_cubemap(options.level_size, 1.0 * level + 0.3 * cubemap)});
       }
       ++level;
     }

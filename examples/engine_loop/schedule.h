@@ -15,7 +15,7 @@
 namespace engine_loop {
 
 /// A file that is streamed in, the changing sky, or pixels that are in memory and are moved in.
-using Request = std::variant<welkin::ProjectFile, TurningSky, welkin::ProjectCubemap>;
+using Request = std::variant<welkin::ProjectFile, TurningSky, welkin::Project>;
 
 struct Posting {
   std::size_t number = 0;  ///< from 0, in the order of posting

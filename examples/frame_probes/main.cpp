@@ -130,8 +130,9 @@ class Probes {
     // the worker's thread and frees the result there: a frame that frees it may wait for the allocator's lock.
     slot->job =
         worker
-            ->post(welkin::BakeTo{welkin::CubemapSource{slot->view(), nullptr}, {.specular = slot->targets}, options_},
-                   {.key = "probe " + std::to_string(probe)})
+            ->post(
+                welkin::BakeTo{welkin::EnvironmentSource{slot->view(), nullptr}, {.specular = slot->targets}, options_},
+                {.key = "probe " + std::to_string(probe)})
             .then([to = &*slot](const std::shared_ptr<const welkin::BakeResult>& baked) {
               take_light(*baked, to->light);
             });

@@ -46,7 +46,7 @@ int main() {
   welkin::Worker worker(std::move(options));  // it has no threads of its own
 
   std::vector<welkin::Job<welkin::Projection>> jobs;
-  for (int k = 0; k < kRooms; ++k) jobs.push_back(worker.post(welkin::ProjectCubemap{room(k)}));
+  for (int k = 0; k < kRooms; ++k) jobs.push_back(worker.post(welkin::Project{room(k)}));
 
   std::size_t right = 0;
   std::size_t open = jobs.size();

@@ -76,7 +76,7 @@ class Probe {
   }
 
   /// The faces as they are now, for a request: six pointers are copied, and no pixel.
-  [[nodiscard]] welkin::CubemapSource source() const { return {view(), std::make_shared<const Faces>(faces_)}; }
+  [[nodiscard]] welkin::EnvironmentSource source() const { return {view(), std::make_shared<const Faces>(faces_)}; }
 
  private:
   using Faces = std::array<std::shared_ptr<const Face>, 6>;
@@ -163,7 +163,7 @@ int run() {
 
     // The key makes the worker give up the job of the frame before, if that has not ended. Were a job longer than a
     // frame as a rule, none would end while frames are posted; an engine would then post only if the last job is ready.
-    job = worker.post(welkin::ProjectCubemap{probe.source()}, {.key = "probe"});
+    job = worker.post(welkin::Project{probe.source()}, {.key = "probe"});
     std::this_thread::sleep_until(start + kFrameTime);
   }
 

@@ -138,7 +138,7 @@ int run() {
   const auto environment = std::make_shared<const welkin::LatLongImage>(panorama(256));
   own_executor::ThreadPool pool(2);
   welkin::Worker worker({.executor = std::make_shared<own_executor::PoolExecutor>(pool)});
-  auto job = worker.post(welkin::BakeTo{welkin::LatLongSource(environment), {.specular = targets}, options});
+  auto job = worker.post(welkin::BakeTo{welkin::EnvironmentSource(environment), {.specular = targets}, options});
 
   int frames = 0;
   while (!job.ready()) {

@@ -125,22 +125,19 @@ struct BakeTargets {
 
 /// Memory that `bake` needs at most on the threads of the caller's arena, results included, source not. Throws `Error`
 /// (invalid_argument) as `bake`.
-[[nodiscard]] std::uint64_t bake_bytes(const LatLongView& source, const BakeOptions& options = {});
-[[nodiscard]] std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options = {});
+[[nodiscard]] std::uint64_t bake_bytes(const EnvironmentView& source, const BakeOptions& options = {});
 
 /// Bakes. Passes that do not wait for each other run at the same time, in the caller's arena; faces, mips and rows are
 /// parallel inside each. The same bits on any number of threads and instruction set. Progress is one number over all
 /// passes, weighed by what they are expected to cost. Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded
 /// (`bake_bytes` above the limit), cancelled; after any of them there is no result, and no pass still runs.
-[[nodiscard]] BakeResult bake(const LatLongView& source, const BakeOptions& options = {}, const Control& control = {});
-[[nodiscard]] BakeResult bake(const CubemapView& source, const BakeOptions& options = {}, const Control& control = {});
+[[nodiscard]] BakeResult bake(const EnvironmentView& source, const BakeOptions& options = {},
+                              const Control& control = {});
 
 /// The same into an older result, whose background and specular cubemap keep their memory where sizes are the same:
 /// fresh pages cost the system time. Memory that is kept stays that of the resource which
 /// it came from, whatever `control.memory` says. After an exception `result` can only be baked into again, or freed.
-void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options = {},
-               const Control& control = {});
-void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options = {},
+void bake_into(BakeResult& result, const EnvironmentView& source, const BakeOptions& options = {},
                const Control& control = {});
 
 /// The same with cubemaps in memory of the caller's: each is written to its targets, in their formats, as soon as it is
@@ -149,10 +146,8 @@ void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions&
 /// Nothing is written where a target is refused. Throws `Error` as `bake`, and invalid_argument for targets of another
 /// size or number than the bake makes, or of a cubemap that the options leave out; after an exception targets may be
 /// written in part.
-[[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const LatLongView& source, const BakeOptions& options = {},
-                                 const Control& control = {});
-[[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options = {},
-                                 const Control& control = {});
+[[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const EnvironmentView& source,
+                                 const BakeOptions& options = {}, const Control& control = {});
 
 // Many at once: the probes of a level, each with its coefficients and reflections
 //
@@ -234,9 +229,8 @@ struct SourceShape {
   friend bool operator==(const SourceShape&, const SourceShape&) = default;
 };
 
-/// Throw `Error` (invalid_argument) for a view that no call would accept.
-[[nodiscard]] SourceShape shape_of(const LatLongView& view);
-[[nodiscard]] SourceShape shape_of(const CubemapView& view);
+/// Returns the shape of a view. Throws `Error` (invalid_argument) for one that no call would accept.
+[[nodiscard]] SourceShape shape_of(const EnvironmentView& view);
 
 // A step of a plan: what will be done, or why it will not.
 
@@ -282,13 +276,11 @@ struct Plan {
 /// use are removed from it. The reflections become a chain of the mips that are left, and the light has as many bands
 /// as are used. Throws `Error` (invalid_argument, limit_exceeded) as `bake` and `check`.
 [[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole = {});
-[[nodiscard]] Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
-[[nodiscard]] Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
+[[nodiscard]] Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
 
 /// Carries a plan out; the source must have the shape that was planned for. The records' reasons are the plan's. Throws
 /// as `bake`, and invalid_argument for another source.
-[[nodiscard]] BakeResult bake(const LatLongView& source, const Plan& plan, const Control& control = {});
-[[nodiscard]] BakeResult bake(const CubemapView& source, const Plan& plan, const Control& control = {});
+[[nodiscard]] BakeResult bake(const EnvironmentView& source, const Plan& plan, const Control& control = {});
 
 /// A table of passes: action, memory, reason. With `measured`, the records of the bake that was planned, also the time
 /// that each took.

@@ -249,9 +249,11 @@ struct Environment {
   /// Edge of a face in texels; 0 for a lat-long.
   [[nodiscard]] int face_size() const noexcept;
 
-  /// Throw `Error` (invalid_argument) if the layout is the other one.
+  /// The pixels as they lie. It is valid while `pixels` are.
+  [[nodiscard]] EnvironmentView view() const;
+  /// The same. Throws `Error` (invalid_argument) that names the file for a cubemap.
   [[nodiscard]] LatLongView lat_long() const;
-  /// Valid for the other layouts; throws `Error` (invalid_argument) for a lat-long.
+  /// The same. Throws `Error` (invalid_argument) that names the file for a lat-long.
   [[nodiscard]] CubemapView cubemap() const;
 };
 
@@ -334,9 +336,7 @@ void check_write_options(const FileOutput& output, const WriteOptions& options, 
 /// A file is complete or not there: it is written beside its place and renamed when it is whole. Existing files
 /// are replaced. Throws `Error`: invalid_argument for a view, layout or type that does not fit (naming what
 /// does), unsupported_file for an extension that is not written, file_access, cancelled.
-WriteReport write_environment(const FileOutput& output, const LatLongView& picture, const WriteOptions& options = {},
-                              const Control& control = {});
-WriteReport write_environment(const FileOutput& output, const CubemapView& picture, const WriteOptions& options = {},
-                              const Control& control = {});
+WriteReport write_environment(const FileOutput& output, const EnvironmentView& picture,
+                              const WriteOptions& options = {}, const Control& control = {});
 
 }  // namespace welkin

@@ -4,6 +4,7 @@
 //   welkin::LatLongView panorama{pixels, 4096, 2048, 0, welkin::PixelFormat::rgb32f};
 //
 // A view is read in place and never owns its pixels: they must stay as they are until the call that reads them returns.
+// Calls that read either kind take an `EnvironmentView`, to which both convert: project(cubemap), bake(panorama).
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "welkin/core.h"
@@ -84,6 +86,31 @@ struct LatLongView {
   PixelFormat format = PixelFormat::rgb32f;  ///< of the pixels
 
   friend bool operator==(const LatLongView&, const LatLongView&) = default;
+};
+
+/// How an environment's pixels lie.
+enum class EnvironmentKind { lat_long, cubemap };
+
+/// A lat-long or a cubemap, for calls that read either. Both views convert to it.
+class EnvironmentView {
+ public:
+  EnvironmentView(const LatLongView& view) noexcept : view_(view) {}  ///< converts. NOLINT(google-explicit-constructor)
+  EnvironmentView(const CubemapView& view) noexcept : view_(view) {}  ///< converts. NOLINT(google-explicit-constructor)
+
+  /// Which of the two it is.
+  [[nodiscard]] EnvironmentKind kind() const noexcept {
+    return view_.index() == 0 ? EnvironmentKind::lat_long : EnvironmentKind::cubemap;
+  }
+  /// The view of a lat-long. Throws `Error` (invalid_argument) for a cubemap.
+  [[nodiscard]] LatLongView lat_long() const;
+  /// The view of a cubemap. Throws `Error` (invalid_argument) for a lat-long.
+  [[nodiscard]] CubemapView cubemap() const;
+
+  /// Whether these are the same pixels in memory.
+  friend bool operator==(const EnvironmentView&, const EnvironmentView&) = default;
+
+ private:
+  std::variant<LatLongView, CubemapView> view_;
 };
 
 // ---- Images that own their pixels

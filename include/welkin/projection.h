@@ -139,7 +139,7 @@ struct Projection {
 
 // ---- Projection
 
-/// Projects a cubemap.
+/// Projects a cubemap, or a lat-long directly, without a cubemap in between.
 ///
 /// Reads every texel once (or the levels that `target_size` picks), about 0.3 ns a texel and thread on a
 /// machine with AVX-512, bounded by memory. Exact quadrature: relative error of the coefficient vector
@@ -147,17 +147,13 @@ struct Projection {
 ///
 /// Throws `Error`: invalid_argument for a view or options out of range, rejected_pixel naming the first
 /// offending texel (by face, then row, then column) under a `reject` policy, cancelled.
-[[nodiscard]] Projection project(const CubemapView& cubemap, const ProjectionOptions& options = {},
+[[nodiscard]] Projection project(const EnvironmentView& environment, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
 /// Projects a cubemap that brings its mip chain: `mips[0]` is the full size, every further level half the
 /// one before (rounded down, at least 1), all of one format. Only `target_size` makes use of the chain.
 /// Throws as above, and invalid_argument for an empty or uneven chain.
 [[nodiscard]] Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options = {},
-                                 const Control& control = {});
-
-/// Projects a lat-long image directly, without a cubemap in between. Cost, accuracy and errors as above.
-[[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
 // ---- Many at once: the probes of a level
@@ -252,14 +248,11 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
 /// 60 ns for 64 x 32. The same bits on any number of threads.
 /// Throws `Error`: invalid_argument (view, policy, normals, none or more than 100 000 of them), rejected_pixel,
 /// cancelled.
-[[nodiscard]] std::vector<dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const dvec3> normals,
-                                                   const PixelPolicy& pixels = {}, const Control& control = {});
-[[nodiscard]] std::vector<dvec3> direct_irradiance(const LatLongView& lat_long, std::span<const dvec3> normals,
+[[nodiscard]] std::vector<dvec3> direct_irradiance(const EnvironmentView& environment, std::span<const dvec3> normals,
                                                    const PixelPolicy& pixels = {}, const Control& control = {});
 
 /// The same for one normal, with the default policy for pixels.
-[[nodiscard]] dvec3 direct_irradiance(const CubemapView& cubemap, const dvec3& normal);
-[[nodiscard]] dvec3 direct_irradiance(const LatLongView& lat_long, const dvec3& normal);
+[[nodiscard]] dvec3 direct_irradiance(const EnvironmentView& environment, const dvec3& normal);
 
 /// How far the irradiance of the first `bands` bands is from the direct one, over normals that cover the sphere evenly.
 /// Differences are lengths |E_sh - E| over the three channels.
@@ -275,11 +268,7 @@ struct IrradianceError {
 /// from `project` as a rule; windowed ones show what the window costs. `normals`: how many, 1 to 100 000, on a
 /// Fibonacci spiral. Where an environment has no light at all, the errors are 0 if the coefficients have none either,
 /// else infinite. Cost, bits and errors as of `direct_irradiance`.
-[[nodiscard]] std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap,
-                                                             const SphericalHarmonics& radiance, int normals = 500,
-                                                             const PixelPolicy& pixels = {},
-                                                             const Control& control = {});
-[[nodiscard]] std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long,
+[[nodiscard]] std::vector<IrradianceError> irradiance_errors(const EnvironmentView& environment,
                                                              const SphericalHarmonics& radiance, int normals = 500,
                                                              const PixelPolicy& pixels = {},
                                                              const Control& control = {});
@@ -295,7 +284,7 @@ struct IrradianceError {
 
 /// The reference: direct cosine integration in double, as `direct_irradiance`, at each texel's centre. Cost: some 6 ns
 /// a source texel, result texel and thread.
-[[nodiscard]] CubemapImage direct_irradiance_cubemap(const CubemapView& source, int size, const Control& control = {});
-[[nodiscard]] CubemapImage direct_irradiance_cubemap(const LatLongView& source, int size, const Control& control = {});
+[[nodiscard]] CubemapImage direct_irradiance_cubemap(const EnvironmentView& source, int size,
+                                                     const Control& control = {});
 
 }  // namespace welkin

@@ -138,16 +138,12 @@ struct PrefilteredSpecular {
 /// below 0.2, to 2e-4), ranges to `maximum_error` of an end.
 /// The same bits on any number of threads and instruction set.
 /// Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no method reaches), cancelled.
-[[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},
-                                                     const Control& control = {});
-[[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
-                                                     const Control& control = {});
+[[nodiscard]] PrefilteredSpecular prefilter_specular(const EnvironmentView& source,
+                                                     const PrefilterOptions& options = {}, const Control& control = {});
 
 /// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction.
 /// Cost: 10 ns per source texel and direction. Throws `Error` (invalid_argument, cancelled).
-[[nodiscard]] std::vector<dvec3> reference_specular(const LatLongView& source, double roughness,
-                                                    const std::vector<dvec3>& directions, const Control& control = {});
-[[nodiscard]] std::vector<dvec3> reference_specular(const CubemapView& source, double roughness,
+[[nodiscard]] std::vector<dvec3> reference_specular(const EnvironmentView& source, double roughness,
                                                     const std::vector<dvec3>& directions, const Control& control = {});
 
 // Which roughness each mip of a specular cubemap has, and where a shader looks for a roughness.
@@ -326,16 +322,12 @@ struct KernelChainOptions {
 /// Cost: as `prefilter_specular`, and some 10 ns for each texel of the result and each bright one of the source.
 /// Throws `Error`: invalid_argument; limit_exceeded (a kernel so narrow, or with so sharp an edge, that 1536 bands miss
 /// the bound on this picture, or an estimated error above it: the message says by how much); rejected_pixel; cancelled.
-[[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const LatLongView& source, const KernelChainOptions& options,
-                                                       const Control& control = {});
-[[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,
+[[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const EnvironmentView& source, const KernelChainOptions& options,
                                                        const Control& control = {});
 
 /// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction. Slow.
 /// Throws `Error` (invalid_argument, cancelled).
-[[nodiscard]] std::vector<dvec3> reference_by_kernel(const LatLongView& source, const ZonalKernel& kernel,
-                                                     const std::vector<dvec3>& directions, const Control& control = {});
-[[nodiscard]] std::vector<dvec3> reference_by_kernel(const CubemapView& source, const ZonalKernel& kernel,
+[[nodiscard]] std::vector<dvec3> reference_by_kernel(const EnvironmentView& source, const ZonalKernel& kernel,
                                                      const std::vector<dvec3>& directions, const Control& control = {});
 
 }  // namespace welkin

@@ -1,6 +1,6 @@
 // What can be asked of a worker: Welkin's own calls, with the pixels or tables that they work on.
 //
-//   auto light = worker.post(welkin::ProjectCubemap{std::move(image), {.bands = 4}});
+//   auto light = worker.post(welkin::Project{std::move(image), {.bands = 4}});
 //   auto tables = worker.post(welkin::PrecomputeSky{welkin::earth()}, {.key = "sky tables"});
 //
 // Each request does what the call of the same name does, and throws what that throws. Any other callable is a request
@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "welkin/bake.h"
@@ -28,61 +27,41 @@ struct Environment;  // environment_file.h
 
 // ---- Pixels of a request
 
-/// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels.
-class CubemapSource {
+/// A picture for a request, together with what keeps its pixels alive. Copies share the pixels.
+class EnvironmentSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.
-  CubemapSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written down as what it reads
-  /// Defined in welkin::files. Throws `Error` (invalid_argument) if it is a lat-long.
-  CubemapSource(Environment environment);  // NOLINT(google-explicit-constructor)
+  EnvironmentSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written as what it reads
+  EnvironmentSource(LatLongImage image);  ///< moved in, too. NOLINT(google-explicit-constructor)
+  EnvironmentSource(Environment environment);  ///< defined in welkin::files. NOLINT(google-explicit-constructor)
   /// The pixels are shared, and must not change until the job is ready.
-  CubemapSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
+  EnvironmentSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
+  EnvironmentSource(std::shared_ptr<const LatLongImage> image);  ///< shared, too. NOLINT(google-explicit-constructor)
   /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
   /// empty, they must stay until the job is ready.
-  CubemapSource(const CubemapView& view, std::shared_ptr<const void> owner);
-  /// With its mip chain, `mips[0]` the full size.
-  CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner);
+  EnvironmentSource(const EnvironmentView& view, std::shared_ptr<const void> owner);
+  /// A cubemap with its mip chain, `mips[0]` the full size.
+  EnvironmentSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner);
 
-  /// All levels, the full size first; one without a mip chain.
-  [[nodiscard]] std::span<const CubemapView> mips() const noexcept { return mips_; }
   /// The full size.
-  [[nodiscard]] const CubemapView& view() const noexcept { return mips_.front(); }
+  [[nodiscard]] const EnvironmentView& view() const noexcept { return view_; }
+  /// All levels of a cubemap that brought its mip chain; else empty.
+  [[nodiscard]] std::span<const CubemapView> mips() const noexcept { return mips_; }
   /// Memory of the pixels in bytes, padding of rows included.
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_; }
 
  private:
+  EnvironmentView view_;
   std::vector<CubemapView> mips_;
   std::shared_ptr<const void> owner_;
-};
-
-/// A lat-long for a request, together with what keeps its pixels alive. Copies share the pixels.
-class LatLongSource {
- public:
-  /// The pixels are moved into the request, without a copy, and are freed when it is done.
-  LatLongSource(LatLongImage image);  // NOLINT(google-explicit-constructor)
-  /// Defined in welkin::files. Throws `Error` (invalid_argument) if it is a cubemap.
-  LatLongSource(Environment environment);  // NOLINT(google-explicit-constructor)
-  /// The pixels are shared, and must not change until the job is ready.
-  LatLongSource(std::shared_ptr<const LatLongImage> image);  // NOLINT(google-explicit-constructor)
-  /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
-  /// empty, they must stay until the job is ready.
-  LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner);
-
-  /// The pixels.
-  [[nodiscard]] const LatLongView& view() const noexcept { return view_; }
-  /// Memory of the pixels in bytes, padding of rows included.
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
-
- private:
-  LatLongView view_;
-  std::shared_ptr<const void> owner_;
+  std::uint64_t bytes_ = 0;
 };
 
 // ---- Requests about pixels
 
-/// `project` of a cubemap.
-struct ProjectCubemap {
-  CubemapSource source;         ///< the pixels that are read
+/// `project`.
+struct Project {
+  EnvironmentSource source;     ///< the pixels that are read
   ProjectionOptions options{};  ///< as of `project`
 
   [[nodiscard]] Projection operator()(const Control& control) const;
@@ -90,44 +69,23 @@ struct ProjectCubemap {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `project` of a lat-long.
-struct ProjectLatLong {
-  LatLongSource source;         ///< the pixels that are read
-  ProjectionOptions options{};  ///< as of `project`
-
-  [[nodiscard]] Projection operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
-  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-};
-
-/// `to_cubemap` of a lat-long.
-struct LatLongToCubemap {
-  LatLongSource source;     ///< the pixels that are read
-  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
-  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
+/// `to_cubemap`.
+struct ToCubemap {
+  EnvironmentSource source;  ///< the pixels that are read
+  int size = 0;              ///< of the result: texels along an edge, 1 to 16384
+  dmat3 turn = dmat3(1.0);   ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `to_cubemap` of a cubemap.
-struct CubemapToCubemap {
-  CubemapSource source;     ///< the pixels that are read
-  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
-  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
-
-  [[nodiscard]] CubemapImage operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
-  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
-};
-
-/// `to_lat_long` of a cubemap.
-struct CubemapToLatLong {
-  CubemapSource source;     ///< the pixels that are read
-  int width = 0;            ///< of the result: texels, 1 to 65536
-  int height = 0;           ///< of the result: texels, 1 to 32768
-  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
+/// `to_lat_long`.
+struct ToLatLong {
+  EnvironmentSource source;  ///< the pixels that are read
+  int width = 0;             ///< of the result: texels, 1 to 65536
+  int height = 0;            ///< of the result: texels, 1 to 32768
+  dmat3 turn = dmat3(1.0);   ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
@@ -136,12 +94,12 @@ struct CubemapToLatLong {
 
 /// `bake`. Its result is handed out by pointer, because it is large.
 struct Bake {
-  std::variant<CubemapSource, LatLongSource> source;  ///< the pixels that are baked
-  BakeOptions options{};                              ///< what is made, and how
+  EnvironmentSource source;  ///< the pixels that are baked
+  BakeOptions options{};     ///< what is made, and how
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
 /// `bake_to`: bakes into the caller's memory, such as a mapped upload buffer. The worker's threads read the source in
@@ -155,9 +113,9 @@ struct Bake {
 /// Running jobs must not share targets: a job that another with its key replaces writes until it is ready, so give the
 /// new one other memory.
 struct BakeTo {
-  std::variant<CubemapSource, LatLongSource> source;  ///< the pixels that are baked
-  BakeTargets targets{};                              ///< where cubemaps are written
-  BakeOptions options{};                              ///< what is made, and how
+  EnvironmentSource source;  ///< the pixels that are baked
+  BakeTargets targets{};     ///< where cubemaps are written
+  BakeOptions options{};     ///< what is made, and how
   /// Frees the targets' memory when its last copy goes, on whichever thread that is; may be empty. The worker's copy
   /// goes right after the job is ready.
   std::shared_ptr<const void> owner{};
@@ -165,7 +123,7 @@ struct BakeTo {
   /// Returns what `bake_to` returns.
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
 // ---- Requests about skies

@@ -60,13 +60,11 @@ enum class ResampleFilter {
 /// bilinear 8, else some 20 ns a sample and thread from a cubemap, 60 ns from a lat-long. The same bits on any number
 /// of threads and every instruction set. Throws `Error`: invalid_argument (views, sizes, a matrix that is off
 /// orthogonal by more than 1e-6), cancelled.
-[[nodiscard]] CubemapImage to_cubemap(const CubemapView& source, int size, const dmat3& turn = dmat3(1.0),
-                                      const Control& control = {});
-[[nodiscard]] CubemapImage to_cubemap(const LatLongView& source, int size, const dmat3& turn = dmat3(1.0),
+/// `filter` is of use between a lat-long and a cubemap alone: pictures of one kind have one way each.
+[[nodiscard]] CubemapImage to_cubemap(const EnvironmentView& source, int size, const dmat3& turn = dmat3(1.0),
                                       ResampleFilter filter = ResampleFilter::area, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const CubemapView& source, int width, int height, const dmat3& turn = dmat3(1.0),
-                                       ResampleFilter filter = ResampleFilter::bilinear, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const LatLongView& source, int width, int height, const dmat3& turn = dmat3(1.0),
+[[nodiscard]] LatLongImage to_lat_long(const EnvironmentView& source, int width, int height,
+                                       const dmat3& turn = dmat3(1.0), ResampleFilter filter = ResampleFilter::bilinear,
                                        const Control& control = {});
 
 /// A turn about y, from +z towards +x: what lies in the middle of a lat-long moves to the left. The same bits

@@ -52,8 +52,7 @@ struct ContentHash {
 /// depends on it; so do the signs of zeros and the bits of NaNs. Blocks of rows are hashed side by side, and their
 /// hashes in order: the same for any number of threads. Bounded by memory: 5 to 10 GB/s a thread. Throws `Error`:
 /// invalid_argument, cancelled.
-[[nodiscard]] ContentHash hash_pixels(const CubemapView& cubemap, const Control& control = {});
-[[nodiscard]] ContentHash hash_pixels(const LatLongView& lat_long, const Control& control = {});
+[[nodiscard]] ContentHash hash_pixels(const EnvironmentView& environment, const Control& control = {});
 
 /// Of each face by itself, whichever it is. Throws likewise.
 [[nodiscard]] std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control = {});
@@ -148,10 +147,7 @@ class ResultCache {
   ResultCache& operator=(ResultCache&&) noexcept;
 
   /// As `project`, of light that is changed as `change` says.
-  [[nodiscard]] Projection project(const CubemapView& cubemap, const ProjectionOptions& options = {},
-                                   const LightChange& change = {}, const Control& control = {});
-  /// The same of a lat-long.
-  [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
+  [[nodiscard]] Projection project(const EnvironmentView& environment, const ProjectionOptions& options = {},
                                    const LightChange& change = {}, const Control& control = {});
 
   /// By the file's bytes: a hit decodes nothing. A folder of six faces is not kept.
@@ -159,21 +155,16 @@ class ResultCache {
                                         const ProjectionOptions& options = {}, const Control& control = {});
 
   /// As `prefilter_specular`, kept mip by mip.
-  [[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
-                                                       const Control& control = {});
-  /// The same of a lat-long.
-  [[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},
+  [[nodiscard]] PrefilteredSpecular prefilter_specular(const EnvironmentView& source,
+                                                       const PrefilterOptions& options = {},
                                                        const Control& control = {});
 
   /// Part by part: background, mips of the specular cubemap, irradiance, coefficients. What was there is read, the rest
   /// is baked.
-  [[nodiscard]] BakeResult bake(const CubemapView& view, const BakeOptions& options = {}, const Control& control = {});
-  /// The same of a lat-long.
-  [[nodiscard]] BakeResult bake(const LatLongView& view, const BakeOptions& options = {}, const Control& control = {});
+  [[nodiscard]] BakeResult bake(const EnvironmentView& view, const BakeOptions& options = {},
+                                const Control& control = {});
   /// The same of a plan, which must be of these pixels.
-  [[nodiscard]] BakeResult bake(const CubemapView& view, const Plan& plan, const Control& control = {});
-  /// The same of a plan for a lat-long.
-  [[nodiscard]] BakeResult bake(const LatLongView& view, const Plan& plan, const Control& control = {});
+  [[nodiscard]] BakeResult bake(const EnvironmentView& view, const Plan& plan, const Control& control = {});
   /// And of a file: what it carries is taken from it, of the rest what was made before is found by its pixels.
   [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
@@ -192,12 +183,6 @@ class ResultCache {
 
  private:
   class WELKIN_HIDDEN Store;
-  template <class View>
-  [[nodiscard]] Projection project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
-                                        const Control& control);
-  template <class View>
-  [[nodiscard]] PrefilteredSpecular prefilter_view(const View& view, const PrefilterOptions& options,
-                                                   const Control& control);
 
   std::unique_ptr<Store> store_;
 };

@@ -268,8 +268,6 @@ struct Sun {
 /// changes the result. NaN and values below 0 count as black. Returns 1 if there is no light. Sorts the texels, with 16
 /// bytes of memory per texel; a mip of 32 texels per edge gives nearly the same. Throws `Error` (invalid_argument) for
 /// a view that is not valid.
-[[nodiscard]] double exposure_of(const CubemapView& picture);
-/// Returns the same for a lat-long.
-[[nodiscard]] double exposure_of(const LatLongView& picture);
+[[nodiscard]] double exposure_of(const EnvironmentView& picture);
 
 }  // namespace welkin

@@ -1,7 +1,7 @@
 // Light off the main thread: requests are posted to a worker, results come back when they are ready.
 //
 //   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
-//   auto job = worker.post(welkin::ProjectCubemap{std::move(image)}, {.key = "probe 7"});
+//   auto job = worker.post(welkin::Project{std::move(image)}, {.key = "probe 7"});
 //   ...                                                        // later, once a frame
 //   if (auto light = job.try_take()) use(light->radiance);     // never waits, and gives the result once
 //

@@ -7,7 +7,6 @@
 
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "bake/bake_plan.h"
 #include "projection/sanitized_pixels.h"
@@ -17,8 +16,6 @@
 #include "welkin/image.h"
 
 namespace welkin::baking {
-
-using PixelsView = std::variant<LatLongView, CubemapView>;
 
 /// Pixels of a known shape, and what comes with them.
 class Source {
@@ -42,7 +39,7 @@ class Source {
   virtual void read(const Control& /*control*/) {}
 
   /// After `read`, of a source that holds them.
-  [[nodiscard]] virtual PixelsView pixels() const = 0;
+  [[nodiscard]] virtual EnvironmentView pixels() const = 0;
 
   /// Projects a source that does not hold its pixels.
   [[nodiscard]] virtual Projection project(const ProjectionOptions& options, const Control& control);
@@ -87,8 +84,8 @@ class ArtefactStore {
   ArtefactStore& operator=(const ArtefactStore&) = delete;
 
   /// Comes first: recognises the pixels, and looks for all that `plan` computes of them. Throws `Error` (cancelled).
-  [[nodiscard]] virtual FoundArtefacts find(const PixelsView& pixels, const BakeOptions& options, const BakePlan& plan,
-                                            const Control& control) = 0;
+  [[nodiscard]] virtual FoundArtefacts find(const EnvironmentView& pixels, const BakeOptions& options,
+                                            const BakePlan& plan, const Control& control) = 0;
 
   virtual void keep(const projection::SanitizedSource& sanitized) = 0;
   virtual void keep(const Projection& projection) = 0;
@@ -109,19 +106,15 @@ void run_bake(BakeResult& result, Source& source, const BakeOptions& options, Ar
 
 // Pixels in memory.
 
-[[nodiscard]] inline SourceShape shape_of(const PixelsView& pixels) {
-  return std::visit([](const auto& view) { return welkin::shape_of(view); }, pixels);
-}
-
 class MemorySource final : public Source {
  public:
-  explicit MemorySource(const PixelsView& pixels) : pixels_(pixels), shape_(shape_of(pixels)) {}
+  explicit MemorySource(const EnvironmentView& pixels) : pixels_(pixels), shape_(welkin::shape_of(pixels)) {}
 
   [[nodiscard]] SourceShape shape() const override { return shape_; }
-  [[nodiscard]] PixelsView pixels() const override { return pixels_; }
+  [[nodiscard]] EnvironmentView pixels() const override { return pixels_; }
 
  private:
-  PixelsView pixels_;
+  EnvironmentView pixels_;
   SourceShape shape_;
 };
 

@@ -169,7 +169,7 @@ class Baking {
 
   Outcome sanitize(const Control& control) {
     if (!wants_sanitized()) return {PassAction::skip, "all that is made of the pixels was found"};
-    std::visit([&](const auto& view) { sanitized_.emplace(view, options_.pixels, control); }, source_.pixels());
+    sanitized_.emplace(source_.pixels(), options_.pixels, control);
     // A projection tells as much of the pixels, and is kept itself.
     if (find_ != kSkipped && !plan_.runs(BakePass::project)) store_->keep(*sanitized_);
     if (sanitized_->bytes() == 0)
@@ -303,7 +303,7 @@ class Baking {
   }
 
   [[nodiscard]] Projection projection_of_pixels(const Control& control) {
-    return std::visit([&](const auto& view) { return project(view, plan_.projecting, control); }, source_.pixels());
+    return project(source_.pixels(), plan_.projecting, control);
   }
 
   /// Whether light comes from beside pixels that are held.
@@ -492,26 +492,6 @@ void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
   }
 }
 
-void bake_pixels(BakeResult& result, const PixelsView& pixels, const BakeOptions& options, const Control& control) {
-  MemorySource source(pixels);
-  run_bake(result, source, options, nullptr, control);
-}
-
-BakeResult bake_pixels_to(const BakeTargets& targets, const PixelsView& pixels, const BakeOptions& options,
-                          const Control& control) {
-  MemorySource source(pixels);
-  const BakePlan plan = plan_bake(source.shape(), options);
-  require_memory(plan, options);
-  BakeResult result;
-  Baking(source, options, plan, nullptr, &targets, result).run(control);
-  return result;
-}
-
-std::uint64_t bytes_of(const PixelsView& pixels, const BakeOptions& options) {
-  const BakePlan plan = plan_bake(shape_of(pixels), options);
-  return plan.result_bytes + plan.working_bytes;
-}
-
 [[noreturn]] void refuse(const char* what) {
   throw Error(ErrorCode::invalid_argument, std::string("the source of a bake has no ") + what + " to give");
 }
@@ -552,50 +532,34 @@ BakeOptions BakeOptions::at(Quality quality) {
   return options;
 }
 
-std::uint64_t bake_bytes(const LatLongView& source, const BakeOptions& options) {
+std::uint64_t bake_bytes(const EnvironmentView& source, const BakeOptions& options) {
   const platform::FloatingPointScope floating_point;
-  return baking::bytes_of(source, options);
+  const baking::BakePlan plan = baking::plan_bake(shape_of(source), options);
+  return plan.result_bytes + plan.working_bytes;
 }
 
-std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options) {
+void bake_into(BakeResult& result, const EnvironmentView& source, const BakeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return baking::bytes_of(source, options);
+  baking::MemorySource pixels(source);
+  baking::run_bake(result, pixels, options, nullptr, control);
 }
 
-void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  baking::bake_pixels(result, source, options, control);
-}
-
-void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  baking::bake_pixels(result, source, options, control);
-}
-
-BakeResult bake(const LatLongView& source, const BakeOptions& options, const Control& control) {
+BakeResult bake(const EnvironmentView& source, const BakeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   BakeResult result;
   bake_into(result, source, options, control);
   return result;
 }
 
-BakeResult bake(const CubemapView& source, const BakeOptions& options, const Control& control) {
+BakeResult bake_to(const BakeTargets& targets, const EnvironmentView& source, const BakeOptions& options,
+                   const Control& control) {
   const platform::FloatingPointScope floating_point;
+  baking::MemorySource pixels(source);
+  const baking::BakePlan plan = baking::plan_bake(pixels.shape(), options);
+  baking::require_memory(plan, options);
   BakeResult result;
-  bake_into(result, source, options, control);
+  baking::Baking(pixels, options, plan, nullptr, &targets, result).run(control);
   return result;
-}
-
-BakeResult bake_to(const BakeTargets& targets, const LatLongView& source, const BakeOptions& options,
-                   const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return baking::bake_pixels_to(targets, source, options, control);
-}
-
-BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options,
-                   const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return baking::bake_pixels_to(targets, source, options, control);
 }
 
 }  // namespace welkin

@@ -36,14 +36,14 @@ std::string SourceShape::words() const {
                  : "lat-long " + std::to_string(columns) + " x " + std::to_string(rows);
 }
 
-SourceShape shape_of(const LatLongView& view) {
+SourceShape shape_of(const EnvironmentView& view) {
   image::check_view(view);
-  return {false, view.width, view.height, view.format};
-}
-
-SourceShape shape_of(const CubemapView& view) {
-  image::check_view(view);
-  return {true, view.size, 6 * view.size, view.format};
+  if (view.kind() == EnvironmentKind::lat_long) {
+    const LatLongView lat_long = view.lat_long();
+    return {false, lat_long.width, lat_long.height, lat_long.format};
+  }
+  const CubemapView cubemap = view.cubemap();
+  return {true, cubemap.size, 6 * cubemap.size, cubemap.format};
 }
 
 }  // namespace welkin

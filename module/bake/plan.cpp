@@ -15,15 +15,6 @@
 
 namespace welkin {
 namespace baking {
-namespace {
-
-BakeResult bake_planned(const PixelsView& pixels, const Plan& plan, const Control& control) {
-  MemorySource source(pixels);
-  return run_bake(source, plan, nullptr, control);
-}
-
-}  // namespace
-
 Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored) {
   const BakePlan baking = plan_bake(source, needed.options, stored);
   Plan plan;
@@ -57,22 +48,14 @@ Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions&
   return baking::plan_pixels(source, baking::needed_options(source, needs, whole), {});
 }
 
-Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole) {
+Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& whole) {
   return plan(shape_of(source), needs, whole);
 }
 
-Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole) {
-  return plan(shape_of(source), needs, whole);
-}
-
-BakeResult bake(const LatLongView& source, const Plan& plan, const Control& control) {
+BakeResult bake(const EnvironmentView& source, const Plan& plan, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return baking::bake_planned(source, plan, control);
-}
-
-BakeResult bake(const CubemapView& source, const Plan& plan, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return baking::bake_planned(source, plan, control);
+  baking::MemorySource pixels(source);
+  return baking::run_bake(pixels, plan, nullptr, control);
 }
 
 namespace {

@@ -1,13 +1,13 @@
 // Cubemaps that the library made, reflections, BRDF tables and bakes: at once, as jobs, and written to the caller's
 // memory.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "c/c_support.h"
@@ -24,16 +24,15 @@ using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,goo
 
 // Chains.
 
-welkin_cubemap_chain::welkin_cubemap_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular)
+welkin_chain::welkin_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular)
     : levels(specular->cubemap.views()), mips(specular->mips), owner(std::move(specular)) {}
 
-welkin_cubemap_chain::welkin_cubemap_chain(std::vector<welkin::CubemapView> its_levels,
-                                           std::shared_ptr<const void> its_owner)
+welkin_chain::welkin_chain(std::vector<welkin::CubemapView> its_levels, std::shared_ptr<const void> its_owner)
     : levels(std::move(its_levels)), owner(std::move(its_owner)) {}
 
 namespace {
 
-const welkin::CubemapView& level_of(const welkin_cubemap_chain* chain, std::int32_t level) {
+const welkin::CubemapView& level_of(const welkin_chain* chain, std::int32_t level) {
   require(chain, "chain");
   if (level < 0 || static_cast<std::size_t>(level) >= chain->levels.size()) {
     refuse("level is " + std::to_string(level) + "; the chain has " + std::to_string(chain->levels.size()) +
@@ -42,42 +41,33 @@ const welkin::CubemapView& level_of(const welkin_cubemap_chain* chain, std::int3
   return chain->levels[static_cast<std::size_t>(level)];
 }
 
-std::uint64_t bytes_of(const welkin_cubemap_chain& chain) noexcept {
-  std::uint64_t texels = 0;
-  for (const auto& level : chain.levels) {
-    texels += 6 * static_cast<std::uint64_t>(level.size) * static_cast<std::uint64_t>(level.size);
-  }
-  return texels * welkin::bytes_per_texel(welkin::PixelFormat::rgb32f);
-}
-
 }  // namespace
 
-void welkin_cubemap_chain_destroy(welkin_cubemap_chain* chain) { destroy(chain); }
+void welkin_chain_destroy(welkin_chain* chain) { destroy(chain); }
 
-welkin_status welkin_cubemap_chain_share(const welkin_cubemap_chain* chain, welkin_cubemap_chain** another) {
+welkin_status welkin_chain_share(const welkin_chain* chain, welkin_chain** another) {
   return guarded([&] {
     require(another, "another");
     *another = nullptr;
     require(chain, "chain");
-    hand_out(another, "another", [&] { return new welkin_cubemap_chain(*chain); });
+    hand_out(another, "another", [&] { return new welkin_chain(*chain); });
   });
 }
 
-welkin_status welkin_cubemap_chain_get_info(const welkin_cubemap_chain* chain, welkin_cubemap_chain_info* info) {
+welkin_status welkin_chain_get_info(const welkin_chain* chain, welkin_chain_info* info) {
   return guarded([&] {
-    welkin_cubemap_chain_info values{};
+    welkin_chain_info values{};
     values.size = level_of(chain, 0).size;
     values.levels = static_cast<std::int32_t>(chain->levels.size());
     values.prefiltered = chain->mips.empty() ? 0 : 1;
-    values.bytes = bytes_of(*chain);
     write_struct(info, values, "info");
   });
 }
 
-welkin_status welkin_cubemap_chain_get_level(const welkin_cubemap_chain* chain, int32_t level, welkin_cubemap* pixels) {
+welkin_status welkin_chain_get_level(const welkin_chain* chain, int32_t level, welkin_environment* pixels) {
   return guarded([&] {
     const welkin::CubemapView& view = level_of(chain, level);
-    welkin_cubemap values{};
+    welkin_environment values{};
     values.format = WELKIN_FORMAT_RGB_F32;
     std::copy(view.faces.begin(), view.faces.end(), values.faces);
     values.size = view.size;
@@ -85,8 +75,8 @@ welkin_status welkin_cubemap_chain_get_level(const welkin_cubemap_chain* chain, 
   });
 }
 
-welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* chain, int32_t level,
-                                        const welkin_cubemap_target* target, uint64_t* values_clamped) {
+welkin_status welkin_chain_copy(const welkin_chain* chain, int32_t level, const welkin_target* target,
+                                uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::CubemapView& view = level_of(chain, level);
     const Target checked = cubemap_target(target);
@@ -113,7 +103,7 @@ welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
 
 }  // namespace
 
-welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, int32_t level, welkin_mip* mip) {
+welkin_status welkin_chain_get_mip(const welkin_chain* chain, int32_t level, welkin_mip* mip) {
   return guarded([&] {
     static_cast<void>(level_of(chain, level));
     if (chain->mips.empty()) refuse("the chain is not prefiltered; its mips have no roughness");
@@ -126,7 +116,6 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.bright_texels = record.bright_texels;
     values.error_estimate = record.error_estimate.value_or(std::numeric_limits<double>::quiet_NaN());
     write_triple(record.mean, values.mean);
-    values.milliseconds = record.milliseconds;
     values.lobe_roughness = record.lobe_roughness;
     values.error_between = record.error_between.value_or(std::numeric_limits<double>::quiet_NaN());
     write_struct(mip, values, "mip");
@@ -139,38 +128,6 @@ static_assert(WELKIN_QUALITY_NORMAL == static_cast<int>(welkin::Quality::normal)
 static_assert(WELKIN_QUALITY_FAST == static_cast<int>(welkin::Quality::fast));
 static_assert(WELKIN_QUALITY_REFERENCE == static_cast<int>(welkin::Quality::reference));
 
-static_assert(WELKIN_ROUGHNESS_FILAMENT == static_cast<int>(welkin::RoughnessSchedule::filament));
-static_assert(WELKIN_ROUGHNESS_BABYLON == static_cast<int>(welkin::RoughnessSchedule::babylon));
-static_assert(WELKIN_ROUGHNESS_UNITY == static_cast<int>(welkin::RoughnessSchedule::unity));
-static_assert(WELKIN_ROUGHNESS_UNREAL == static_cast<int>(welkin::RoughnessSchedule::unreal));
-
-welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
-                                       double* roughness) {
-  return guarded([&] {
-    require(roughness, "roughness");
-    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
-    const auto table = welkin::roughness_of_mips(wanted, mips, size);
-    std::copy(table.begin(), table.end(), roughness);
-  });
-}
-
-welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
-                                              double* roughness) {
-  return guarded([&] {
-    require(roughness, "roughness");
-    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
-    const auto table = welkin::fitted_roughness_of_mips(wanted, mips, size);
-    std::copy(table.begin(), table.end(), roughness);
-  });
-}
-
-welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips) {
-  return guarded([&] {
-    require(mips, "mips");
-    *mips = welkin::mips_of_chain(enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal), size);
-  });
-}
-
 namespace welkin::c_interface {
 namespace {
 
@@ -179,15 +136,13 @@ constexpr std::int32_t kMostRoughness = 16;
 
 using SpecularPointer = std::shared_ptr<const PrefilteredSpecular>;
 
-template <class View>
-SpecularPointer prefiltered(const View& view, const PrefilterOptions& options, const Control& control) {
+SpecularPointer prefiltered(const EnvironmentView& view, const PrefilterOptions& options, const Control& control) {
   return std::make_shared<const PrefilteredSpecular>(prefilter_specular(view, options, control));
 }
 
 /// `prefilter_specular`, as a request.
-template <class Source>
 struct PrefilterRequest {
-  Source source;
+  EnvironmentSource source;
   PrefilterOptions options;
 
   [[nodiscard]] SpecularPointer operator()(const Control& control) const {
@@ -196,11 +151,7 @@ struct PrefilterRequest {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cubemap_chain(std::move(specular)); }
-
-}  // namespace
-
-namespace {
+welkin_chain* chain_of(SpecularPointer specular) { return new welkin_chain(std::move(specular)); }
 
 static_assert(WELKIN_LOBE_FAMILY_SPECTRA == static_cast<int>(LobeFamily::spectra));
 
@@ -217,6 +168,20 @@ void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wante
     const double* const first = given.spectra + std::ptrdiff_t{mip} * given.spectrum_bands;
     wanted.spectra.emplace_back(first, first + given.spectrum_bands);
   }
+}
+
+/// Roughness by a named schedule, where the caller has none of its own.
+void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& wanted) {
+  constexpr std::array schedules{RoughnessSchedule::filament, RoughnessSchedule::linear, RoughnessSchedule::filament,
+                                 RoughnessSchedule::babylon,  RoughnessSchedule::unity,  RoughnessSchedule::unreal};
+  require_enumerator("schedule", given.schedule, WELKIN_ROUGHNESS_UNREAL);
+  const bool fitted = flag("fitted", given.fitted);
+  if (given.schedule == WELKIN_ROUGHNESS_DEFAULT && !fitted) return;
+  if (given.roughness_count > 0) refuse("schedule or fitted are given beside roughness; pass either");
+  const RoughnessSchedule schedule = schedules[static_cast<std::size_t>(given.schedule)];
+  if (!wanted.mips) wanted.mips = mips_of_chain(schedule, wanted.size);
+  wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+  if (fitted) wanted.lobe_roughness = fitted_roughness_of_mips(schedule, *wanted.mips, wanted.size);
 }
 
 }  // namespace
@@ -240,6 +205,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     if (given.roughness_count == 0) refuse("lobe_roughness is given, and roughness_count is 0; pass roughness too");
     wanted.lobe_roughness.assign(given.lobe_roughness, given.lobe_roughness + given.roughness_count);
   }
+  read_schedule(given, wanted);
   read_spectra(given, wanted);
   set_unless_zero(wanted.method, enumerator("method", given.method, PrefilterMethod::reference));
   set_unless_zero(wanted.rms_error, given.rms_error);
@@ -254,54 +220,26 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
 
 }  // namespace welkin::c_interface
 
-namespace {
-
-template <class Pixels>
-welkin_status prefilter(const Pixels* pixels, const welkin_prefilter_options* options, const welkin_control* control,
-                        welkin_cubemap_chain** chain) {
+welkin_status welkin_prefilter(const welkin_environment* environment, const welkin_prefilter_options* options,
+                               const welkin_control* control, welkin_chain** chain) {
   return guarded_making(chain, "chain", [&] {
     const auto wanted = prefilter_options(options, kDefaultReflections, true);
-    return chain_of(prefiltered(pixels_view(pixels), wanted, control_of(control)));
+    return chain_of(prefiltered(environment_view(environment), wanted, control_of(control)));
   });
 }
 
-template <class Pixels>
-welkin_status post_prefilter(welkin_worker* worker, const Pixels* pixels, const welkin_prefilter_options* options,
-                             const welkin_post_options* post, welkin_job** job) {
+welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
+                                    const welkin_prefilter_options* options, const welkin_post_options* post,
+                                    welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = pixels_view(pixels);
+    const auto view = environment_view(environment);
     auto wanted = prefilter_options(options, kDefaultReflections, true);
-    auto source = source_of(view, make_owner(std::move(posting.handed_over)));
-    PrefilterRequest<decltype(source)> request{std::move(source), std::move(wanted)};
+    PrefilterRequest request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
 }
 
-}  // namespace
-
-welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap, const welkin_prefilter_options* options,
-                                       const welkin_control* control, welkin_cubemap_chain** chain) {
-  return prefilter(cubemap, options, control, chain);
-}
-
-welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long, const welkin_prefilter_options* options,
-                                        const welkin_control* control, welkin_cubemap_chain** chain) {
-  return prefilter(lat_long, options, control, chain);
-}
-
-welkin_status welkin_post_prefilter_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
-                                            const welkin_prefilter_options* options, const welkin_post_options* post,
-                                            welkin_job** job) {
-  return post_prefilter(worker, cubemap, options, post, job);
-}
-
-welkin_status welkin_post_prefilter_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
-                                             const welkin_prefilter_options* options, const welkin_post_options* post,
-                                             welkin_job** job) {
-  return post_prefilter(worker, lat_long, options, post, job);
-}
-
-welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain** chain) {
+welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain) {
   return hand_out_result<SpecularPointer>(job, chain, "chain", chain_of);
 }
 
@@ -310,14 +248,13 @@ welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain**
 namespace welkin::c_interface {
 namespace {
 
-static_assert(WELKIN_BRDF_MULTIPLE_SCATTERING == static_cast<int>(BrdfModel::multiple_scattering));
-
 BrdfTableOptions brdf_options(const welkin_brdf_options* options) {
   const auto given = read_options(options, "brdf options");
   BrdfTableOptions wanted;
   set_unless_zero(wanted.width, given.width);
   set_unless_zero(wanted.height, given.height);
-  wanted.model = enumerator("model", given.model, BrdfModel::multiple_scattering);
+  const bool multiple_scattering = flag("multiple_scattering", given.multiple_scattering);
+  wanted.model = multiple_scattering ? BrdfModel::multiple_scattering : BrdfModel::split_sum;
   wanted.sheen = !flag("without_sheen", given.without_sheen);
   return wanted;
 }
@@ -331,17 +268,17 @@ std::uint64_t write_table(const Target& target, const BrdfTable& table) {
 }  // namespace welkin::c_interface
 
 welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
-                                const welkin_image_target* target, uint64_t* values_clamped) {
+                                const welkin_target* target, uint64_t* values_clamped) {
   return guarded([&] {
     const auto wanted = brdf_options(options);
-    const Target checked = image_target(target);
+    const Target checked = flat_target(target);
     require_size(checked, wanted.width, wanted.height);
     tell(write_table(checked, *welkin::brdf_table(wanted, control_of(control))), values_clamped);
   });
 }
 
 welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance, const welkin_control* control,
-                                        const welkin_cubemap_target* target, uint64_t* values_clamped) {
+                                        const welkin_target* target, uint64_t* values_clamped) {
   return guarded([&] {
     const auto harmonics = read_harmonics(bands, irradiance, "irradiance");
     const Target checked = cubemap_target(target);
@@ -354,9 +291,9 @@ welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance,
 
 welkin_bake_result::welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result)
     : result(std::move(its_result)) {
-  if (result->background) background = welkin_cubemap_chain(result->background->views(), result);
-  if (result->specular) specular = welkin_cubemap_chain(SpecularPointer(result, &*result->specular));
-  if (result->irradiance) irradiance = welkin_cubemap_chain({result->irradiance->view()}, result);
+  if (result->background) background = welkin_chain(result->background->views(), result);
+  if (result->specular) specular = welkin_chain(SpecularPointer(result, &*result->specular));
+  if (result->irradiance) irradiance = welkin_chain({result->irradiance->view()}, result);
 }
 
 namespace welkin::c_interface {
@@ -371,11 +308,6 @@ static_assert(WELKIN_IRRADIANCE_DIRECT == static_cast<int>(IrradianceMethod::dir
 static_assert(WELKIN_IRRADIANCE_HARMONICS == static_cast<int>(IrradianceMethod::harmonics));
 
 welkin_bake_result* handle_of(BakePointer result) { return new welkin_bake_result(std::move(result)); }
-
-template <class View>
-BakePointer baked(const View& view, const BakeOptions& options, const Control& control) {
-  return std::make_shared<const BakeResult>(bake(view, options, control));
-}
 
 BakeTargets bake_targets(const welkin_bake_targets* targets) {
   const auto given = read_struct(targets, "targets");
@@ -404,8 +336,8 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   BakeOptions wanted = BakeOptions::at(given.irradiance_rms_error == 0.0 ? quality : Quality::normal);
   if (given.background_size != 0) wanted.background->size = given.background_size;
   wanted.background->mips = !flag("background_without_mips", given.background_without_mips);
-  require_enumerator("mip_filter", given.mip_filter, WELKIN_MIP_FILTER_BOX);
-  wanted.background->mip_filter = given.mip_filter == WELKIN_MIP_FILTER_BOX ? MipFilter::box : MipFilter::solid_angle;
+  const bool box = flag("background_box_filter", given.background_box_filter);
+  wanted.background->mip_filter = box ? MipFilter::box : MipFilter::solid_angle;
   if (!wants(WELKIN_PART_BACKGROUND)) wanted.background.reset();
   set_unless_zero(wanted.irradiance->size, given.irradiance_size);
   wanted.irradiance->method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::harmonics);
@@ -430,10 +362,10 @@ BakeOptions bake_options(const welkin_bake_options* options) {
 
 }  // namespace welkin::c_interface
 
-welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count,
+welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_count,
                                const welkin_prefilter_options* options, const welkin_control* control,
-                               const welkin_cubemap_target* targets, int64_t target_count, int32_t bands,
-                               double* coefficients, welkin_projection* totals, uint64_t* values_clamped) {
+                               const welkin_target* targets, int64_t target_count, int32_t bands, double* coefficients,
+                               welkin_projection* totals, uint64_t* values_clamped) {
   return guarded([&] {
     const auto wanted = prefilter_options(options, kDefaultReflections, true);
     const auto views = probe_views(probes, probe_count);
@@ -449,72 +381,29 @@ welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count
   });
 }
 
-namespace {
-
-template <class Pixels>
-welkin_status bake_now(const Pixels* pixels, const welkin_bake_options* options, const welkin_control* control,
-                       welkin_bake_result** result) {
+welkin_status welkin_bake(const welkin_environment* environment, const welkin_bake_options* options,
+                          const welkin_control* control, welkin_bake_result** result) {
   return guarded_making(result, "result", [&] {
-    return handle_of(baked(pixels_view(pixels), bake_options(options), control_of(control)));
+    const auto view = environment_view(environment);
+    return handle_of(
+        std::make_shared<const welkin::BakeResult>(welkin::bake(view, bake_options(options), control_of(control))));
   });
 }
 
-template <class Pixels>
-welkin_status post_bake(welkin_worker* worker, const Pixels* pixels, const welkin_bake_options* options,
-                        const welkin_post_options* post, welkin_job** job) {
+welkin_status welkin_post_bake(welkin_worker* worker, const welkin_environment* environment,
+                               const welkin_bake_options* options, const welkin_bake_targets* targets,
+                               const welkin_post_options* post, welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = pixels_view(pixels);
+    const auto view = environment_view(environment);
     auto wanted = bake_options(options);
-    welkin::Bake request{source_of(view, make_owner(std::move(posting.handed_over))), std::move(wanted)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
-}
-
-template <class Pixels>
-welkin_status post_bake_to(welkin_worker* worker, const Pixels* pixels, const welkin_bake_options* options,
-                           const welkin_bake_targets* targets, const welkin_post_options* post, welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = pixels_view(pixels);
-    welkin::BakeTo request{source_of(view, nullptr), bake_targets(targets), bake_options(options)};
+    if (targets == nullptr) {
+      welkin::Bake request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
+      return welkin::c_interface::post(worker, std::move(request), posting, job);
+    }
+    welkin::BakeTo request{{view, nullptr}, bake_targets(targets), std::move(wanted)};
     request.owner = make_owner(std::move(posting.handed_over));
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
-}
-
-}  // namespace
-
-welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
-                                  const welkin_control* control, welkin_bake_result** result) {
-  return bake_now(cubemap, options, control, result);
-}
-
-welkin_status welkin_bake_lat_long(const welkin_lat_long* lat_long, const welkin_bake_options* options,
-                                   const welkin_control* control, welkin_bake_result** result) {
-  return bake_now(lat_long, options, control, result);
-}
-
-welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
-                                       const welkin_bake_options* options, const welkin_post_options* post,
-                                       welkin_job** job) {
-  return post_bake(worker, cubemap, options, post, job);
-}
-
-welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
-                                        const welkin_bake_options* options, const welkin_post_options* post,
-                                        welkin_job** job) {
-  return post_bake(worker, lat_long, options, post, job);
-}
-
-welkin_status welkin_post_bake_cubemap_to(welkin_worker* worker, const welkin_cubemap* cubemap,
-                                          const welkin_bake_options* options, const welkin_bake_targets* targets,
-                                          const welkin_post_options* post, welkin_job** job) {
-  return post_bake_to(worker, cubemap, options, targets, post, job);
-}
-
-welkin_status welkin_post_bake_lat_long_to(welkin_worker* worker, const welkin_lat_long* lat_long,
-                                           const welkin_bake_options* options, const welkin_bake_targets* targets,
-                                           const welkin_post_options* post, welkin_job** job) {
-  return post_bake_to(worker, lat_long, options, targets, post, job);
 }
 
 welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result) {
@@ -534,12 +423,7 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
       values.parts |= WELKIN_PART_HARMONICS;
       values.bands = light.radiance->bands();
     }
-    if (light.brdf) {
-      values.parts |= WELKIN_PART_BRDF;
-      values.brdf_width = light.brdf->options.width;
-      values.brdf_height = light.brdf->options.height;
-      values.brdf_channels = light.brdf->channels;
-    }
+    if (light.brdf) values.parts |= WELKIN_PART_BRDF;
     if (light.octahedral) {
       values.parts |= WELKIN_PART_OCTAHEDRAL;
       values.octahedral_size = light.octahedral->size;
@@ -554,9 +438,9 @@ welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welk
   });
 }
 
-const welkin_cubemap_chain* welkin_bake_result_chain(const welkin_bake_result* result, welkin_parts part) {
+const welkin_chain* welkin_bake_result_chain(const welkin_bake_result* result, welkin_parts part) {
   if (result == nullptr) return nullptr;
-  const welkin_cubemap_chain* chain = nullptr;
+  const welkin_chain* chain = nullptr;
   if (part == WELKIN_PART_BACKGROUND) chain = &result->background;
   if (part == WELKIN_PART_SPECULAR) chain = &result->specular;
   if (part == WELKIN_PART_IRRADIANCE) chain = &result->irradiance;
@@ -572,7 +456,7 @@ welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result
 }
 
 welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
-                                                 const welkin_image_target* target, uint64_t* values_clamped) {
+                                                 const welkin_target* target, uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::BakeResult& light = result_of(result);
     if (!light.octahedral) refuse("the bake was asked for no octahedral map");
@@ -581,17 +465,17 @@ welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* resul
       refuse("level is " + std::to_string(level) + "; the map has " + std::to_string(map.levels.size()) +
              ", counted from 0");
     }
-    const Target checked = image_target(target);
+    const Target checked = flat_target(target);
     require_size(checked, map.level_size(level), map.level_size(level));
     tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
   });
 }
 
-welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, const welkin_image_target* target,
+welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, const welkin_target* target,
                                            uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::BakeResult& light = result_of(result);
     if (!light.brdf) refuse("the bake was asked for no BRDF table");
-    tell(write_table(image_target(target), *light.brdf), values_clamped);
+    tell(write_table(flat_target(target), *light.brdf), values_clamped);
   });
 }

@@ -1,13 +1,12 @@
 // Projections, at once and as jobs; harmonics, and light in the forms of engines.
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
-#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
@@ -22,20 +21,21 @@ static_assert(WELKIN_MAXIMUM_BANDS == welkin::kMaximumBands);
 // Entries of C have no namespace to be in.
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
-welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_count,
-                                     const welkin_projection_options* options, const welkin_control* control,
-                                     welkin_projection* projection) {
+welkin_status welkin_project(const welkin_environment* mips, int32_t mip_count,
+                             const welkin_projection_options* options, const welkin_control* control,
+                             welkin_projection* projection) {
   return guarded([&] {
     const auto wanted = projection_options(options);
     require_room(projection, wanted.bands);
-    const auto light = welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control));
+    const auto light = mip_count == 1 ? welkin::project(environment_view(mips, "mips"), wanted, control_of(control))
+                                      : welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
   });
 }
 
 static_assert(sizeof(welkin::dvec3) == 3 * sizeof(double));
 
-welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_count,
+welkin_status welkin_project_many(const welkin_environment* probes, int64_t probe_count,
                                   const welkin_projection_options* options, const welkin_control* control,
                                   double* coefficients, welkin_projection* totals) {
   return guarded([&] {
@@ -50,36 +50,17 @@ welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_co
   });
 }
 
-welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long, const welkin_projection_options* options,
-                                      const welkin_control* control, welkin_projection* projection) {
-  return guarded([&] {
-    const auto wanted = projection_options(options);
-    require_room(projection, wanted.bands);
-    const auto light = welkin::project(lat_long_view(lat_long), wanted, control_of(control));
-    write_projection(projection, light.radiance, light.diagnostics);
-  });
-}
-
-welkin_status welkin_post_project_cubemap(welkin_worker* worker, const welkin_cubemap* mips, int32_t mip_count,
-                                          const welkin_projection_options* options, const welkin_post_options* post,
-                                          welkin_job** job) {
+welkin_status welkin_post_project(welkin_worker* worker, const welkin_environment* mips, int32_t mip_count,
+                                  const welkin_projection_options* options, const welkin_post_options* post,
+                                  welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
-    auto views = cubemap_views(mips, mip_count);
+    auto views = mip_count == 1 ? std::vector<welkin::CubemapView>{} : cubemap_views(mips, mip_count);
+    const auto whole = views.empty() ? environment_view(mips, "mips") : views.front();
     const auto wanted = projection_options(options);
     auto owner = make_owner(std::move(posting.handed_over));
-    welkin::ProjectCubemap request{{std::move(views), std::move(owner)}, wanted};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
-}
-
-welkin_status welkin_post_project_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
-                                           const welkin_projection_options* options, const welkin_post_options* post,
-                                           welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = lat_long_view(lat_long);
-    const auto wanted = projection_options(options);
-    welkin::ProjectLatLong request{{view, make_owner(std::move(posting.handed_over))}, wanted};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+    auto source = views.empty() ? welkin::EnvironmentSource(whole, std::move(owner))
+                                : welkin::EnvironmentSource(std::move(views), std::move(owner));
+    welkin::c_interface::post(worker, welkin::Project{std::move(source), wanted}, posting, job);
   });
 }
 
@@ -106,17 +87,7 @@ welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const d
   });
 }
 
-welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficients, const double* quaternion,
-                                        double* turned) {
-  return guarded([&] {
-    require(quaternion, "quaternion");
-    require(turned, "turned");
-    const welkin::Quaternion rotation{.w = quaternion[3], .x = quaternion[0], .y = quaternion[1], .z = quaternion[2]};
-    write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
-  });
-}
-
-welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
+welkin_status welkin_turn(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
   return guarded([&] {
     require(matrix, "matrix");
     require(turned, "turned");
@@ -131,32 +102,12 @@ static_assert(WELKIN_WINDOW_LANCZOS == static_cast<int>(welkin::Window::lanczos)
 static_assert(WELKIN_WINDOW_MIN_LAPLACIAN == static_cast<int>(welkin::Window::min_laplacian));
 
 welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
-                                  double* windowed, welkin_window_report* report) {
+                                  double* windowed) {
   return guarded([&] {
     require(windowed, "windowed");
     const auto wanted = enumerator("window", window, welkin::Window::min_laplacian);
-    const auto result = welkin::apply_window(read_harmonics(bands, radiance, "radiance"), wanted, width);
-    if (report != nullptr) {
-      welkin_window_report values{};
-      values.bands = result.radiance.bands();
-      values.parameter = result.parameter;
-      write_triple(result.minimum_before, values.minimum_before);
-      write_triple(result.minimum_after, values.minimum_after);
-      std::copy(result.factors.begin(), result.factors.end(), values.factors);
-      write_struct(report, values, "report");
-    }
-    write_harmonics(result.radiance, windowed);
-  });
-}
-
-welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* value, double* directions) {
-  return guarded([&] {
-    require(value, "value");
-    const auto least = welkin::minimum(read_harmonics(bands, coefficients, "coefficients"));
-    write_triple(least.value, value);
-    for (int channel = 0; directions != nullptr && channel < 3; ++channel) {
-      write_triple(least.direction[channel], directions + 3 * channel);
-    }
+    write_harmonics(welkin::apply_window(read_harmonics(bands, radiance, "radiance"), wanted, width).radiance,
+                    windowed);
   });
 }
 
@@ -181,14 +132,14 @@ welkin_status welkin_dominant_light(int32_t bands, const double* radiance, doubl
   });
 }
 
-welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t bands, double* coefficients) {
+welkin_status welkin_sun_harmonics(const double* direction, const double* irradiance, double solid_angle, int32_t bands,
+                                   double* coefficients) {
   return guarded([&] {
-    const auto given = read_struct(sun, "sun");
     require(coefficients, "coefficients");
     welkin::Sun light;
-    light.direction = read_triple(given.direction, "direction");
-    light.irradiance = read_triple(given.irradiance, "irradiance");
-    light.solid_angle = given.solid_angle;
+    light.direction = read_triple(direction, "direction");
+    light.irradiance = read_triple(irradiance, "irradiance");
+    light.solid_angle = solid_angle;
     write_harmonics(welkin::sun_harmonics(light, bands), coefficients);
   });
 }
@@ -230,42 +181,26 @@ welkin_engine_light plain(const EngineLight& light) {
   return values;
 }
 
-using Form = EngineLight (*)(const SphericalHarmonics&, Engine);
-
-welkin_status write_form(Form form, int32_t bands, const double* radiance, welkin_engine engine,
-                         welkin_engine_light* light) {
-  return guarded([&] {
-    const Engine wanted = enumerator("engine", engine, Engine::usd);
-    write_struct(light, plain(form(read_harmonics(bands, radiance, "radiance"), wanted)), "light");
-  });
-}
-
 }  // namespace
 }  // namespace welkin::c_interface
 
 welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
-                                                welkin_engine_light* light) {
-  return welkin::c_interface::write_form(&welkin::engine_light, bands, radiance, engine, light);
-}
-
-welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
-                                           welkin_engine_light* light) {
-  return welkin::c_interface::write_form(&welkin::engine_light_in_place, bands, radiance, engine, light);
-}
-
-welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention) {
+                                                int32_t in_place, welkin_engine_light* light) {
   return guarded([&] {
+    const auto wanted = enumerator("engine", engine, welkin::Engine::usd);
+    const auto harmonics = read_harmonics(bands, radiance, "radiance");
+    const auto form = flag("in_place", in_place) ? welkin::engine_light_in_place(harmonics, wanted)
+                                                 : welkin::engine_light(harmonics, wanted);
+    write_struct(light, plain(form), "light");
+  });
+}
+
+welkin_status welkin_get_axes(welkin_engine engine, double* from_welkin, double* faces_from_engine) {
+  return guarded([&] {
+    require(from_welkin, "from_welkin");
+    require(faces_from_engine, "faces_from_engine");
     const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::usd));
-    welkin_convention values{};
-    values.engine = engine;
-    values.right_handed = known.right_handed ? 1 : 0;
-    values.has_faces = known.faces_from_engine ? 1 : 0;
-    values.name = known.name;
-    values.title = known.title;
-    values.axes = known.axes;
-    values.lat_long = known.lat_long;
-    write_matrix(known.from_welkin, values.from_welkin);
-    if (known.faces_from_engine) write_matrix(*known.faces_from_engine, values.faces_from_engine);
-    write_struct(convention, values, "convention");
+    write_matrix(known.from_welkin, from_welkin);
+    write_matrix(known.faces_from_engine.value_or(welkin::dmat3(0.0)), faces_from_engine);
   });
 }

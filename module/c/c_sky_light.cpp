@@ -17,10 +17,6 @@
 #include "welkin/sky_light.h"
 #include "welkin/welkin.h"
 
-struct welkin_sky_projector {
-  welkin::SkyProjector projector;
-};
-
 /// With the chains that it lends, by the reflections of its last update.
 struct welkin_sky_light {
   template <class... Arguments>
@@ -28,7 +24,7 @@ struct welkin_sky_light {
 
   struct Lent {
     std::shared_ptr<const welkin::PrefilteredSpecular> specular;
-    welkin_cubemap_chain chain;
+    welkin_chain chain;
     std::uint64_t id = 0;
   };
 
@@ -43,30 +39,6 @@ using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,goo
 
 namespace welkin::c_interface {
 namespace {
-
-SkyQuadrature quadrature_of(welkin_sky_quadrature quadrature) {
-  require_enumerator("quadrature", quadrature, WELKIN_SKY_QUADRATURE_UNIFORM);
-  switch (quadrature) {
-    case WELKIN_SKY_QUADRATURE_GAUSS: return SkyQuadrature::gauss;
-    case WELKIN_SKY_QUADRATURE_UNIFORM: return SkyQuadrature::uniform;
-    default: return SkyQuadrature::gauss_split;
-  }
-}
-
-void read_rule(const welkin_sky_harmonics_options& given, SkyHarmonicsOptions& wanted) {
-  set_unless_zero(wanted.bands, given.bands);
-  wanted.quadrature = quadrature_of(given.quadrature);
-  set_unless_zero(wanted.zeniths, given.zeniths);
-  set_unless_zero(wanted.azimuths, given.azimuths);
-}
-
-SkyHarmonicsOptions projector_options(const welkin_sky_harmonics_options* options) {
-  const auto given = read_options(options, "harmonics options");
-  if (given.nodes != 0) refuse("nodes is " + std::to_string(given.nodes) + "; a projector has none, so it must be 0");
-  SkyHarmonicsOptions wanted;
-  read_rule(given, wanted);
-  return wanted;
-}
 
 /// Coefficients of the caller's, as the C++ calls write them.
 std::span<glm::dvec3> triples(double* coefficients, int bands) {
@@ -85,31 +57,14 @@ const SkyCurve& curve_of(const welkin_sky_curve* curve) {
 SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options) {
   const auto given = read_options(options, "curve options");
   SkyCurveOptions wanted;
-  read_rule(given, wanted.projection);
   set_unless_zero(wanted.bands, given.bands);
+  set_unless_zero(wanted.projection.zeniths, given.zeniths);
+  set_unless_zero(wanted.projection.azimuths, given.azimuths);
   set_unless_zero(wanted.nodes, given.nodes);
   return wanted;
 }
 
 }  // namespace welkin::c_interface
-
-welkin_status welkin_sky_projector_create(const welkin_sky_view* view, const welkin_sky_harmonics_options* options,
-                                          welkin_sky_projector** projector) {
-  return guarded_making(projector, "projector", [&] {
-    return new welkin_sky_projector{welkin::SkyProjector(view_of(view), projector_options(options))};
-  });
-}
-
-void welkin_sky_projector_destroy(welkin_sky_projector* projector) { destroy(projector); }
-
-welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
-                                           double* coefficients) {
-  return guarded([&] {
-    require(projector, "projector");
-    const auto place = triples(coefficients, projector->projector.options().bands);
-    projector->projector.project(read_triple(sun, "sun"), place);
-  });
-}
 
 welkin_status welkin_sky_curve_create(const welkin_sky_view* view, const welkin_sky_harmonics_options* options,
                                       const welkin_control* control, welkin_sky_curve** curve) {
@@ -196,7 +151,7 @@ void lend(welkin_sky_light& sky, const SkyLightFrame& frame) {
     for (const auto& before : sky.lent) {
       if (before.specular == specular) next[i] = before;
     }
-    if (next[i].id == 0) next[i] = {specular, welkin_cubemap_chain(specular), ++last_id};
+    if (next[i].id == 0) next[i] = {specular, welkin_chain(specular), ++last_id};
   }
   sky.lent = std::move(next);
   sky.last_id = last_id;
@@ -225,18 +180,13 @@ void write_frame(const welkin_sky_light& sky, const SkyLightFrame& light, welkin
 }  // namespace welkin::c_interface
 
 welkin_status welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
-                                      const welkin_sky_light_options* options, welkin_sky_light** light) {
+                                      const welkin_sky_tables* tables, const welkin_sky_light_options* options,
+                                      welkin_sky_light** light) {
   return guarded_making(light, "light", [&] {
     require(worker, "worker");
-    return new welkin_sky_light(worker->worker, air_of(atmosphere), light_options(options));
-  });
-}
-
-welkin_status welkin_sky_light_create_with_tables(welkin_worker* worker, const welkin_sky_tables* tables,
-                                                  const welkin_sky_light_options* options, welkin_sky_light** light) {
-  return guarded_making(light, "light", [&] {
-    require(worker, "worker");
-    return new welkin_sky_light(worker->worker, tables_of(tables), light_options(options));
+    const welkin::SkyLightOptions wanted = light_options(options);
+    return tables == nullptr ? new welkin_sky_light(worker->worker, atmosphere_of(atmosphere), wanted)
+                             : new welkin_sky_light(worker->worker, tables_of(tables), wanted);
   });
 }
 
@@ -255,7 +205,7 @@ welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double alti
 }
 
 welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere) {
-  return guarded([&] { light_of(light).set_atmosphere(air_of(atmosphere)); });
+  return guarded([&] { light_of(light).set_atmosphere(atmosphere_of(atmosphere)); });
 }
 
 welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame) {
@@ -265,27 +215,6 @@ welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, w
     const auto& now = light_of(light).update(seconds);
     lend(*light, now);
     write_frame(*light, now, frame);
-  });
-}
-
-welkin_status welkin_sky_light_get_counters(const welkin_sky_light* light, welkin_sky_light_counters* counters) {
-  return guarded([&] {
-    const welkin::SkyLightCounters now = light_of(light).counters();
-    welkin_sky_light_counters values{};
-    values.frames = now.frames;
-    values.lights = now.lights;
-    values.moves_ignored = now.moves_ignored;
-    values.turns = now.turns;
-    values.elevations = now.elevations;
-    values.intensities = now.intensities;
-    values.specular_spared = now.specular_spared;
-    values.posts = now.posts;
-    values.tables_baked = now.tables_baked;
-    values.curves_baked = now.curves_baked;
-    values.speculars_baked = now.speculars_baked;
-    values.given_up = now.given_up;
-    values.failures = now.failures;
-    write_struct(counters, values, "counters");
   });
 }
 

@@ -197,8 +197,6 @@ constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
 static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::srgba8));
 static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb16f));
 static_assert(WELKIN_FORMAT_RGB_U8 == static_cast<int>(PixelFormat::rgb8));
-static_assert(WELKIN_QUADRATURE_MIDPOINT == static_cast<int>(Quadrature::midpoint));
-static_assert(WELKIN_NON_FINITE_REJECT == static_cast<int>(NonFinitePolicy::reject));
 static_assert(WELKIN_NEGATIVE_REPLACE == static_cast<int>(NegativePolicy::replace));
 static_assert(WELKIN_NEGATIVE_REJECT == static_cast<int>(NegativePolicy::reject));
 
@@ -219,48 +217,61 @@ int face_size(std::int64_t size) {
   return static_cast<int>(size);
 }
 
-CubemapView cubemap_view(const welkin_cubemap* cubemap, const char* name) {
-  const welkin_cubemap given = read_struct(cubemap, name);
-  CubemapView view;
+/// An array of the caller's structures, which may be shorter or longer than ours: the next one lies where this one ends
+/// for them.
+template <class Struct>
+std::vector<Struct> read_structs(const Struct* first, std::size_t count, const std::string& name) {
+  const std::size_t step = stated_size(first, sizeof(Struct), alignof(Struct), name.c_str());
+  std::vector<Struct> structs;
+  structs.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto* const given = reinterpret_cast<const Struct*>(reinterpret_cast<const std::byte*>(first) + k * step);
+    if (stated_size(given, sizeof(Struct), alignof(Struct), name.c_str()) != step) {
+      refuse(name + "[" + std::to_string(k) + "].struct_size differs from that of the first");
+    }
+    structs.push_back(read_struct(given, name.c_str()));
+  }
+  return structs;
+}
+
+EnvironmentView view_of(const welkin_environment& given) {
+  const PixelFormat format = pixel_format(given.format);
+  const std::ptrdiff_t row_bytes = stride(given.row_stride_bytes);
+  if (given.size == 0) return LatLongView{given.faces[0], given.width, given.height, row_bytes, format};
+  if (given.width != 0 || given.height != 0)
+    refuse("width and height are given beside size; set those of a lat-long alone");
+  CubemapView view{{}, face_size(given.size), row_bytes, format};
   std::copy(std::begin(given.faces), std::end(given.faces), view.faces.begin());
-  view.size = face_size(given.size);
-  view.row_stride_bytes = stride(given.row_stride_bytes);
-  view.format = pixel_format(given.format);
   return view;
 }
 
-}  // namespace
-
-CubemapView cubemap_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap, "cubemap"); }
-
-namespace {
-
-std::vector<CubemapView> views_of(const welkin_cubemap* cubemaps, std::size_t count, const char* name) {
-  const std::size_t step = stated_size(cubemaps, sizeof(welkin_cubemap), alignof(welkin_cubemap), name);
+std::vector<CubemapView> views_of(const welkin_environment* cubemaps, std::size_t count, const char* name) {
   std::vector<CubemapView> views;
   views.reserve(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    // The caller's structures may be shorter or longer than ours: the next one lies where this one ends for them.
-    const auto* place = reinterpret_cast<const std::byte*>(cubemaps) + k * step;
-    const auto* cubemap = reinterpret_cast<const welkin_cubemap*>(place);
-    if (stated_size(cubemap, sizeof(welkin_cubemap), alignof(welkin_cubemap), name) != step) {
-      refuse(std::string(name) + "[" + std::to_string(k) + "].struct_size differs from that of the first");
+  for (const welkin_environment& given : read_structs(cubemaps, count, name)) {
+    const EnvironmentView view = view_of(given);
+    if (view.kind() != EnvironmentKind::cubemap) {
+      refuse(std::string(name) + "[" + std::to_string(views.size()) + "].size is 0; it must be a cubemap");
     }
-    views.push_back(cubemap_view(cubemap, name));
+    views.push_back(view.cubemap());
   }
   return views;
 }
 
 }  // namespace
 
-std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count, const char* name) {
+EnvironmentView environment_view(const welkin_environment* environment, const char* name) {
+  return view_of(read_struct(environment, name));
+}
+
+std::vector<CubemapView> cubemap_views(const welkin_environment* mips, std::int32_t mip_count) {
   if (mip_count < 1 || mip_count > kMostLevels) {
     refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMostLevels));
   }
-  return views_of(mips, static_cast<std::size_t>(mip_count), name);
+  return views_of(mips, static_cast<std::size_t>(mip_count), "mips");
 }
 
-std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t probe_count) {
+std::vector<CubemapView> probe_views(const welkin_environment* probes, std::int64_t probe_count) {
   if (probe_count < 0 || probe_count > std::numeric_limits<std::int32_t>::max()) {
     refuse("probe_count is " + std::to_string(probe_count) + "; it must be from 0 to 2147483647");
   }
@@ -268,39 +279,30 @@ std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t 
   return views_of(probes, static_cast<std::size_t>(probe_count), "probes");
 }
 
-LatLongView lat_long_view(const welkin_lat_long* lat_long) {
-  const welkin_lat_long given = read_struct(lat_long, "lat_long");
-  return {given.pixels, given.width, given.height, stride(given.row_stride_bytes), pixel_format(given.format)};
-}
-
-namespace {
-
-/// What both structures say of pixels, in the same words.
-template <class Struct>
-PixelPolicy policy_of(const Struct& given) {
-  PixelPolicy wanted;
-  const bool preserve_colour = flag("clamp_preserve_colour", given.clamp_preserve_colour);
-  if (given.clamp_maximum != 0.0F) wanted.clamp = RadianceClamp{given.clamp_maximum, preserve_colour};
-  wanted.gamma = flag("gamma", given.gamma);
-  wanted.nan = enumerator("nan", given.nan, NonFinitePolicy::reject);
-  wanted.infinity = enumerator("infinity", given.infinity, NonFinitePolicy::reject);
-  wanted.negative = enumerator("negative", given.negative, NegativePolicy::reject);
-  return wanted;
-}
-
-}  // namespace
-
 ProjectionOptions projection_options(const welkin_projection_options* options) {
   const auto given = read_options(options, "options");
   ProjectionOptions wanted;
   set_unless_zero(wanted.bands, given.bands);
-  wanted.quadrature = enumerator("quadrature", given.quadrature, Quadrature::midpoint);
+  wanted.quadrature = flag("midpoint", given.midpoint) ? Quadrature::midpoint : Quadrature::exact;
   if (given.target_size != 0) wanted.target_size = given.target_size;
-  wanted.pixels = policy_of(given);
+  wanted.pixels = pixel_policy(given.pixels);
   return wanted;
 }
 
-PixelPolicy pixel_policy(const welkin_pixel_policy* policy) { return policy_of(read_options(policy, "pixels")); }
+PixelPolicy pixel_policy(const welkin_pixel_policy* policy) {
+  const auto given = read_options(policy, "pixels");
+  const auto non_finite = [](const char* name, std::int32_t rejects) {
+    return flag(name, rejects) ? NonFinitePolicy::reject : NonFinitePolicy::replace;
+  };
+  PixelPolicy wanted;
+  const bool preserve_colour = flag("clamp_preserve_colour", given.clamp_preserve_colour);
+  if (given.clamp_maximum != 0.0F) wanted.clamp = RadianceClamp{given.clamp_maximum, preserve_colour};
+  wanted.gamma = flag("gamma", given.gamma);
+  wanted.nan = non_finite("reject_nan", given.reject_nan);
+  wanted.infinity = non_finite("reject_infinity", given.reject_infinity);
+  wanted.negative = enumerator("negative", given.negative, NegativePolicy::reject);
+  return wanted;
+}
 
 // Plain numbers.
 
@@ -416,34 +418,44 @@ void add_picture(Target& target, void* pixels) {
 
 }  // namespace
 
-Target cubemap_target(const welkin_cubemap_target* target) {
+Target target_of(const welkin_target* target) {
   const auto given = read_struct(target, "target");
+  const bool flat = given.size == 0 && given.width != 0;
   const int size = face_size(given.size);
-  image::check_face_size(size);
-  Target checked = checked_target(given.format, given.row_stride_bytes, size, size);
-  for (void* face : given.faces) add_picture(checked, face);
+  if (flat) {
+    image::check_lat_long_size(given.width, given.height);
+  } else {
+    if (given.width != 0 || given.height != 0) refuse("the target has both a size and a width or height; set either");
+    image::check_face_size(size);
+  }
+  Target checked =
+      checked_target(given.format, given.row_stride_bytes, flat ? given.width : size, flat ? given.height : size);
+  for (int face = 0; face < (flat ? 1 : 6); ++face) add_picture(checked, given.faces[face]);
   return checked;
 }
 
-std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count,
-                                           const std::string& name) {
+Target cubemap_target(const welkin_target* target) {
+  const Target checked = target_of(target);
+  if (checked.count != 6) refuse("the target is a flat picture; what is written is a cubemap, so set its size");
+  return checked;
+}
+
+Target flat_target(const welkin_target* target) {
+  const Target checked = target_of(target);
+  if (checked.count != 1) refuse("the target is a cubemap; what is written is flat, so set its width and height");
+  return checked;
+}
+
+std::vector<CubemapTarget> cubemap_targets(const welkin_target* targets, std::int64_t count, const std::string& name) {
   constexpr std::int64_t most = std::int64_t{kMostLevels} * std::numeric_limits<std::int32_t>::max();
   if (count < 0 || count > most) {
     refuse("the number of " + name + " is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
   }
   std::vector<CubemapTarget> written;
   if (count == 0) return written;
-  const std::size_t step =
-      stated_size(targets, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), name.c_str());
   written.reserve(static_cast<std::size_t>(count));
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-    // As of `views_of`: the caller's structures may be shorter or longer than ours.
-    const auto* place = reinterpret_cast<const std::byte*>(targets) + k * step;
-    const auto* target = reinterpret_cast<const welkin_cubemap_target*>(place);
-    if (stated_size(target, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), name.c_str()) != step) {
-      refuse(name + "[" + std::to_string(k) + "].struct_size differs from that of the first");
-    }
-    const auto given = read_struct(target, name.c_str());
+  for (const welkin_target& given : read_structs(targets, static_cast<std::size_t>(count), name)) {
+    const std::size_t k = written.size();
     if (given.format != WELKIN_FORMAT_RGBA_F16 && given.format != WELKIN_FORMAT_RGBA_F32) {
       refuse(name + "[" + std::to_string(k) + "].format is " + std::to_string(given.format) +
              "; RGBA_F16 and RGBA_F32 are written");
@@ -455,14 +467,6 @@ std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets,
     to.format = given.format == WELKIN_FORMAT_RGBA_F16 ? TexelFormat::rgba16f : TexelFormat::rgba32f;
   }
   return written;
-}
-
-Target image_target(const welkin_image_target* target) {
-  const auto given = read_struct(target, "target");
-  image::check_lat_long_size(given.width, given.height);
-  Target checked = checked_target(given.format, given.row_stride_bytes, given.width, given.height);
-  add_picture(checked, given.pixels);
-  return checked;
 }
 
 void require_size(const Target& target, int width, int height) {

@@ -231,14 +231,12 @@ class HandedOver {
 
 // The caller's pixels. Whether they are sound is left to those who read them.
 
-/// A cubemap and the levels behind it. Throws `Error` (invalid_argument) for null, for a count that is none, for sizes
-/// that differ, for unknown formats. `name` is the argument's.
-[[nodiscard]] std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count,
-                                                     const char* name = "mips");
-/// These throw likewise.
-[[nodiscard]] std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t probe_count);
-[[nodiscard]] CubemapView cubemap_view(const welkin_cubemap* cubemap);
-[[nodiscard]] LatLongView lat_long_view(const welkin_lat_long* lat_long);
+/// A cubemap or a lat-long. Throws `Error` (invalid_argument) for null, for sizes that no picture has, for unknown
+/// formats. `name` is the argument's.
+[[nodiscard]] EnvironmentView environment_view(const welkin_environment* environment, const char* name = "environment");
+/// A cubemap and the levels behind it. Throws likewise, for a lat-long, and for structures whose stated sizes differ.
+[[nodiscard]] std::vector<CubemapView> cubemap_views(const welkin_environment* mips, std::int32_t mip_count);
+[[nodiscard]] std::vector<CubemapView> probe_views(const welkin_environment* probes, std::int64_t probe_count);
 
 // What a caller asks of pixels. Null asks for nothing; zero is the default. These throw `Error` (invalid_argument) for
 // what no structure could hold; ranges are checked by those who use them.
@@ -286,12 +284,14 @@ struct Target {
   image::TexelLayout layout{};
 };
 
-/// These throw `Error` (invalid_argument) for null, for formats that are not written, for too short a stride, for
-/// addresses that are not aligned.
-[[nodiscard]] Target cubemap_target(const welkin_cubemap_target* target);
-[[nodiscard]] Target image_target(const welkin_image_target* target);
+/// A cubemap's or a flat picture's, whichever it is. Throws `Error` (invalid_argument) for null, for formats that are
+/// not written, for too short a stride, for addresses that are not aligned.
+[[nodiscard]] Target target_of(const welkin_target* target);
+/// These throw likewise, and for the other kind.
+[[nodiscard]] Target cubemap_target(const welkin_target* target);
+[[nodiscard]] Target flat_target(const welkin_target* target);
 /// Those of `count` structures of one size that the library writes itself: RGBA of F16 and F32.
-[[nodiscard]] std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count,
+[[nodiscard]] std::vector<CubemapTarget> cubemap_targets(const welkin_target* targets, std::int64_t count,
                                                          const std::string& name = "targets");
 /// Throws unless the target has that size.
 void require_size(const Target& target, int width, int height);

@@ -78,22 +78,6 @@ welkin_status welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanosec
   });
 }
 
-welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_load* load) {
-  return guarded([&] {
-    require(worker, "worker");
-    const welkin::WorkerLoad now = worker->worker.load();
-    welkin_worker_load values{};
-    values.threads = worker->worker.threads();
-    values.waiting = now.waiting;
-    values.running = now.running;
-    values.undrained = now.undrained;
-    values.jobs = now.jobs;
-    values.bytes = now.bytes;
-    values.oldest_wait_nanoseconds = static_cast<std::uint64_t>(now.oldest_wait.count());
-    write_struct(load, values, "load");
-  });
-}
-
 namespace {
 
 /// A caller's function, as a request. No two are equal.
@@ -203,14 +187,6 @@ welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up) {
   });
 }
 
-welkin_status welkin_job_get_priority(const welkin_job* job, welkin_priority* priority) {
-  return guarded([&] {
-    require(job, "job");
-    require(priority, "priority");
-    *priority = number_of(job->handle().priority());
-  });
-}
-
 welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority) {
   return guarded([&] {
     require(job, "job");
@@ -235,15 +211,6 @@ TaskPriority priority_of(welkin_priority priority) {
     case WELKIN_PRIORITY_HIGH: return TaskPriority::high;
     default: refuse("priority is " + std::to_string(priority) + "; it must be -1 (low), 0 (normal) or 1 (high)");
   }
-}
-
-welkin_priority number_of(TaskPriority priority) noexcept {
-  switch (priority) {
-    case TaskPriority::low: return WELKIN_PRIORITY_LOW;
-    case TaskPriority::normal: return WELKIN_PRIORITY_NORMAL;
-    case TaskPriority::high: return WELKIN_PRIORITY_HIGH;
-  }
-  return WELKIN_PRIORITY_NORMAL;
 }
 
 namespace {

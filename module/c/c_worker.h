@@ -22,11 +22,11 @@
 
 // Results. A handle shares what it shows: it holds a pointer, and any number of handles may hold the same.
 
-struct welkin_cubemap_chain {
-  welkin_cubemap_chain() = default;  ///< shows nothing
-  explicit welkin_cubemap_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular);
+struct welkin_chain {
+  welkin_chain() = default;  ///< shows nothing
+  explicit welkin_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular);
   /// Of a chain or an image that `its_owner` keeps.
-  welkin_cubemap_chain(std::vector<welkin::CubemapView> its_levels, std::shared_ptr<const void> its_owner);
+  welkin_chain(std::vector<welkin::CubemapView> its_levels, std::shared_ptr<const void> its_owner);
 
   std::vector<welkin::CubemapView> levels;    ///< packed RGB floats
   std::span<const welkin::MipRecord> mips{};  ///< of a prefiltered one
@@ -37,11 +37,7 @@ struct welkin_bake_result {
   explicit welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result);
 
   std::shared_ptr<const welkin::BakeResult> result;
-  welkin_cubemap_chain background, specular, irradiance;  ///< of no levels where they were not made
-};
-
-struct welkin_atmosphere {
-  welkin::Atmosphere air;
+  welkin_chain background, specular, irradiance;  ///< of no levels where they were not made
 };
 
 struct welkin_sky_tables {
@@ -183,7 +179,7 @@ void destroy(Handle* handle) noexcept {
 [[nodiscard]] BakeOptions bake_options(const welkin_bake_options* options);
 [[nodiscard]] SkyTableOptions table_options(const welkin_sky_table_options* options);
 [[nodiscard]] SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options);
-[[nodiscard]] const Atmosphere& air_of(const welkin_atmosphere* atmosphere);
+[[nodiscard]] Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere);
 [[nodiscard]] const std::shared_ptr<const SkyTables>& tables_of(const welkin_sky_tables* tables);
 [[nodiscard]] const SkyView& view_of(const welkin_sky_view* view);
 
@@ -194,24 +190,11 @@ inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's
 /// Throws `Error` (invalid_argument) if there is none of that number.
 [[nodiscard]] TaskPriority priority_of(welkin_priority priority);
 
-[[nodiscard]] welkin_priority number_of(TaskPriority priority) noexcept;
-
 // An engine's threads, lent through a function pointer.
 
 /// As `WorkerOptions` wants it, for so many tasks at once; null if `enqueue` is null.
 [[nodiscard]] std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user,
                                                     int concurrency);
-
-// Pixels of either kind, by overloads.
-
-[[nodiscard]] inline CubemapView pixels_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap); }
-[[nodiscard]] inline LatLongView pixels_view(const welkin_lat_long* lat_long) { return lat_long_view(lat_long); }
-[[nodiscard]] inline CubemapSource source_of(const CubemapView& view, std::shared_ptr<const void> owner) {
-  return {view, std::move(owner)};
-}
-[[nodiscard]] inline LatLongSource source_of(const LatLongView& view, std::shared_ptr<const void> owner) {
-  return {view, std::move(owner)};
-}
 
 // Posting: what is handed over is given back whatever happens, and nothing fails any more once a job is posted.
 

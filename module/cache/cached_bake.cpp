@@ -147,7 +147,7 @@ class BakeEntries final : public baking::ArtefactStore {
  public:
   explicit BakeEntries(cache::ResultStore& store) : store_(store) {}
 
-  [[nodiscard]] baking::FoundArtefacts find(const baking::PixelsView& pixels, const BakeOptions& options,
+  [[nodiscard]] baking::FoundArtefacts find(const EnvironmentView& pixels, const BakeOptions& options,
                                             const baking::BakePlan& plan, const Control& control) override {
     name_entries(pixels, options, plan, {control.stop, {}});
     baking::FoundArtefacts found;
@@ -211,9 +211,9 @@ class BakeEntries final : public baking::ArtefactStore {
   }
 
   /// By what decides the bits of each.
-  void name_entries(const baking::PixelsView& view, const BakeOptions& options, const baking::BakePlan& plan,
+  void name_entries(const EnvironmentView& view, const BakeOptions& options, const baking::BakePlan& plan,
                     const Control& control) {
-    source_ = std::visit([&](const auto& kind) { return hash_pixels(kind, control); }, view);
+    source_ = hash_pixels(view, control);
     const ContentHash pixels = cache::pixel_key(options.pixels);
     projection_ = cache::projection_name(source_, plan.projecting);
     sanitized_ = cache::sanitized_name(source_, options.pixels);
@@ -264,42 +264,22 @@ class BakeEntries final : public baking::ArtefactStore {
   std::optional<cache::StoredChain> chain_;
 };
 
-BakeResult bake_options(cache::ResultStore& store, const baking::PixelsView& view, const BakeOptions& options,
-                        const Control& control) {
+}  // namespace
+
+BakeResult ResultCache::bake(const EnvironmentView& view, const BakeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   baking::MemorySource source(view);
-  BakeEntries entries(store);
+  BakeEntries entries(*store_);
   BakeResult result;
   baking::run_bake(result, source, options, &entries, control);
   return result;
 }
 
-BakeResult bake_plan(cache::ResultStore& store, const baking::PixelsView& view, const Plan& plan,
-                     const Control& control) {
+BakeResult ResultCache::bake(const EnvironmentView& view, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   baking::MemorySource source(view);
-  BakeEntries entries(store);
+  BakeEntries entries(*store_);
   return baking::run_bake(source, plan, &entries, control);
-}
-
-}  // namespace
-
-BakeResult ResultCache::bake(const CubemapView& view, const BakeOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return bake_options(*store_, view, options, control);
-}
-
-BakeResult ResultCache::bake(const LatLongView& view, const BakeOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return bake_options(*store_, view, options, control);
-}
-
-BakeResult ResultCache::bake(const CubemapView& view, const Plan& plan, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return bake_plan(*store_, view, plan, control);
-}
-
-BakeResult ResultCache::bake(const LatLongView& view, const Plan& plan, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return bake_plan(*store_, view, plan, control);
 }
 
 BakeResult ResultCache::bake(const StoredEnvironment& file, const Plan& plan, const Control& control) {

@@ -121,11 +121,9 @@ std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control&
 
 ContentHash hash_of_faces(const std::array<ContentHash, 6>& faces) noexcept { return combine(faces); }
 
-ContentHash hash_pixels(const CubemapView& cubemap, const Control& control) {
-  return hash_of_faces(hash_faces(cubemap, control));
-}
-
-ContentHash hash_pixels(const LatLongView& lat_long, const Control& control) {
+ContentHash hash_pixels(const EnvironmentView& environment, const Control& control) {
+  if (environment.kind() == EnvironmentKind::cubemap) return hash_of_faces(hash_faces(environment.cubemap(), control));
+  const LatLongView lat_long = environment.lat_long();
   image::check_view(lat_long);
   const Plane plane =
       plane_of(lat_long.pixels, lat_long.width, lat_long.height, lat_long.row_stride_bytes, lat_long.format);

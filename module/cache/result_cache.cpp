@@ -115,34 +115,25 @@ ResultCache& ResultCache::operator=(ResultCache&&) noexcept = default;
 
 CacheStatistics ResultCache::statistics() const { return store_->statistics(); }
 
-template <class View>
-Projection ResultCache::project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
-                                     const Control& control) {
+Projection ResultCache::project(const EnvironmentView& view, const ProjectionOptions& options,
+                                const LightChange& change, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   check(change);
   const Control hashing = jobs::part_of(control, 0.0, kHashing);
+  const bool by_faces = view.kind() == EnvironmentKind::cubemap && keeps_faces(view.cubemap(), options, change);
   std::array<ContentHash, 6> faces{};
-  ContentHash pixels;
-  if constexpr (std::is_same_v<View, CubemapView>) {
-    faces = hash_faces(view, hashing);
-    pixels = hash_of_faces(faces);
-  } else {
-    pixels = hash_pixels(view, hashing);
-  }
+  if (by_faces) faces = hash_faces(view.cubemap(), hashing);
+  const ContentHash pixels = by_faces ? hash_of_faces(faces) : hash_pixels(view, hashing);
   const EntryName name = projection_name(pixels, options);
   if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
     return changed(*found, change);
   }
   const Control rest = jobs::part_of(control, kHashing, 1.0);
-  Projection projection;
   std::size_t found_faces = 0;
-  if constexpr (std::is_same_v<View, CubemapView>) {
-    projection = keeps_faces(view, options, change) ? project_by_faces(*store_, view, faces, options, found_faces, rest)
-                                                    : welkin::project(view, options, rest);
-  } else {
-    projection = welkin::project(view, options, rest);
-  }
+  Projection projection = by_faces ? project_by_faces(*store_, view.cubemap(), faces, options, found_faces, rest)
+                                   : welkin::project(view, options, rest);
   store_->store(name, [&] { return cache::encode(projection); });
   if (found_faces > 0) {
     std::vector<PassRecord>& passes = projection.diagnostics.passes;
@@ -150,18 +141,6 @@ Projection ResultCache::project_view(const View& view, const ProjectionOptions& 
     passes.insert(passes.begin(), {"faces", PassAction::reuse, words});
   }
   return changed(projection, change);
-}
-
-Projection ResultCache::project(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change,
-                                const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return project_view(cubemap, options, change, control);
-}
-
-Projection ResultCache::project(const LatLongView& lat_long, const ProjectionOptions& options,
-                                const LightChange& change, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return project_view(lat_long, options, change, control);
 }
 
 Projection ResultCache::project_file(const std::filesystem::path& path, const ReadOptions& read_options,
@@ -189,9 +168,9 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
   return projection;
 }
 
-template <class View>
-PrefilteredSpecular ResultCache::prefilter_view(const View& view, const PrefilterOptions& options,
-                                                const Control& control) {
+PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& view, const PrefilterOptions& options,
+                                                    const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
   cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
   const std::optional<reflections::PrefilterPlan> missing = chain.missing();
@@ -214,18 +193,6 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
   specular.peak_bytes += sanitized_bytes;
   finished(control);
   return specular;
-}
-
-PrefilteredSpecular ResultCache::prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
-                                                    const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return prefilter_view(source, options, control);
-}
-
-PrefilteredSpecular ResultCache::prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
-                                                    const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return prefilter_view(source, options, control);
 }
 
 namespace {

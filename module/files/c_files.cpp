@@ -25,7 +25,6 @@ static_assert(WELKIN_LAYOUT_HORIZONTAL_CROSS == static_cast<int>(Layout::horizon
 static_assert(WELKIN_LAYOUT_SIX_FILES == static_cast<int>(Layout::six_files));
 static_assert(WELKIN_TRANSFER_SRGB == static_cast<int>(Transfer::srgb));
 static_assert(WELKIN_TRANSFER_LINEAR == static_cast<int>(Transfer::linear));
-static_assert(WELKIN_PRIMARIES_AS_STORED == static_cast<int>(Primaries::as_stored));
 
 ReadOptions file_options(const welkin_read_options* options) {
   const auto given = read_options(options, "read_options");
@@ -34,7 +33,7 @@ ReadOptions file_options(const welkin_read_options* options) {
   if (given.part != nullptr) wanted.part = given.part;
   if (given.layer != nullptr) wanted.layer = given.layer;
   wanted.transfer = enumerator("transfer", given.transfer, Transfer::linear);
-  wanted.primaries = enumerator("primaries", given.primaries, Primaries::as_stored);
+  if (flag("primaries_as_stored", given.primaries_as_stored)) wanted.primaries = Primaries::as_stored;
   if (given.memory_limit_bytes != 0) wanted.memory_limit_bytes = given.memory_limit_bytes;
   if (given.level < 0 || given.level > std::numeric_limits<int>::max()) {
     refuse("level is " + std::to_string(given.level) + "; it must be 0 or a level that the file has");
@@ -113,26 +112,18 @@ static_assert(WELKIN_TEXEL_ASTC_6X6_HDR == static_cast<int>(TexelFormat::astc_6x
 static_assert(WELKIN_SUPERCOMPRESSION_ZLIB == static_cast<int>(Supercompression::zlib));
 static_assert(WELKIN_SUPERCOMPRESSION_ZSTD == static_cast<int>(Supercompression::zstd));
 
-Bc6hEffort bc6h_effort(welkin_bc6h_effort effort) {
-  require_enumerator("bc6h_effort", effort, WELKIN_BC6H_SLOW);
-  constexpr std::array efforts{Bc6hEffort::normal, Bc6hEffort::fast, Bc6hEffort::normal, Bc6hEffort::slow};
-  return efforts[static_cast<std::size_t>(effort)];
-}
-
-AstcEffort astc_effort(welkin_astc_effort effort) {
-  require_enumerator("astc_effort", effort, WELKIN_ASTC_THOROUGH);
-  constexpr std::array efforts{AstcEffort::medium, AstcEffort::fastest, AstcEffort::fast, AstcEffort::medium,
-                               AstcEffort::thorough};
-  return efforts[static_cast<std::size_t>(effort)];
-}
-
 TextureOptions texture_options(const welkin_texture_options* options) {
   const auto given = read_options(options, "options");
   TextureOptions wanted;
   wanted.format = enumerator("format", given.format, TexelFormat::astc_6x6_hdr);
   wanted.supercompression = enumerator("supercompression", given.supercompression, Supercompression::zstd);
-  wanted.bc6h_effort = bc6h_effort(given.bc6h_effort);
-  wanted.astc_effort = astc_effort(given.astc_effort);
+  require_enumerator("effort", given.effort, WELKIN_EFFORT_SLOW);
+  constexpr std::array bc6h{Bc6hEffort::normal, Bc6hEffort::fast, Bc6hEffort::fast, Bc6hEffort::normal,
+                            Bc6hEffort::slow};
+  constexpr std::array astc{AstcEffort::medium, AstcEffort::fastest, AstcEffort::fast, AstcEffort::medium,
+                            AstcEffort::thorough};
+  wanted.bc6h_effort = bc6h[static_cast<std::size_t>(given.effort)];
+  wanted.astc_effort = astc[static_cast<std::size_t>(given.effort)];
   return wanted;
 }
 
@@ -146,13 +137,21 @@ std::string roughness_text(std::span<const MipRecord> mips) {
   return text;
 }
 
-const welkin_cubemap_chain& levels_of(const welkin_cubemap_chain* chain, const char* name) {
+const float* packed_floats(const LatLongView& picture) {
+  const std::ptrdiff_t packed = std::ptrdiff_t{12} * picture.width;
+  const bool is_packed = picture.row_stride_bytes == 0 || picture.row_stride_bytes == packed;
+  if (picture.format != PixelFormat::rgb32f || !is_packed) refuse("mips is a flat picture that is not packed RGB_F32");
+  require(picture.pixels, "mips->faces[0]");
+  return static_cast<const float*>(picture.pixels);
+}
+
+const welkin_chain& levels_of(const welkin_chain* chain, const char* name) {
   require(chain, name);
   return *chain;
 }
 
 /// The chain once more, in memory that can be turned to another engine's axes.
-CubemapChain copy_of(const welkin_cubemap_chain& chain) {
+CubemapChain copy_of(const welkin_chain& chain) {
   CubemapChain copy(chain.levels.front().size, static_cast<int>(chain.levels.size()));
   for (int level = 0; level < copy.levels(); ++level) {
     const CubemapView& from = chain.levels[static_cast<std::size_t>(level)];
@@ -167,20 +166,28 @@ CubemapChain copy_of(const welkin_cubemap_chain& chain) {
 }  // namespace
 }  // namespace welkin::c_interface
 
-welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips, int32_t mip_count,
+welkin_status welkin_write_texture(const char* path, const welkin_environment* mips, int32_t mip_count,
                                    const welkin_texture_options* options, const welkin_control* control,
                                    uint64_t* values_clamped) {
   return guarded([&] {
     const auto file = file_path(path);
+    const auto wanted = texture_options(options);
+    if (mips != nullptr && mip_count == 1) {
+      const auto whole = environment_view(mips, "mips");
+      if (whole.kind() == welkin::EnvironmentKind::lat_long) {
+        const auto* const rgb = packed_floats(whole.lat_long());
+        const auto report = welkin::write_texture_2d(file, whole.lat_long().width, whole.lat_long().height, rgb, wanted,
+                                                     control_of(control));
+        return tell(report.values_clamped, values_clamped);
+      }
+    }
     const auto views = cubemap_views(mips, mip_count);
-    tell(welkin::write_texture(file, views, texture_options(options), control_of(control)).values_clamped,
-         values_clamped);
+    tell(welkin::write_texture(file, views, wanted, control_of(control)).values_clamped, values_clamped);
   });
 }
 
-welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* chain,
-                                 const welkin_texture_options* options, const welkin_control* control,
-                                 uint64_t* values_clamped) {
+welkin_status welkin_write_chain(const char* path, const welkin_chain* chain, const welkin_texture_options* options,
+                                 const welkin_control* control, uint64_t* values_clamped) {
   return guarded([&] {
     const auto file = file_path(path);
     const auto& given = levels_of(chain, "chain");
@@ -190,19 +197,7 @@ welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* c
   });
 }
 
-welkin_status welkin_write_flat_texture(const char* path, int32_t width, int32_t height, const float* rgb,
-                                        const welkin_texture_options* options, const welkin_control* control,
-                                        uint64_t* values_clamped) {
-  return guarded([&] {
-    const auto file = file_path(path);
-    require(rgb, "rgb");
-    const auto report =
-        welkin::write_texture_2d(file, width, height, rgb, texture_options(options), control_of(control));
-    tell(report.values_clamped, values_clamped);
-  });
-}
-
-welkin_status welkin_write_babylon_environment(const char* path, const welkin_cubemap_chain* specular, int32_t bands,
+welkin_status welkin_write_babylon_environment(const char* path, const welkin_chain* specular, int32_t bands,
                                                const double* radiance, const welkin_control* control,
                                                uint64_t* values_clamped) {
   return guarded([&] {

@@ -247,6 +247,11 @@ std::string EnvironmentInfo::format_words() const {
 
 int Environment::face_size() const noexcept { return files::face_size(info.layout, info.width, info.height); }
 
+EnvironmentView Environment::view() const {
+  if (info.layout == Layout::lat_long) return lat_long();
+  return cubemap();
+}
+
 LatLongView Environment::lat_long() const {
   if (info.layout != Layout::lat_long) refuse_view(info, "lat-long");
   return {pixels.get(), info.width, info.height, 0, PixelFormat::rgb32f};

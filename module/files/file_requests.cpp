@@ -8,12 +8,7 @@
 
 namespace welkin {
 
-CubemapSource::CubemapSource(Environment environment) {
-  mips_ = {environment.cubemap()};
-  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
-}
-
-LatLongSource::LatLongSource(Environment environment) : view_(environment.lat_long()) {
+EnvironmentSource::EnvironmentSource(Environment environment) : EnvironmentSource(environment.view(), nullptr) {
   owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
 }
 

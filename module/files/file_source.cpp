@@ -39,10 +39,9 @@ void FileSource::read(const Control& control) {
   }
 }
 
-baking::PixelsView FileSource::pixels() const {
+EnvironmentView FileSource::pixels() const {
   if (chain_.levels() > 0) return chain_.view(0);
-  if (file_.shape.cubemap) return environment_.cubemap();
-  return environment_.lat_long();
+  return environment_.view();
 }
 
 Projection FileSource::project(const ProjectionOptions& options, const Control& control) {

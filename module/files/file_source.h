@@ -25,7 +25,7 @@ class FileSource final : public baking::Source {
   [[nodiscard]] bool holds_pixels() const override { return !plan_.streams; }
   void read(const Control& control) override;
 
-  [[nodiscard]] baking::PixelsView pixels() const override;
+  [[nodiscard]] EnvironmentView pixels() const override;
   /// While it is read.
   [[nodiscard]] Projection project(const ProjectionOptions& options, const Control& control) override;
 

@@ -148,22 +148,18 @@ void check_write_options(const FileOutput& output, const WriteOptions& options, 
   }
 }
 
-WriteReport write_environment(const FileOutput& output, const LatLongView& picture, const WriteOptions& options,
-                              const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
-  check_write_options(output, options, false);
+namespace {
+
+WriteReport write(const FileOutput& output, const LatLongView& picture, const WriteOptions& options,
+                  const Control& control) {
   const Format& format = format_of(output.path());
   OutputFiles written(format, type_for(format, options.type, output.path()), control);
   written.add(output, OutputPicture(picture), OutputFiles::Header::openexr_lat_long, 0.0, 1.0);
   return written.commit();
 }
 
-WriteReport write_environment(const FileOutput& output, const CubemapView& picture, const WriteOptions& options,
-                              const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
-  check_write_options(output, options, true);
+WriteReport write(const FileOutput& output, const CubemapView& picture, const WriteOptions& options,
+                  const Control& control) {
   const std::filesystem::path& path = output.path();
   const Format& format = format_of(path);
   const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
@@ -187,6 +183,16 @@ WriteReport write_environment(const FileOutput& output, const CubemapView& pictu
     written.add(output, OutputPicture(picture, files::cube_placement(layout)), OutputFiles::Header::plain, 0.0, 1.0);
   }
   return written.commit();
+}
+
+}  // namespace
+
+WriteReport write_environment(const FileOutput& output, const EnvironmentView& picture, const WriteOptions& options,
+                              const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(picture);
+  check_write_options(output, options, picture.kind() == EnvironmentKind::cubemap);
+  return image::with_view(picture, [&](const auto& view) { return write(output, view, options, control); });
 }
 
 }  // namespace welkin

@@ -91,9 +91,9 @@ double exposure_of(const SphericalHarmonics& radiance) {
   return exposure_to(kMiddleGrey, luminance(mean_radiance(radiance)));
 }
 
-double exposure_of(const CubemapView& picture) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
+namespace {
+
+std::vector<Sample> samples_of(const CubemapView& picture) {
   const auto size = static_cast<std::size_t>(picture.size);
   std::vector<float> decoded(3 * size);
   std::vector<Sample> samples;
@@ -109,12 +109,10 @@ double exposure_of(const CubemapView& picture) {
       add_row(picture.format, image::row_of(picture, face, row), weight, decoded, samples);
     }
   }
-  return exposure_of(std::move(samples));
+  return samples;
 }
 
-double exposure_of(const LatLongView& picture) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
+std::vector<Sample> samples_of(const LatLongView& picture) {
   const auto width = static_cast<std::size_t>(picture.width);
   std::vector<float> decoded(3 * width);
   std::vector<Sample> samples;
@@ -124,7 +122,15 @@ double exposure_of(const LatLongView& picture) {
     add_row(
         picture.format, image::row_of(picture, row), [weight](int) { return weight; }, decoded, samples);
   }
-  return exposure_of(std::move(samples));
+  return samples;
+}
+
+}  // namespace
+
+double exposure_of(const EnvironmentView& picture) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(picture);
+  return exposure_of(image::with_view(picture, [](const auto& view) { return samples_of(view); }));
 }
 
 }  // namespace welkin

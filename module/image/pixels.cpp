@@ -344,4 +344,22 @@ void check_view(const LatLongView& lat_long) {
   require_pixels("the lat-long", lat_long.pixels, lat_long.format);
 }
 
+void check_view(const EnvironmentView& environment) {
+  with_view(environment, [](const auto& view) { check_view(view); });
+}
+
 }  // namespace welkin::image
+
+namespace welkin {
+
+LatLongView EnvironmentView::lat_long() const {
+  if (const LatLongView* const view = std::get_if<LatLongView>(&view_)) return *view;
+  throw Error(ErrorCode::invalid_argument, "the environment is a cubemap, not a lat-long; resample it (to_lat_long)");
+}
+
+CubemapView EnvironmentView::cubemap() const {
+  if (const CubemapView* const view = std::get_if<CubemapView>(&view_)) return *view;
+  throw Error(ErrorCode::invalid_argument, "the environment is a lat-long, not a cubemap; resample it (to_cubemap)");
+}
+
+}  // namespace welkin

@@ -125,6 +125,13 @@ void check_view(const CubemapView& cubemap);
 /// Largest first, each half the one before (rounded down); one at least.
 void check_chain(std::span<const CubemapView> mips);
 void check_view(const LatLongView& lat_long);
+void check_view(const EnvironmentView& environment);
+
+/// Returns `work` of the view that `environment` holds.
+template <class Work>
+decltype(auto) with_view(const EnvironmentView& environment, const Work& work) {
+  return environment.kind() == EnvironmentKind::cubemap ? work(environment.cubemap()) : work(environment.lat_long());
+}
 
 // Resampling into memory that is there already.
 

@@ -246,13 +246,8 @@ CubemapImage reduced(const CubemapView& source, int levels, const Control& contr
   return result;
 }
 
-}  // namespace
-
-CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(source);
-  image::check_face_size(size);
-  require_orthogonal(turn);
+CubemapImage cubemap_of(const CubemapView& source, int size, const glm::dmat3& turn, ResampleFilter /*filter*/,
+                        const Control& control) {
   if (size == source.size) {
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
   }
@@ -264,12 +259,8 @@ CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& t
   return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
 }
 
-CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+CubemapImage cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
                         const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(source);
-  image::check_face_size(size);
-  require_orthogonal(turn);
   if (image::cube_symmetry_of(turn)) {
     const bool upright = turn == glm::dmat3(1.0);
     CubemapImage result = empty_cubemap(size);
@@ -281,12 +272,8 @@ CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& t
   return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
 }
 
-LatLongImage to_lat_long(const CubemapView& source, int width, int height, const glm::dmat3& turn,
+LatLongImage lat_long_of(const CubemapView& source, int width, int height, const glm::dmat3& turn,
                          ResampleFilter filter, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(source);
-  image::check_lat_long_size(width, height);
-  require_orthogonal(turn);
   if (filter == ResampleFilter::area && image::cube_symmetry_of(turn)) {
     LatLongImage result{
         width, height,
@@ -306,17 +293,34 @@ LatLongImage to_lat_long(const CubemapView& source, int width, int height, const
   return resampled_lat_long<image::CubemapSampler>(source, width, height, turn, control);
 }
 
-LatLongImage to_lat_long(const LatLongView& source, int width, int height, const glm::dmat3& turn,
-                         const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(source);
-  image::check_lat_long_size(width, height);
-  require_orthogonal(turn);
+LatLongImage lat_long_of(const LatLongView& source, int width, int height, const glm::dmat3& turn,
+                         ResampleFilter /*filter*/, const Control& control) {
   if (width == source.width && height == source.height) {
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
     if (auto moved = image::moved_along_rows(source, turn, control)) return *std::move(moved);
   }
   return resampled_lat_long<image::LatLongSampler>(source, width, height, turn, control);
+}
+
+}  // namespace
+
+CubemapImage to_cubemap(const EnvironmentView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+                        const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(source);
+  image::check_face_size(size);
+  require_orthogonal(turn);
+  return image::with_view(source, [&](const auto& view) { return cubemap_of(view, size, turn, filter, control); });
+}
+
+LatLongImage to_lat_long(const EnvironmentView& source, int width, int height, const glm::dmat3& turn,
+                         ResampleFilter filter, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(source);
+  image::check_lat_long_size(width, height);
+  require_orthogonal(turn);
+  return image::with_view(source,
+                          [&](const auto& view) { return lat_long_of(view, width, height, turn, filter, control); });
 }
 
 }  // namespace welkin

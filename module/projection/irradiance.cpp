@@ -79,38 +79,21 @@ std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
   return math::unit_directions(normals, "normal");
 }
 
-template <class View>
-std::vector<glm::dvec3> irradiance_of(const View& view, std::span<const glm::dvec3> normals, const PixelPolicy& pixels,
-                                      const Control& control) {
-  image::check_view(view);
+}  // namespace
+
+std::vector<glm::dvec3> direct_irradiance(const EnvironmentView& environment, std::span<const glm::dvec3> normals,
+                                          const PixelPolicy& pixels, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(environment);
   projection::check_policy(pixels);
   const std::vector<glm::dvec3> units = unit_normals(normals);
-  const projection::SanitizedSource source(view, pixels, {control.stop, {}});
+  const projection::SanitizedSource source(environment, pixels, {control.stop, {}});
   return projection::integrate_kernel(source, CosineFunction(), units, control);
 }
 
-}  // namespace
-
-std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
-                                          const PixelPolicy& pixels, const Control& control) {
+glm::dvec3 direct_irradiance(const EnvironmentView& environment, const glm::dvec3& normal) {
   const platform::FloatingPointScope floating_point;
-  return irradiance_of(cubemap, normals, pixels, control);
-}
-
-std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long, std::span<const glm::dvec3> normals,
-                                          const PixelPolicy& pixels, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return irradiance_of(lat_long, normals, pixels, control);
-}
-
-glm::dvec3 direct_irradiance(const CubemapView& cubemap, const glm::dvec3& normal) {
-  const platform::FloatingPointScope floating_point;
-  return direct_irradiance(cubemap, {&normal, 1}).front();
-}
-
-glm::dvec3 direct_irradiance(const LatLongView& lat_long, const glm::dvec3& normal) {
-  const platform::FloatingPointScope floating_point;
-  return direct_irradiance(lat_long, {&normal, 1}).front();
+  return direct_irradiance(environment, {&normal, 1}).front();
 }
 
 namespace {
@@ -157,18 +140,11 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 
 }  // namespace
 
-std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap, const SphericalHarmonics& radiance,
+std::vector<IrradianceError> irradiance_errors(const EnvironmentView& environment, const SphericalHarmonics& radiance,
                                                int normals, const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   const std::vector<glm::dvec3> directions = projection::spiral(normals);
-  return errors_at(directions, direct_irradiance(cubemap, directions, pixels, control), radiance);
-}
-
-std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long, const SphericalHarmonics& radiance,
-                                               int normals, const PixelPolicy& pixels, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  const std::vector<glm::dvec3> directions = projection::spiral(normals);
-  return errors_at(directions, direct_irradiance(lat_long, directions, pixels, control), radiance);
+  return errors_at(directions, direct_irradiance(environment, directions, pixels, control), radiance);
 }
 
 namespace {
@@ -199,33 +175,6 @@ std::vector<double> texel_centres(int size) {
   centres.reserve(static_cast<std::size_t>(size));
   for (int column = 0; column < size; ++column) centres.push_back(static_cast<double>(2 * column + 1 - size) / size);
   return centres;
-}
-
-template <class View>
-CubemapImage directly(const View& source, int size, const Control& control) {
-  CubemapImage result = empty_cubemap(size);
-  const std::size_t texels = result.pixels.size() / 3;
-  const auto edge = static_cast<std::size_t>(size);
-  std::vector<glm::dvec3> normals;
-  for (std::size_t first = 0; first < texels; first += normals.size()) {
-    const std::size_t end = std::min(texels, first + kNormalsAtATime);
-    normals.clear();
-    for (std::size_t texel = first; texel < end; ++texel) {
-      const auto row = static_cast<int>(texel / edge);
-      normals.push_back(
-          image::face_direction(size, row / size, static_cast<double>(texel % edge) + 0.5, row % size + 0.5));
-    }
-    const auto share = [&](std::size_t done) { return static_cast<double>(done) / static_cast<double>(texels); };
-    const Control part = jobs::part_of(control, share(first), share(end));
-    const std::vector<glm::dvec3> irradiance = direct_irradiance(source, normals, {}, part);
-    for (std::size_t i = 0; i < irradiance.size(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double value = irradiance[i][static_cast<glm::length_t>(c)];
-        result.pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
-      }
-    }
-  }
-  return result;
 }
 
 /// Whether these coefficients can sum to more than the floats hold; no harmonic of 16 bands exceeds 2.3.
@@ -274,14 +223,31 @@ CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, 
   return result;
 }
 
-CubemapImage direct_irradiance_cubemap(const CubemapView& source, int size, const Control& control) {
+CubemapImage direct_irradiance_cubemap(const EnvironmentView& source, int size, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return directly(source, size, control);
-}
-
-CubemapImage direct_irradiance_cubemap(const LatLongView& source, int size, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return directly(source, size, control);
+  CubemapImage result = empty_cubemap(size);
+  const std::size_t texels = result.pixels.size() / 3;
+  const auto edge = static_cast<std::size_t>(size);
+  std::vector<glm::dvec3> normals;
+  for (std::size_t first = 0; first < texels; first += normals.size()) {
+    const std::size_t end = std::min(texels, first + kNormalsAtATime);
+    normals.clear();
+    for (std::size_t texel = first; texel < end; ++texel) {
+      const auto row = static_cast<int>(texel / edge);
+      normals.push_back(
+          image::face_direction(size, row / size, static_cast<double>(texel % edge) + 0.5, row % size + 0.5));
+    }
+    const auto share = [&](std::size_t done) { return static_cast<double>(done) / static_cast<double>(texels); };
+    const Control part = jobs::part_of(control, share(first), share(end));
+    const std::vector<glm::dvec3> irradiance = direct_irradiance(source, normals, {}, part);
+    for (std::size_t i = 0; i < irradiance.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double value = irradiance[i][static_cast<glm::length_t>(c)];
+        result.pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace welkin

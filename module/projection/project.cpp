@@ -83,13 +83,6 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
 
 }  // namespace
 
-Projection project(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(cubemap);
-  projection::check_options(options);
-  return project_level(cubemap, options, control);
-}
-
 Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   check_chain(mips);
@@ -113,10 +106,9 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
   return projection;
 }
 
-Projection project(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(lat_long);
-  projection::check_options(options);
+namespace {
+
+Projection project_level(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
   const Stopwatch projecting;
   const std::int64_t texels = std::int64_t{lat_long.width} * lat_long.height;
   const jobs::Placement placement = jobs::placement_for(texels);
@@ -140,6 +132,15 @@ Projection project(const LatLongView& lat_long, const ProjectionOptions& options
       {"project", PassAction::run, std::to_string(lat_long.width) + " x " + std::to_string(lat_long.height) + " texels",
        projecting.milliseconds()});
   return projection;
+}
+
+}  // namespace
+
+Projection project(const EnvironmentView& environment, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(environment);
+  projection::check_options(options);
+  return image::with_view(environment, [&](const auto& view) { return project_level(view, options, control); });
 }
 
 const char* name(PassAction action) noexcept {

@@ -29,25 +29,26 @@ void for_rows(std::size_t rows, int columns, const Control& control, const Work&
 
 }  // namespace
 
-SanitizedSource::SanitizedSource(const LatLongView& view, const PixelPolicy& policy, const Control& control)
-    : cubemap_(false), columns_(view.width) {
+SanitizedSource::SanitizedSource(const EnvironmentView& view, const PixelPolicy& policy, const Control& control)
+    : cubemap_(view.kind() == EnvironmentKind::cubemap) {
   std::vector<const void*> rows;
-  rows.reserve(static_cast<std::size_t>(view.height));
-  for (int row = 0; row < view.height; ++row) rows.push_back(image::row_of(view, row));
-  read(view.format, rows, policy, control);
-  lat_long_ = copy_.size() == 0 ? view : LatLongView{copy_.data(), view.width, view.height, 0, PixelFormat::rgb32f};
-}
-
-SanitizedSource::SanitizedSource(const CubemapView& view, const PixelPolicy& policy, const Control& control)
-    : cubemap_(true), columns_(view.size) {
-  std::vector<const void*> rows;
-  rows.reserve(std::size_t{6} * static_cast<std::size_t>(view.size));
-  for (int row = 0; row < 6 * view.size; ++row) rows.push_back(image::row_of(view, row / view.size, row % view.size));
-  read(view.format, rows, policy, control);
-  cube_ = view;
+  if (!cubemap_) {
+    lat_long_ = view.lat_long();
+    columns_ = lat_long_.width;
+    rows.reserve(static_cast<std::size_t>(lat_long_.height));
+    for (int row = 0; row < lat_long_.height; ++row) rows.push_back(image::row_of(lat_long_, row));
+    read(lat_long_.format, rows, policy, control);
+    if (copy_.size() > 0) lat_long_ = {copy_.data(), columns_, lat_long_.height, 0, PixelFormat::rgb32f};
+    return;
+  }
+  cube_ = view.cubemap();
+  columns_ = cube_.size;
+  rows.reserve(std::size_t{6} * static_cast<std::size_t>(columns_));
+  for (int row = 0; row < 6 * columns_; ++row) rows.push_back(image::row_of(cube_, row / columns_, row % columns_));
+  read(cube_.format, rows, policy, control);
   if (copy_.size() == 0) return;
-  cube_ = {{}, view.size, 0, PixelFormat::rgb32f};
-  for (std::size_t face = 0; face < 6; ++face) cube_.faces[face] = row(static_cast<int>(face) * view.size);
+  cube_ = {{}, columns_, 0, PixelFormat::rgb32f};
+  for (std::size_t face = 0; face < 6; ++face) cube_.faces[face] = row(static_cast<int>(face) * columns_);
 }
 
 void SanitizedSource::read(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,

@@ -19,8 +19,7 @@ class Sanitizer;
 class SanitizedSource {
  public:
   /// Reads every pixel once. Throws `Error`: rejected_pixel, cancelled.
-  SanitizedSource(const LatLongView& view, const PixelPolicy& policy, const Control& control);
-  SanitizedSource(const CubemapView& view, const PixelPolicy& policy, const Control& control);
+  SanitizedSource(const EnvironmentView& view, const PixelPolicy& policy, const Control& control);
 
   [[nodiscard]] bool cubemap() const noexcept { return cubemap_; }
   [[nodiscard]] int columns() const noexcept { return columns_; }
@@ -30,6 +29,9 @@ class SanitizedSource {
   /// The sanitized pixels: of the one kind that this is.
   [[nodiscard]] const LatLongView& lat_long() const noexcept { return lat_long_; }
   [[nodiscard]] const CubemapView& cube() const noexcept { return cube_; }
+  [[nodiscard]] EnvironmentView view() const noexcept {
+    return cubemap_ ? EnvironmentView(cube_) : EnvironmentView(lat_long_);
+  }
 
   /// Largest and least channel of a row, and the mean of all its channels.
   struct RowRange {
@@ -60,7 +62,7 @@ class SanitizedSource {
   void sanitize(const std::vector<char>& suspects, const Sanitizer& sanitizer, const Control& control);
 
   bool cubemap_;
-  int columns_;
+  int columns_ = 0;
   LatLongView lat_long_{};
   CubemapView cube_{};
   std::vector<const float*> first_texels_;
@@ -70,13 +72,5 @@ class SanitizedSource {
   ProjectionDiagnostics diagnostics_;
   glm::dvec3 clamped_radiance_{};
 };
-
-/// The sanitized pixels of a source that was made of such a view.
-[[nodiscard]] inline const LatLongView& view_of(const SanitizedSource& source, const LatLongView& /*view*/) noexcept {
-  return source.lat_long();
-}
-[[nodiscard]] inline const CubemapView& view_of(const SanitizedSource& source, const CubemapView& /*view*/) noexcept {
-  return source.cube();
-}
 
 }  // namespace welkin::projection

@@ -195,9 +195,11 @@ namespace {
 
 constexpr double kLeastAlpha = 1e-6;
 
-template <class View>
-std::vector<glm::dvec3> reference(const View& view, double roughness, const std::vector<glm::dvec3>& directions,
-                                  const Control& control) {
+}  // namespace
+
+std::vector<glm::dvec3> reference_specular(const EnvironmentView& view, double roughness,
+                                           const std::vector<glm::dvec3>& directions, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(view);
   if (!(roughness >= 0.0 && roughness <= 1.0)) {
     throw Error(ErrorCode::invalid_argument, "roughness " + platform::number_text(roughness) + " is not from 0 to 1");
@@ -210,20 +212,6 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
   values.reserve(units.size());
   for (const glm::dvec3& unit : units) values.push_back(reflections::radiance_towards(source, unit));
   return values;
-}
-
-}  // namespace
-
-std::vector<glm::dvec3> reference_specular(const LatLongView& source, double roughness,
-                                           const std::vector<glm::dvec3>& directions, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return reference(source, roughness, directions, control);
-}
-
-std::vector<glm::dvec3> reference_specular(const CubemapView& source, double roughness,
-                                           const std::vector<glm::dvec3>& directions, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  return reference(source, roughness, directions, control);
 }
 
 }  // namespace welkin

@@ -55,7 +55,7 @@ void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, 
     }
     if (control.progress) control.progress(1.0);
   } else {
-    const CubemapImage image = to_cubemap(cube, size, glm::dmat3(1.0), control);
+    const CubemapImage image = to_cubemap(cube, size, glm::dmat3(1.0), ResampleFilter::area, control);
     std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
   }
 }
@@ -645,28 +645,13 @@ PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const P
   return LobeChain(scaled.source(), plan, std::move(room), control.memory).run(control, scale, irradiance);
 }
 
-namespace {
-
-template <class View>
-PrefilteredSpecular sanitize_and_prefilter(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                                           CubemapChain room, const Control& control) {
+PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                              CubemapChain room, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
   PrefilteredSpecular result = prefilter(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
   result.peak_bytes += source.bytes();
   describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;
-}
-
-}  // namespace
-
-PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                              CubemapChain room, const Control& control) {
-  return sanitize_and_prefilter(source, plan, pixels, std::move(room), control);
-}
-
-PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                              CubemapChain room, const Control& control) {
-  return sanitize_and_prefilter(source, plan, pixels, std::move(room), control);
 }
 
 }  // namespace welkin::reflections
@@ -693,14 +678,7 @@ const char* name(MipMethod method) noexcept {
   return "copy";
 }
 
-PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
-                                       const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_view(source);
-  return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
-}
-
-PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
+PrefilteredSpecular prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,
                                        const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);

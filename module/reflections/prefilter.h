@@ -27,9 +27,7 @@ struct IrradianceMap {
                                             IrradianceMap* irradiance = nullptr);
 
 /// Sanitizes a view, then does the same, and describes its pixels. Throws `Error` (rejected_pixel) as well.
-[[nodiscard]] PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan,
-                                            const PixelPolicy& pixels, CubemapChain room, const Control& control);
-[[nodiscard]] PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan,
+[[nodiscard]] PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan,
                                             const PixelPolicy& pixels, CubemapChain room, const Control& control);
 
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).

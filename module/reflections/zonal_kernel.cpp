@@ -123,44 +123,19 @@ std::vector<double> charlie_roughness_of_mips(int mips, int size) {
   return roughness;
 }
 
-namespace {
-
-template <class View>
-PrefilteredSpecular by_kernels(const View& source, const KernelChainOptions& options, const Control& control) {
+PrefilteredSpecular prefilter_by_kernels(const EnvironmentView& source, const KernelChainOptions& options,
+                                         const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
 }
 
-template <class View>
-std::vector<dvec3> reference(const View& view, const ZonalKernel& kernel, const std::vector<dvec3>& directions,
-                             const Control& control) {
+std::vector<dvec3> reference_by_kernel(const EnvironmentView& view, const ZonalKernel& kernel,
+                                       const std::vector<dvec3>& directions, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(view);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
   return reflections::integrate_lobe(source, *kernel.lobe(), reflections::unit_directions(directions), control);
-}
-
-}  // namespace
-
-PrefilteredSpecular prefilter_by_kernels(const LatLongView& source, const KernelChainOptions& options,
-                                         const Control& control) {
-  return by_kernels(source, options, control);
-}
-
-PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,
-                                         const Control& control) {
-  return by_kernels(source, options, control);
-}
-
-std::vector<dvec3> reference_by_kernel(const LatLongView& source, const ZonalKernel& kernel,
-                                       const std::vector<dvec3>& directions, const Control& control) {
-  return reference(source, kernel, directions, control);
-}
-
-std::vector<dvec3> reference_by_kernel(const CubemapView& source, const ZonalKernel& kernel,
-                                       const std::vector<dvec3>& directions, const Control& control) {
-  return reference(source, kernel, directions, control);
 }
 
 }  // namespace welkin

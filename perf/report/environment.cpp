@@ -94,9 +94,7 @@ ReportEnvironment built_in_environment(int width) {
 ReportEnvironment environment_from(const std::filesystem::path& path, int width) {
   const Environment environment = read_environment(path);
   const int height = width / 2;
-  const bool flat = environment.info.layout == Layout::lat_long;
-  LatLongImage image = flat ? to_lat_long(environment.lat_long(), width, height)
-                            : to_lat_long(environment.cubemap(), width, height, glm::dmat3(1.0), ResampleFilter::area);
+  LatLongImage image = to_lat_long(environment.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
   return {path.filename().string() + ", " + std::to_string(width) + " x " + std::to_string(height), std::move(image)};
 }
 

@@ -122,6 +122,15 @@ foreach(header IN LISTS headers)
   endif()
   check(${ROOT}/include/welkin/${header} ${room_of_${header}})
 endforeach()
+list(LENGTH headers header_count)  # welkin.hpp, which is not counted here, stands in for welkin.h, which is
+if(header_count GREATER 20)
+  message(SEND_ERROR "include/welkin has ${header_count} headers, at most 20 are allowed; put what is new into the header of its "
+                     "subject")
+endif()
+lines_of(${ROOT}/include/welkin/welkin.h length)
+if(length GREATER 950)
+  message(SEND_ERROR "include/welkin/welkin.h has ${length} lines, at most 950 are allowed")
+endif()
 
 if(checked LESS 100)
   message(FATAL_ERROR "only ${checked} includes were found below ${ROOT}")

@@ -46,8 +46,7 @@ double off(std::span<const float> values, const std::array<double, 3>& expected)
   return worst;
 }
 
-template <class View>
-void check_white_furnace(const View& view, const BakeOptions& options) {
+void check_white_furnace(const EnvironmentView& view, const BakeOptions& options) {
   const std::array<double, 3> radiance{0.5, 1.0, 2.0};  // of Content::uniform
   const std::array<double, 3> irradiance{0.5 * std::numbers::pi, std::numbers::pi, 2.0 * std::numbers::pi};
   const BakeResult result = bake(view, options);
@@ -286,8 +285,7 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
 
 namespace {
 
-template <class View>
-void check_bits(const View& view, const BakeOptions& options) {
+void check_bits(const EnvironmentView& view, const BakeOptions& options) {
   const BakeResult expected = bake(view, options);
   const InstructionSet before = active_instruction_set();
   for (const InstructionSet set : available_instruction_sets()) {
@@ -345,8 +343,7 @@ namespace {
 /// Tables by size that are kept between calls (weights, rules), TBB's own, and what is too small to be predicted.
 constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
 
-template <class View>
-void check_memory(const View& view, const BakeOptions& options) {
+void check_memory(const EnvironmentView& view, const BakeOptions& options) {
   if (kSanitized) return;
   std::uint64_t peak = 0;
   std::uint64_t reported = 0;

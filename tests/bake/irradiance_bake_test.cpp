@@ -36,8 +36,7 @@ BakeOptions irradiance_alone(int size, double rms_error = 1e-3) {
   return options;
 }
 
-template <class View>
-CubemapImage irradiance_of(const View& view, int size, double rms_error = 1e-3) {
+CubemapImage irradiance_of(const EnvironmentView& view, int size, double rms_error = 1e-3) {
   return *bake(view, irradiance_alone(size, rms_error)).irradiance;
 }
 
@@ -62,8 +61,7 @@ Off off(const CubemapImage& found, const CubemapImage& truth) {
   return result;
 }
 
-template <class View>
-Off error_of(const View& view, int size, double rms_error = 1e-3) {
+Off error_of(const EnvironmentView& view, int size, double rms_error = 1e-3) {
   return off(irradiance_of(view, size, rms_error), direct_irradiance_cubemap(view, size));
 }
 

@@ -52,8 +52,7 @@ BakeOptions bake_of(const PrefilterOptions& specular) {
   return {.background = {}, .specular = specular, .irradiance = {}, .bands = 0, .brdf = {}};
 }
 
-template <class View>
-PrefilteredSpecular direct(const View& view, const Family& family) {
+PrefilteredSpecular direct(const EnvironmentView& view, const Family& family) {
   return prefilter_by_kernels(view, {.size = family.options.size, .kernels = family.kernels});
 }
 
@@ -138,7 +137,7 @@ TEST_CASE("lobes: worker requests have the bits of the direct call", "[worker][l
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
   Worker worker;
   const Family family = all_families().front();
-  const auto result = worker.post(Bake{CubemapSource{cube.view(), nullptr}, bake_of(family.options)}).get();
+  const auto result = worker.post(Bake{EnvironmentSource{cube.view(), nullptr}, bake_of(family.options)}).get();
   CHECK(same_bits(result->specular->cubemap, direct(cube.view(), family).cubemap));
 }
 

@@ -73,7 +73,7 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
 
 TEST_CASE("octahedral: worker requests have the bits of the direct call", "[worker][octahedral]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
-  const Bake request{CubemapSource{cube.view(), nullptr}, bake_of({.size = 32, .levels = 2})};
+  const Bake request{EnvironmentSource{cube.view(), nullptr}, bake_of({.size = 32, .levels = 2})};
   Worker worker;
   const auto result = worker.post(Bake(request)).get();
   CHECK(same_map(result->octahedral, to_octahedral(result->specular->cubemap, *request.options.octahedral)));

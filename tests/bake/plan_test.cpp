@@ -35,8 +35,7 @@ BakeOptions whole_bake() {
   return options;
 }
 
-template <class View>
-void check_all_needs(const View& view, const BakeOptions& options) {
+void check_all_needs(const EnvironmentView& view, const BakeOptions& options) {
   struct Case {
     SceneNeeds needs;
     int size = 0;

@@ -15,7 +15,6 @@
 #include "support/catch.h"
 #include "support/test_environments.h"
 #include "welkin/bake.h"
-#include "welkin/importance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/welkin.h"
@@ -91,15 +90,15 @@ const char* name_of(welkin_prefilter_method method) {
   return name(static_cast<PrefilterMethod>(method));
 }
 
-void require_same(const welkin_cubemap_chain* chain, const PrefilteredSpecular& expected) {
+void require_same(const welkin_chain* chain, const PrefilteredSpecular& expected) {
   require_same_chain(chain, expected.cubemap);
-  auto info = c_struct<welkin_cubemap_chain_info>();
-  REQUIRE(welkin_cubemap_chain_get_info(chain, &info) == WELKIN_OK);
+  auto info = c_struct<welkin_chain_info>();
+  REQUIRE(welkin_chain_get_info(chain, &info) == WELKIN_OK);
   REQUIRE(info.prefiltered == 1);
   for (std::size_t level = 0; level < expected.mips.size(); ++level) {
     const MipRecord& record = expected.mips[level];
     auto mip = c_struct<welkin_mip>();
-    REQUIRE(welkin_cubemap_chain_get_mip(chain, static_cast<std::int32_t>(level), &mip) == WELKIN_OK);
+    REQUIRE(welkin_chain_get_mip(chain, static_cast<std::int32_t>(level), &mip) == WELKIN_OK);
     REQUIRE(mip.size == record.size);
     REQUIRE(same_bits(mip.roughness, record.roughness));
     REQUIRE(name_of(mip.method) == std::string_view(name(record.method)));
@@ -120,48 +119,52 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::high_range, 8, 4, 1);
   const auto picture = make_lat_long(Content::high_range, 16, 8, 2);
-  const welkin_cubemap cube_view = c_view(cube.view());
-  const welkin_lat_long lat_long_view = c_view(picture.view());
+  const welkin_environment cube_view = c_view(cube.view());
+  const welkin_environment lat_long_view = c_view(picture.view());
   const auto policy = clamping_policy();
   for (const auto& [options, c_options] : all_reflections(&policy)) {
     const auto* const asked = &c_options;
     const PrefilteredSpecular of_cube = prefilter_specular(cube.view(), options);
     const PrefilteredSpecular of_lat_long = prefilter_specular(picture.view(), options);
-    welkin_cubemap_chain* chain = nullptr;
-    REQUIRE(welkin_prefilter_cubemap(&cube_view, asked, nullptr, &chain) == WELKIN_OK);
+    welkin_chain* chain = nullptr;
+    REQUIRE(welkin_prefilter(&cube_view, asked, nullptr, &chain) == WELKIN_OK);
     require_same(chain, of_cube);
-    welkin_cubemap_chain_destroy(chain);
-    REQUIRE(welkin_prefilter_lat_long(&lat_long_view, asked, nullptr, &chain) == WELKIN_OK);
+    welkin_chain_destroy(chain);
+    REQUIRE(welkin_prefilter(&lat_long_view, asked, nullptr, &chain) == WELKIN_OK);
     require_same(chain, of_lat_long);
-    welkin_cubemap_chain_destroy(chain);
+    welkin_chain_destroy(chain);
 
-    chain = posted_handle<welkin_cubemap_chain>(
-        [&](welkin_job** job) { return welkin_post_prefilter_cubemap(worker.get(), &cube_view, asked, nullptr, job); },
+    chain = posted_handle<welkin_chain>(
+        [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &cube_view, asked, nullptr, job); },
         welkin_job_get_chain);
     require_same(chain, of_cube);
-    welkin_cubemap_chain_destroy(chain);
-    chain = posted_handle<welkin_cubemap_chain>(
-        [&](welkin_job** job) {
-          return welkin_post_prefilter_lat_long(worker.get(), &lat_long_view, asked, nullptr, job);
-        },
+    welkin_chain_destroy(chain);
+    chain = posted_handle<welkin_chain>(
+        [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &lat_long_view, asked, nullptr, job); },
         welkin_job_get_chain);
     require_same(chain, of_lat_long);
-    welkin_cubemap_chain_destroy(chain);
+    welkin_chain_destroy(chain);
   }
 }
 
 TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refused", "[c_interface]") {
   const auto cube = make_cubemap(Content::smooth, 4, 4, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   const auto refused = [&](const auto& change) {
     auto options = c_struct<welkin_prefilter_options>();
     options.size = 4;
     change(options);
-    welkin_cubemap_chain* chain = nullptr;
-    CHECK(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_INVALID_ARGUMENT);
+    welkin_chain* chain = nullptr;
+    CHECK(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_INVALID_ARGUMENT);
   };
   refused([](welkin_prefilter_options& options) { options.lobe = 6; });
   refused([](welkin_prefilter_options& options) { options.quality = 3; });
+  refused([](welkin_prefilter_options& options) { options.schedule = 6; });
+  refused([](welkin_prefilter_options& options) {
+    options.roughness = kWide.data();
+    options.roughness_count = 2;
+    options.fitted = 1;
+  });
   refused([](welkin_prefilter_options& options) { options.lobe_roughness = kLobes.data(); });
   refused([](welkin_prefilter_options& options) { options.spectrum_bands = 3; });
   refused([](welkin_prefilter_options& options) { options.lobe = WELKIN_LOBE_FAMILY_SPECTRA; });
@@ -171,77 +174,63 @@ TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refuse
   });
 }
 
-TEST_CASE("C: the roughness of a sheen chain is the C++ call's", "[c_interface]") {
-  std::vector<double> roughness(4);
-  REQUIRE(welkin_charlie_roughness_of_mips(4, 64, roughness.data()) == WELKIN_OK);
-  CHECK(roughness == charlie_roughness_of_mips(4, 64));
-}
-
-TEST_CASE("C: an importance table has the C++ call's bits", "[c_interface]") {
-  const auto picture = make_lat_long(Content::high_range, 33, 17, 2);
-  const welkin_lat_long view = c_view(picture.view());
-  welkin_importance_options options;
-  WELKIN_INIT(options);
-  options.width = 12;
-  options.weight = WELKIN_IMPORTANCE_MEAN;
-  options.mis_compensation = 1;
-  const ImportanceTable expected =
-      importance_table(picture.view(), {.width = 12, .weight = ImportanceWeight::mean, .mis_compensation = true});
-  std::vector<float> function(12 * 17);
-  std::vector<float> row_cdf(18);
-  std::vector<float> column_cdf(13 * 17);
-  double integral = 0.0;
-  REQUIRE(welkin_importance_lat_long(&view, &options, nullptr, function.data(), row_cdf.data(), column_cdf.data(),
-                                     &integral) == WELKIN_OK);
-  CHECK(function == expected.function);
-  CHECK(row_cdf == expected.row_cdf);
-  CHECK(column_cdf == expected.column_cdf);
-  CHECK(integral == expected.integral);
-}
-
 TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface][slow]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
-  welkin_cubemap_chain* chain = nullptr;
-  REQUIRE(welkin_prefilter_cubemap(&view, nullptr, nullptr, &chain) == WELKIN_OK);
+  const welkin_environment view = c_view(cube.view());
+  welkin_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter(&view, nullptr, nullptr, &chain) == WELKIN_OK);
   require_same(chain, prefilter_specular(cube.view()));
-  welkin_cubemap_chain_destroy(chain);
+  welkin_chain_destroy(chain);
 }
 
-TEST_CASE("C: schedules of roughness are the C++ call's", "[c_interface]") {
+TEST_CASE("C: chains by a schedule have its roughness and its number of mips", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_environment view = c_view(cube.view());
   for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon,
                               RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
-    std::vector<double> roughness(9, -1.0);
-    REQUIRE(welkin_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256, roughness.data()) ==
-            WELKIN_OK);
-    REQUIRE(roughness == roughness_of_mips(schedule, 9, 256));
-    REQUIRE(welkin_fitted_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256,
-                                            roughness.data()) == WELKIN_OK);
-    REQUIRE(roughness == fitted_roughness_of_mips(schedule, 9, 256));
-    int32_t mips = 0;
-    REQUIRE(welkin_mips_of_chain(static_cast<welkin_roughness_schedule>(schedule), 256, &mips) == WELKIN_OK);
-    REQUIRE(mips == mips_of_chain(schedule, 256));
+    for (const bool fitted : {false, true}) {
+      auto options = c_struct<welkin_prefilter_options>();
+      options.size = 8;
+      options.rms_error = 0.1;
+      options.schedule = static_cast<welkin_roughness_schedule>(schedule) + 1;
+      options.fitted = fitted ? 1 : 0;
+      welkin_chain* chain = nullptr;
+      REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
+      const int mips = mips_of_chain(schedule, 8);
+      auto info = c_struct<welkin_chain_info>();
+      REQUIRE(welkin_chain_get_info(chain, &info) == WELKIN_OK);
+      REQUIRE(info.levels == mips);
+      const std::vector<double> roughness = roughness_of_mips(schedule, mips, 8);
+      const std::vector<double> lobes = fitted ? fitted_roughness_of_mips(schedule, mips, 8) : roughness;
+      for (int level = 0; level < mips; ++level) {
+        auto mip = c_struct<welkin_mip>();
+        REQUIRE(welkin_chain_get_mip(chain, level, &mip) == WELKIN_OK);
+        CHECK(mip.roughness == roughness[static_cast<std::size_t>(level)]);
+        CHECK(mip.lobe_roughness == lobes[static_cast<std::size_t>(level)]);
+      }
+      welkin_chain_destroy(chain);
+    }
   }
 }
 
 TEST_CASE("C: handles to a chain share its pixels", "[c_interface]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   auto options = c_struct<welkin_prefilter_options>();
   options.size = 8;
-  welkin_cubemap_chain* chain = nullptr;
-  REQUIRE(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_OK);
-  welkin_cubemap_chain* another = nullptr;
-  REQUIRE(welkin_cubemap_chain_share(chain, &another) == WELKIN_OK);
-  auto first = c_struct<welkin_cubemap>();
-  auto second = c_struct<welkin_cubemap>();
-  REQUIRE(welkin_cubemap_chain_get_level(chain, 1, &first) == WELKIN_OK);
-  REQUIRE(welkin_cubemap_chain_get_level(another, 1, &second) == WELKIN_OK);
+  welkin_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
+  welkin_chain* another = nullptr;
+  REQUIRE(welkin_chain_share(chain, &another) == WELKIN_OK);
+  auto first = c_struct<welkin_environment>();
+  auto second = c_struct<welkin_environment>();
+  REQUIRE(welkin_chain_get_level(chain, 1, &first) == WELKIN_OK);
+  REQUIRE(welkin_chain_get_level(another, 1, &second) == WELKIN_OK);
   REQUIRE(first.faces[5] == second.faces[5]);
   const auto before = texels_of(chain, 1);
-  welkin_cubemap_chain_destroy(chain);
+  welkin_chain_destroy(chain);
   REQUIRE(same_texels(texels_of(another, 1), before));
-  welkin_cubemap_chain_destroy(another);
+  welkin_chain_destroy(another);
 }
 
 // Bakes.
@@ -264,7 +253,7 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   parts.specular.size = 16;
   parts.brdf.width = 16;
   parts.brdf.height = 8;
-  parts.brdf.model = WELKIN_BRDF_MULTIPLE_SCATTERING;
+  parts.brdf.multiple_scattering = 1;
   parts.brdf.without_sheen = 1;
   const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
   const PrefilterOptions specular{.size = 16};
@@ -290,7 +279,7 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
                     .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
   all[1].c_options.background_size = 8;
   all[1].c_options.background_without_mips = 1;
-  all[1].c_options.mip_filter = WELKIN_MIP_FILTER_BOX;
+  all[1].c_options.background_box_filter = 1;
   all[1].c_options.irradiance_size = 8;
   all[1].c_options.irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
   all[1].c_options.bands = 5;
@@ -307,7 +296,7 @@ std::vector<WantedBake> all_bakes(BakeParts& parts) {
   all[3].options = {.background = BackgroundOptions{.mip_filter = MipFilter::box},
                     .specular = std::nullopt,
                     .irradiance = std::nullopt};
-  all[3].c_options.mip_filter = WELKIN_MIP_FILTER_BOX;
+  all[3].c_options.background_box_filter = 1;
   all[3].c_options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE;
   return all;
 }
@@ -316,8 +305,8 @@ void require_same_table(const welkin_bake_result* result, const BrdfTable& expec
   const auto width = static_cast<std::size_t>(expected.options.width);
   const auto height = static_cast<std::size_t>(expected.options.height);
   std::vector<float> texels(3 * width * height, -1.0F);
-  auto target = c_struct<welkin_image_target>();
-  target.pixels = texels.data();
+  auto target = c_struct<welkin_target>();
+  target.faces[0] = texels.data();
   target.width = expected.options.width;
   target.height = expected.options.height;
   REQUIRE(welkin_bake_result_copy_brdf(result, &target, nullptr) == WELKIN_OK);
@@ -333,8 +322,8 @@ void require_same_map(const welkin_bake_result* result, const OctahedralMap& exp
   for (int level = 0; level < static_cast<int>(expected.levels.size()); ++level) {
     const std::vector<float>& values = expected.levels[static_cast<std::size_t>(level)];
     std::vector<float> texels(values.size());
-    auto target = c_struct<welkin_image_target>();
-    target.pixels = texels.data();
+    auto target = c_struct<welkin_target>();
+    target.faces[0] = texels.data();
     target.width = target.height = expected.level_size(level);
     REQUIRE(welkin_bake_result_copy_octahedral(result, level, &target, nullptr) == WELKIN_OK);
     REQUIRE(texels == values);
@@ -370,12 +359,7 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
     require_same_projection(light, {*expected.radiance, expected.diagnostics});
   }
   REQUIRE(has(WELKIN_PART_BRDF) == (expected.brdf != nullptr));
-  if (expected.brdf) {
-    REQUIRE(info.brdf_width == expected.brdf->options.width);
-    REQUIRE(info.brdf_height == expected.brdf->options.height);
-    REQUIRE(info.brdf_channels == expected.brdf->channels);
-    require_same_table(result, *expected.brdf);
-  }
+  if (expected.brdf) require_same_table(result, *expected.brdf);
   REQUIRE(has(WELKIN_PART_OCTAHEDRAL) == expected.octahedral.has_value());
   if (expected.octahedral) {
     REQUIRE(info.octahedral_size == expected.octahedral->size);
@@ -391,28 +375,28 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
   const auto picture = make_lat_long(Content::high_range, 64, 32, 2);
-  const welkin_cubemap cube_view = c_view(cube.view());
-  const welkin_lat_long lat_long_view = c_view(picture.view());
+  const welkin_environment cube_view = c_view(cube.view());
+  const welkin_environment lat_long_view = c_view(picture.view());
   BakeParts parts;
   for (const auto& [options, c_options] : all_bakes(parts)) {
     const auto* const asked = &c_options;
     const BakeResult of_cube = bake(cube.view(), options);
     const BakeResult of_lat_long = bake(picture.view(), options);
     welkin_bake_result* result = nullptr;
-    REQUIRE(welkin_bake_cubemap(&cube_view, asked, nullptr, &result) == WELKIN_OK);
+    REQUIRE(welkin_bake(&cube_view, asked, nullptr, &result) == WELKIN_OK);
     require_same(result, of_cube);
     welkin_bake_result_destroy(result);
-    REQUIRE(welkin_bake_lat_long(&lat_long_view, asked, nullptr, &result) == WELKIN_OK);
+    REQUIRE(welkin_bake(&lat_long_view, asked, nullptr, &result) == WELKIN_OK);
     require_same(result, of_lat_long);
     welkin_bake_result_destroy(result);
 
     result = posted_handle<welkin_bake_result>(
-        [&](welkin_job** job) { return welkin_post_bake_cubemap(worker.get(), &cube_view, asked, nullptr, job); },
+        [&](welkin_job** job) { return welkin_post_bake(worker.get(), &cube_view, asked, nullptr, nullptr, job); },
         welkin_job_get_bake);
     require_same(result, of_cube);
     welkin_bake_result_destroy(result);
     result = posted_handle<welkin_bake_result>(
-        [&](welkin_job** job) { return welkin_post_bake_lat_long(worker.get(), &lat_long_view, asked, nullptr, job); },
+        [&](welkin_job** job) { return welkin_post_bake(worker.get(), &lat_long_view, asked, nullptr, nullptr, job); },
         welkin_job_get_bake);
     require_same(result, of_lat_long);
     welkin_bake_result_destroy(result);
@@ -422,32 +406,32 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
 TEST_CASE("C: a part that is kept outlives its bake, and a bake beyond its memory is a limit exceeded",
           "[c_interface]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   auto options = c_struct<welkin_bake_options>();
   options.leave_out = WELKIN_PART_SPECULAR;
   welkin_bake_result* result = nullptr;
-  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_OK);
-  welkin_cubemap_chain* kept = nullptr;
-  REQUIRE(welkin_cubemap_chain_share(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), &kept) == WELKIN_OK);
+  REQUIRE(welkin_bake(&view, &options, nullptr, &result) == WELKIN_OK);
+  welkin_chain* kept = nullptr;
+  REQUIRE(welkin_chain_share(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), &kept) == WELKIN_OK);
   const auto before = texels_of(kept, 0);
   welkin_bake_result_destroy(result);
   REQUIRE(same_texels(texels_of(kept, 0), before));
-  welkin_cubemap_chain_destroy(kept);
+  welkin_chain_destroy(kept);
 
   options.memory_limit_bytes = 100;
   result = reinterpret_cast<welkin_bake_result*>(&options);
-  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_LIMIT_EXCEEDED);
+  REQUIRE(welkin_bake(&view, &options, nullptr, &result) == WELKIN_LIMIT_EXCEEDED);
   REQUIRE(result == nullptr);
 }
 
 TEST_CASE("C: jobs hand out what they make, and nothing else", "[c_interface]") {
   const CWorker worker(1);
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   auto options = c_struct<welkin_prefilter_options>();
   options.size = 8;
   welkin_job* job = nullptr;
-  REQUIRE(welkin_post_prefilter_cubemap(worker.get(), &view, &options, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_post_prefilter(worker.get(), &view, &options, nullptr, &job) == WELKIN_OK);
   REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
   auto light = c_struct<welkin_projection>();
   welkin_bake_result* result = nullptr;
@@ -458,15 +442,15 @@ TEST_CASE("C: jobs hand out what they make, and nothing else", "[c_interface]") 
   REQUIRE(welkin_job_get_sky_tables(job, &tables) == WELKIN_INVALID_ARGUMENT);
   REQUIRE(welkin_job_get_sky_curve(job, &curve) == WELKIN_INVALID_ARGUMENT);
   REQUIRE(std::string(welkin_last_error()).find("curve") != std::string::npos);
-  welkin_cubemap_chain* first = nullptr;
-  welkin_cubemap_chain* second = nullptr;
+  welkin_chain* first = nullptr;
+  welkin_chain* second = nullptr;
   REQUIRE(welkin_job_get_chain(job, &first) == WELKIN_OK);
   REQUIRE(welkin_job_get_chain(job, &second) == WELKIN_OK);
   REQUIRE(first != second);
   require_same(first, prefilter_specular(cube.view(), {.size = 8}));
   require_same(second, prefilter_specular(cube.view(), {.size = 8}));
-  welkin_cubemap_chain_destroy(first);
-  welkin_cubemap_chain_destroy(second);
+  welkin_chain_destroy(first);
+  welkin_chain_destroy(second);
   welkin_job_release(job);
 }
 
@@ -478,9 +462,9 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
     options.height = 8;
     options.without_sheen = sheen ? 0 : 1;
     std::vector<std::uint16_t> halves(2 * 16 * 8);
-    auto target = c_struct<welkin_image_target>();
+    auto target = c_struct<welkin_target>();
     target.format = WELKIN_FORMAT_RG_F16;
-    target.pixels = halves.data();
+    target.faces[0] = halves.data();
     target.width = 16;
     target.height = 8;
     REQUIRE(welkin_brdf_table(&options, nullptr, &target, nullptr) == WELKIN_OK);
@@ -498,7 +482,7 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
   const auto irradiance = irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance);
   const CubemapImage expected = irradiance_cubemap(irradiance, 12);
   std::vector<float> texels(expected.pixels.size());
-  auto target = c_struct<welkin_cubemap_target>();
+  auto target = c_struct<welkin_target>();
   target.size = 12;
   for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 12 * 12 * 3;
   REQUIRE(welkin_irradiance_cubemap(4, plain(irradiance).data(), nullptr, &target, nullptr) == WELKIN_OK);
@@ -509,7 +493,7 @@ TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") 
   const auto halves = make_cubemap_half(Content::special_values, 16, 4, 1);
   const auto floats = make_cubemap(Content::random, 9, 3, 2);
   const std::vector<CubemapView> views{halves.view(), floats.view()};
-  const std::vector<welkin_cubemap> probes{c_view(views[0]), c_view(views[1])};
+  const std::vector<welkin_environment> probes{c_view(views[0]), c_view(views[1])};
   const PrefilterOptions options{.size = 4, .mips = 2, .roughness = {0.5, 1.0}};
   const double roughness[2] = {0.5, 1.0};
   auto c_options = c_struct<welkin_prefilter_options>();
@@ -522,12 +506,12 @@ TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") 
   std::vector<std::byte> wanted(2 * bytes);
   std::vector<std::byte> found(2 * bytes);
   std::vector<CubemapTarget> targets;
-  std::vector<welkin_cubemap_target> c_targets;
+  std::vector<welkin_target> c_targets;
   for (std::size_t k = 0; k < 2; ++k) {
     for (const CubemapTarget& target : upload_targets(layout, std::span(wanted).subspan(k * bytes, bytes)))
       targets.push_back(target);
     for (const CubemapTarget& target : upload_targets(layout, std::span(found).subspan(k * bytes, bytes))) {
-      auto& c_target = c_targets.emplace_back(c_struct<welkin_cubemap_target>());
+      auto& c_target = c_targets.emplace_back(c_struct<welkin_target>());
       c_target.format = WELKIN_FORMAT_RGBA_F32;
       c_target.row_stride_bytes = target.row_stride_bytes;
       c_target.size = target.size;

@@ -81,16 +81,18 @@ TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]
 
   auto cube = make_cubemap(Content::random, 8, 3, 1);
   cube.pixels[100] = -1.0F;
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
+  auto policy = c_struct<welkin_pixel_policy>();
+  policy.negative = WELKIN_NEGATIVE_REJECT;
   auto strict = c_struct<welkin_projection_options>();
-  strict.negative = WELKIN_NEGATIVE_REJECT;
-  REQUIRE(welkin_project_cubemap(&view, 1, &strict, nullptr, &light) == WELKIN_REJECTED_PIXEL);
+  strict.pixels = &policy;
+  REQUIRE(welkin_project(&view, 1, &strict, nullptr, &light) == WELKIN_REJECTED_PIXEL);
   REQUIRE(std::string(welkin_last_error()).find("face") != std::string::npos);
 
   // The same through a job, and as often as one asks.
   const CWorker worker(1);
   welkin_job* job = nullptr;
-  REQUIRE(welkin_post_project_cubemap(worker.get(), &view, 1, &strict, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_post_project(worker.get(), &view, 1, &strict, nullptr, &job) == WELKIN_OK);
   REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_REJECTED_PIXEL);
   const std::string message = welkin_last_error();
   REQUIRE(message.find("face") != std::string::npos);
@@ -108,14 +110,14 @@ TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_int
   welkin_worker* worker = nullptr;
   REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
   const auto cube = make_cubemap(Content::random, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   welkin_job* job = nullptr;
-  REQUIRE(welkin_post_project_cubemap(worker, &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_post_project(worker, &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
   REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_LIMIT_EXCEEDED);
   welkin_job_release(job);
   auto post = c_struct<welkin_post_options>();
   post.bytes = 10;  // the caller knows better
-  REQUIRE(welkin_post_project_cubemap(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK);
+  REQUIRE(welkin_post_project(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK);
   REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
   welkin_job_release(job);
   welkin_worker_destroy(worker);
@@ -179,7 +181,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
   auto sound_view = c_view(picture.view());
   auto sound_options = c_struct<welkin_projection_options>();
   sound_options.bands = 2;
-  constexpr std::size_t kOptionWords = sizeof(welkin_projection_options) / 4;
+  constexpr std::size_t kOptionWords = offsetof(welkin_projection_options, pixels) / 4;
   constexpr std::size_t kViewWords = 2;  // struct_size, format
   constexpr std::size_t kPostWords = 2;  // struct_size, priority
   static std::atomic<long> released{0};
@@ -195,10 +197,10 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
       Noisy<welkin_projection_options> options(sound_options, kOptionWords, random);
       // Formats of more bytes would read past the picture: of its first half in f32, any other stays inside.
       sound_view.height = 2;
-      Noisy<welkin_lat_long> view(sound_view, kViewWords, random);
+      Noisy<welkin_environment> view(sound_view, kViewWords, random);
       auto light = c_struct<welkin_projection>();
       light.struct_size = random() % 4 == 0 ? static_cast<std::uint32_t>(random() % sizeof light) : light.struct_size;
-      const welkin_status status = welkin_project_lat_long(view.get(), options.get(), nullptr, &light);
+      const welkin_status status = welkin_project(view.get(), 1, options.get(), nullptr, &light);
       REQUIRE((status == WELKIN_OK || status == WELKIN_INVALID_ARGUMENT || status == WELKIN_REJECTED_PIXEL));
       (status == WELKIN_OK ? done : refused) += 1;
 
@@ -207,8 +209,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
       const bool readable = size >= 8 && size % 8 == 0 && size <= sizeof(welkin_post_options) + 4096 &&
                             size >= offsetof(welkin_post_options, release_user);
       welkin_job* job = nullptr;
-      const welkin_status posted =
-          welkin_post_project_lat_long(worker.get(), view.get(), options.get(), post.get(), &job);
+      const welkin_status posted = welkin_post_project(worker.get(), view.get(), 1, options.get(), post.get(), &job);
       REQUIRE((posted == WELKIN_OK || posted == WELKIN_INVALID_ARGUMENT));
       REQUIRE((job != nullptr) == (posted == WELKIN_OK));
       if (readable) ++owed;
@@ -225,7 +226,7 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   INFO("seed " << seed);
   std::mt19937 random(seed);
   const auto cube = make_cubemap(Content::random, 4, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   // Limits of memory stay, so that no noise asks for minutes of work: what is large is refused by them.
   auto sound_bake = c_struct<welkin_bake_options>();
   sound_bake.memory_limit_bytes = 1 << 26;
@@ -233,14 +234,13 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   sound_specular.size = 4;
   auto sound_tables = c_struct<welkin_sky_table_options>();
   sound_tables.memory_limit_bytes = 1 << 16;
-  auto sound_target = c_struct<welkin_cubemap_target>();
+  auto sound_target = c_struct<welkin_target>();
   std::vector<float> texels(6 * 4 * 4 * 4);
   sound_target.size = 4;
   for (std::size_t face = 0; face < 6; ++face) sound_target.faces[face] = texels.data() + face * 4 * 4 * 4;
-  welkin_atmosphere* air = nullptr;
-  REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air) == WELKIN_OK);
-  welkin_cubemap_chain* chain = nullptr;
-  REQUIRE(welkin_prefilter_cubemap(&view, &sound_specular, nullptr, &chain) == WELKIN_OK);
+  const auto air = c_struct<welkin_atmosphere>();  // Earth's
+  welkin_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter(&view, &sound_specular, nullptr, &chain) == WELKIN_OK);
 
   int refused = 0;
   int done = 0;
@@ -249,7 +249,7 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
     sound_bake.specular = specular.get();
     Noisy<welkin_bake_options> options(sound_bake, offsetof(welkin_bake_options, specular) / 4, random);
     auto* result = reinterpret_cast<welkin_bake_result*>(&sound_bake);
-    const welkin_status status = welkin_bake_cubemap(&view, options.get(), nullptr, &result);
+    const welkin_status status = welkin_bake(&view, options.get(), nullptr, &result);
     INFO(welkin_status_name(status) << ": " << welkin_last_error());
     REQUIRE((status == WELKIN_OK || status == WELKIN_INVALID_ARGUMENT || status == WELKIN_LIMIT_EXCEEDED));
     REQUIRE((result != nullptr) == (status == WELKIN_OK));
@@ -259,20 +259,19 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
     Noisy<welkin_sky_table_options> tables(
         sound_tables, offsetof(welkin_sky_table_options, minimum_sun_elevation_degrees) / 4, random);
     auto* made = reinterpret_cast<welkin_sky_tables*>(&sound_bake);
-    const welkin_status sky = welkin_sky_tables_create(air, tables.get(), nullptr, &made);
+    const welkin_status sky = welkin_sky_tables_create(&air, tables.get(), nullptr, &made);
     REQUIRE((sky == WELKIN_OK || sky == WELKIN_INVALID_ARGUMENT || sky == WELKIN_LIMIT_EXCEEDED));
     REQUIRE((made != nullptr) == (sky == WELKIN_OK));
     welkin_sky_tables_destroy(made);
 
     // Of four floats a texel there is room for every format that is written.
-    Noisy<welkin_cubemap_target> target(sound_target, 2, random);
-    const welkin_status copied = welkin_cubemap_chain_copy(chain, 0, target.get(), nullptr);
+    Noisy<welkin_target> target(sound_target, 2, random);
+    const welkin_status copied = welkin_chain_copy(chain, 0, target.get(), nullptr);
     REQUIRE((copied == WELKIN_OK || copied == WELKIN_INVALID_ARGUMENT));
   }
   REQUIRE(refused > 30);
   REQUIRE(done > 30);
-  welkin_cubemap_chain_destroy(chain);
-  welkin_atmosphere_destroy(air);
+  welkin_chain_destroy(chain);
 }
 
 // Many threads retain, ask, cancel and release; each job's pixels are released once, and each handle lives until its
@@ -306,11 +305,11 @@ TEST_CASE("C: a handle is shared by many threads", "[c_interface]") {
   constexpr int kThreads = 4;
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::random, 32, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   std::atomic<int> wrong{0};
   for (int round = 0; round < 50; ++round) {
     welkin_job* job = nullptr;
-    REQUIRE(welkin_post_project_cubemap(worker.get(), &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
+    REQUIRE(welkin_post_project(worker.get(), &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
     std::vector<std::thread> threads;
     for (int i = 0; i < kThreads; ++i) {
       welkin_job_retain(job);
@@ -335,7 +334,7 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
   const unsigned seed = 4711;
   INFO("seed " << seed);
   const auto cube = make_cubemap(Content::random, 24, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   for (unsigned round = 0; round < 8; ++round) {
     std::vector<Slot> slots(std::size_t{kThreads} * kPosts);
     std::atomic<int> posted{0};
@@ -354,7 +353,7 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
           post.key = keys.at(random() % keys.size());
           post.priority = static_cast<welkin_priority>(random() % 3) - 1;
           welkin_job* job = nullptr;
-          if (welkin_post_project_cubemap(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK) posted.fetch_add(1);
+          if (welkin_post_project(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK) posted.fetch_add(1);
           if (random() % 3 == 0) welkin_job_cancel(job, nullptr);
           if (random() % 4 == 0) welkin_worker_drain(worker, 0, nullptr);
           if (i == 0 && k == kPosts / 2 && round % 2 == 0) welkin_worker_terminate(worker);
@@ -386,19 +385,24 @@ struct Wanted {
 };
 
 std::vector<Wanted> all_wanted() {
+  static std::array<welkin_pixel_policy, 3> policies;
+  for (welkin_pixel_policy& policy : policies) policy = c_struct<welkin_pixel_policy>();
+  policies[0].clamp_maximum = 100.0F;
+  policies[0].clamp_preserve_colour = 1;
+  policies[0].negative = WELKIN_NEGATIVE_REPLACE;
+  policies[1].gamma = 1;
+  policies[2].clamp_maximum = 2.5F;
   std::vector<Wanted> all(5, {{}, c_struct<welkin_projection_options>()});
   all[1].options = {.bands = 16, .pixels = {.clamp = RadianceClamp{100.0F, true}, .negative = NegativePolicy::replace}};
   all[1].c_options.bands = 16;
-  all[1].c_options.clamp_maximum = 100.0F;
-  all[1].c_options.clamp_preserve_colour = 1;
-  all[1].c_options.negative = WELKIN_NEGATIVE_REPLACE;
+  all[1].c_options.pixels = &policies[0];
   all[2].options = {.quadrature = Quadrature::midpoint, .target_size = 8, .pixels = {.gamma = true}};
-  all[2].c_options.quadrature = WELKIN_QUADRATURE_MIDPOINT;
+  all[2].c_options.midpoint = 1;
   all[2].c_options.target_size = 8;
-  all[2].c_options.gamma = 1;
+  all[2].c_options.pixels = &policies[1];
   all[3].options = {.bands = 1, .pixels = {.clamp = RadianceClamp{2.5F, false}}};
   all[3].c_options.bands = 1;
-  all[3].c_options.clamp_maximum = 2.5F;
+  all[3].c_options.pixels = &policies[2];
   all[4].options = {.bands = 4, .target_size = 16};
   all[4].c_options.bands = 4;
   all[4].c_options.target_size = 16;
@@ -423,17 +427,16 @@ TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_inter
   const auto large = make_cubemap_half(Content::special_values, 32, 4, 1);
   const auto small = make_cubemap_half(Content::random, 16, 4, 2);
   const std::vector<CubemapView> views{large.view(), small.view()};
-  const std::vector<welkin_cubemap> mips{c_view(views[0]), c_view(views[1])};
+  const std::vector<welkin_environment> mips{c_view(views[0]), c_view(views[1])};
   for (const auto& [options, c_options] : all_wanted()) {
     for (const std::size_t levels : {1U, 2U}) {
       const Projection expected = project(std::span(views).first(levels), options);
       const auto count = static_cast<std::int32_t>(levels);
       auto light = c_struct<welkin_projection>();
-      REQUIRE(welkin_project_cubemap(mips.data(), count, &c_options, nullptr, &light) == WELKIN_OK);
+      REQUIRE(welkin_project(mips.data(), count, &c_options, nullptr, &light) == WELKIN_OK);
       require_same_projection(light, expected);
       require_same_projection(posted([&, options = &c_options](welkin_job** job) {
-                                return welkin_post_project_cubemap(worker.get(), mips.data(), count, options, nullptr,
-                                                                   job);
+                                return welkin_post_project(worker.get(), mips.data(), count, options, nullptr, job);
                               }),
                               expected);
     }
@@ -444,7 +447,7 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
   const auto first = make_cubemap_half(Content::special_values, 32, 4, 1);
   const auto second = make_cubemap(Content::random, 9, 3, 2);
   const std::vector<CubemapView> views{first.view(), second.view(), first.view()};
-  std::vector<welkin_cubemap> probes;
+  std::vector<welkin_environment> probes;
   for (const CubemapView& view : views) probes.push_back(c_view(view));
   for (const auto& [options, c_options] : all_wanted()) {
     std::vector<dvec3> expected(static_cast<std::size_t>(3 * options.bands * options.bands));
@@ -477,14 +480,14 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
 TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
   const CWorker worker(2);
   const auto picture = make_lat_long(Content::high_range, 128, 64, 3);
-  const welkin_lat_long view = c_view(picture.view());
+  const welkin_environment view = c_view(picture.view());
   for (const auto& [options, c_options] : all_wanted()) {
     const Projection expected = project(picture.view(), options);
     auto light = c_struct<welkin_projection>();
-    REQUIRE(welkin_project_lat_long(&view, &c_options, nullptr, &light) == WELKIN_OK);
+    REQUIRE(welkin_project(&view, 1, &c_options, nullptr, &light) == WELKIN_OK);
     require_same_projection(light, expected);
     require_same_projection(posted([&, options = &c_options](welkin_job** job) {
-                              return welkin_post_project_lat_long(worker.get(), &view, options, nullptr, job);
+                              return welkin_post_project(worker.get(), &view, 1, options, nullptr, job);
                             }),
                             expected);
   }
@@ -498,7 +501,7 @@ TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
   const std::string path = directory.file("sky.pfm").string();
   auto reading = c_struct<welkin_read_options>();
   reading.layout = WELKIN_LAYOUT_LAT_LONG;
-  reading.primaries = WELKIN_PRIMARIES_AS_STORED;
+  reading.primaries_as_stored = 1;
   for (const auto& [options, c_options] : all_wanted()) {
     const Projection expected = project_file(path, {}, options);
     auto light = c_struct<welkin_projection>();
@@ -535,8 +538,8 @@ TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interfa
       auto form = c_struct<welkin_engine_light>();
       const auto number = static_cast<welkin_engine>(convention.engine);
       for (const bool turned : {false, true}) {
-        const auto call = turned ? welkin_engine_light_from_radiance : welkin_engine_light_in_place;
-        const welkin_status status = call(bands, radiance.data(), number, &form);
+        const welkin_status status =
+            welkin_engine_light_from_radiance(bands, radiance.data(), number, turned ? 0 : 1, &form);
         INFO(convention.name);
         REQUIRE((status == WELKIN_OK) == has_engine_light(convention.engine));
         if (status != WELKIN_OK) continue;

@@ -33,23 +33,22 @@ std::string bytes_of(const std::string& path) {
 struct Reflections {
   Reflections() {
     const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
-    const welkin_cubemap view = c_view(cube.view());
-    const auto roughness = roughness_of_mips(RoughnessSchedule::babylon, 5, 16);
-    expected = prefilter_specular(cube.view(), {.size = 16, .roughness = roughness});
+    const welkin_environment view = c_view(cube.view());
+    expected = prefilter_specular(cube.view(),
+                                  {.size = 16, .roughness = roughness_of_mips(RoughnessSchedule::babylon, 5, 16)});
     auto options = c_struct<welkin_prefilter_options>();
     options.size = 16;
-    options.roughness = roughness.data();
-    options.roughness_count = 5;
-    REQUIRE(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_OK);
+    options.schedule = WELKIN_ROUGHNESS_BABYLON;
+    REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
     radiance = project(cube.view()).radiance;
   }
-  ~Reflections() { welkin_cubemap_chain_destroy(chain); }
+  ~Reflections() { welkin_chain_destroy(chain); }
   Reflections(const Reflections&) = delete;
   Reflections& operator=(const Reflections&) = delete;
 
   PrefilteredSpecular expected;
   SphericalHarmonics radiance;
-  welkin_cubemap_chain* chain = nullptr;
+  welkin_chain* chain = nullptr;
 };
 
 }  // namespace
@@ -100,10 +99,9 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
   options.supercompression = WELKIN_SUPERCOMPRESSION_ZSTD;
   TextureOptions expected{.format = TexelFormat::e5b9g9r9, .supercompression = Supercompression::zstd};
 
-  std::vector<welkin_cubemap> mips(5, c_struct<welkin_cubemap>());
+  std::vector<welkin_environment> mips(5, c_struct<welkin_environment>());
   for (std::size_t level = 0; level < mips.size(); ++level) {
-    REQUIRE(welkin_cubemap_chain_get_level(reflections.chain, static_cast<std::int32_t>(level), &mips[level]) ==
-            WELKIN_OK);
+    REQUIRE(welkin_chain_get_level(reflections.chain, static_cast<std::int32_t>(level), &mips[level]) == WELKIN_OK);
   }
   const auto report = write_texture(place("cpp.ktx2"), reflections.expected.cubemap.views(), expected);
   std::uint64_t clamped = 99;
@@ -119,7 +117,8 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
 
   const std::vector<float> rgb{0.5F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
   write_texture_2d(place("cpp.dds"), 2, 1, rgb.data());
-  REQUIRE(welkin_write_flat_texture(place("c.dds").c_str(), 2, 1, rgb.data(), nullptr, nullptr, nullptr) == WELKIN_OK);
+  const welkin_environment flat = c_view(LatLongView{rgb.data(), 2, 1});
+  REQUIRE(welkin_write_texture(place("c.dds").c_str(), &flat, 1, nullptr, nullptr, nullptr) == WELKIN_OK);
   REQUIRE(bytes_of(place("c.dds")) == bytes_of(place("cpp.dds")));
 
   REQUIRE(welkin_write_texture(place("c.gif").c_str(), mips.data(), 5, nullptr, nullptr, nullptr) ==
@@ -144,35 +143,36 @@ TEST_CASE("C: textures in blocks are the bytes that the C++ calls write, with ea
     return bytes_of(in_c) == bytes_of(in_cpp.string());
   };
   auto options = c_struct<welkin_texture_options>();
-  const std::pair<welkin_bc6h_effort, Bc6hEffort> efforts[] = {{WELKIN_BC6H_DEFAULT, Bc6hEffort::normal},
-                                                               {WELKIN_BC6H_FAST, Bc6hEffort::fast},
-                                                               {WELKIN_BC6H_NORMAL, Bc6hEffort::normal},
-                                                               {WELKIN_BC6H_SLOW, Bc6hEffort::slow}};
+  const std::pair<welkin_effort, Bc6hEffort> efforts[] = {{WELKIN_EFFORT_DEFAULT, Bc6hEffort::normal},
+                                                          {WELKIN_EFFORT_FASTEST, Bc6hEffort::fast},
+                                                          {WELKIN_EFFORT_FAST, Bc6hEffort::fast},
+                                                          {WELKIN_EFFORT_NORMAL, Bc6hEffort::normal},
+                                                          {WELKIN_EFFORT_SLOW, Bc6hEffort::slow}};
   for (const auto& [effort, expected] : efforts) {
     CAPTURE(effort);
-    options.bc6h_effort = effort;
+    options.effort = effort;
     options.format = WELKIN_TEXEL_BC6H_UFLOAT;
     CHECK(same(options, {.format = TexelFormat::bc6h_ufloat, .bc6h_effort = expected}));
     options.format = WELKIN_TEXEL_BC6H_SFLOAT;
     CHECK(same(options, {.format = TexelFormat::bc6h_sfloat, .bc6h_effort = expected}));
   }
   // A program that was built before there were efforts.
-  options.bc6h_effort = WELKIN_BC6H_FAST;
-  options.struct_size = offsetof(welkin_texture_options, bc6h_effort);
+  options.effort = WELKIN_EFFORT_FAST;
+  options.struct_size = offsetof(welkin_texture_options, effort);
   CHECK(same(options, {.format = TexelFormat::bc6h_sfloat}));
 
   options = c_struct<welkin_texture_options>();
   options.format = WELKIN_TEXEL_ASTC_4X4_HDR;
   if (welkin_write_chain(in_c.c_str(), reflections.chain, &options, nullptr, nullptr) == WELKIN_UNSUPPORTED_FILE)
     return;
-  const std::pair<welkin_astc_effort, AstcEffort> astc_efforts[] = {{WELKIN_ASTC_DEFAULT, AstcEffort::medium},
-                                                                    {WELKIN_ASTC_FASTEST, AstcEffort::fastest},
-                                                                    {WELKIN_ASTC_FAST, AstcEffort::fast},
-                                                                    {WELKIN_ASTC_MEDIUM, AstcEffort::medium},
-                                                                    {WELKIN_ASTC_THOROUGH, AstcEffort::thorough}};
+  const std::pair<welkin_effort, AstcEffort> astc_efforts[] = {{WELKIN_EFFORT_DEFAULT, AstcEffort::medium},
+                                                               {WELKIN_EFFORT_FASTEST, AstcEffort::fastest},
+                                                               {WELKIN_EFFORT_FAST, AstcEffort::fast},
+                                                               {WELKIN_EFFORT_NORMAL, AstcEffort::medium},
+                                                               {WELKIN_EFFORT_SLOW, AstcEffort::thorough}};
   for (const auto& [effort, expected] : astc_efforts) {
     CAPTURE(effort);
-    options.astc_effort = effort;
+    options.effort = effort;
     options.format = WELKIN_TEXEL_ASTC_6X6_HDR;
     CHECK(same(options, {.format = TexelFormat::astc_6x6_hdr, .astc_effort = expected}));
   }

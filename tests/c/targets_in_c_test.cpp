@@ -51,27 +51,26 @@ std::vector<std::uint8_t> texel_bytes(const float* rgb, const TargetFormat& form
 }
 
 /// A chain of the background of a cubemap whose texels go beyond halves.
-welkin_bake_result* bright_bake(const welkin_cubemap& view) {
+welkin_bake_result* bright_bake(const welkin_environment& view) {
   auto options = c_struct<welkin_bake_options>();
   options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
   welkin_bake_result* result = nullptr;
-  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_OK);
+  REQUIRE(welkin_bake(&view, &options, nullptr, &result) == WELKIN_OK);
   return result;
 }
 
 constexpr std::uint8_t kUntouched = 0x5a;
 
 /// Six faces in one block with `padding` bytes behind each row, rows upwards if `upwards`.
-void check_target(const welkin_cubemap_chain* chain, int level, const TargetFormat& format, std::size_t padding,
-                  bool upwards) {
+void check_target(const welkin_chain* chain, int level, const TargetFormat& format, std::size_t padding, bool upwards) {
   const auto texels = texels_of(chain, level);
-  auto info = c_struct<welkin_cubemap>();
-  REQUIRE(welkin_cubemap_chain_get_level(chain, level, &info) == WELKIN_OK);
+  auto info = c_struct<welkin_environment>();
+  REQUIRE(welkin_chain_get_level(chain, level, &info) == WELKIN_OK);
   const auto size = static_cast<std::size_t>(info.size);
   const std::size_t texel = format.channels * (format.halves ? 2 : 4);
   const std::size_t row = size * texel + padding;
   std::vector<std::uint8_t> block(6 * size * row, kUntouched);
-  auto target = c_struct<welkin_cubemap_target>();
+  auto target = c_struct<welkin_target>();
   target.format = format.format;
   target.size = info.size;
   target.row_stride_bytes = padding == 0 && !upwards ? 0 : static_cast<std::int64_t>(row) * (upwards ? -1 : 1);
@@ -80,7 +79,7 @@ void check_target(const welkin_cubemap_chain* chain, int level, const TargetForm
   };
   for (std::size_t face = 0; face < 6; ++face) target.faces[face] = place(face, 0);
   std::uint64_t clamped = 99;
-  REQUIRE(welkin_cubemap_chain_copy(chain, level, &target, &clamped) == WELKIN_OK);
+  REQUIRE(welkin_chain_copy(chain, level, &target, &clamped) == WELKIN_OK);
   std::uint64_t expected_clamped = 0;
   bool same = true;
   for (std::size_t face = 0; face < 6; ++face) {
@@ -104,7 +103,7 @@ void check_target(const welkin_cubemap_chain* chain, int level, const TargetForm
 
 TEST_CASE("C: levels are written to the caller's memory in every format, row pitch and direction", "[c_interface]") {
   const auto cube = make_cubemap(Content::one_texel_sun, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   welkin_bake_result* result = bright_bake(view);
   const auto* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
   for (const TargetFormat& format : kTargetFormats) {
@@ -133,18 +132,18 @@ TEST_CASE("texels that halves cannot hold are written as the nearest they can, a
 
 TEST_CASE("C: targets that nothing can be written to are refused before anything is written", "[c_interface]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_cubemap view = c_view(cube.view());
+  const welkin_environment view = c_view(cube.view());
   welkin_bake_result* result = bright_bake(view);
   const auto* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
   std::vector<float> block(6 * 8 * 8 * 4, 7.0F);
-  auto sound = c_struct<welkin_cubemap_target>();
+  auto sound = c_struct<welkin_target>();
   sound.format = WELKIN_FORMAT_RGBA_F32;
   sound.size = 8;
   for (std::size_t face = 0; face < 6; ++face) sound.faces[face] = block.data() + face * 8 * 8 * 4;
-  const auto refused = [&](const welkin_cubemap_target& target, const char* word) {
+  const auto refused = [&](const welkin_target& target, const char* word) {
     INFO(word);
     std::uint64_t clamped = 99;
-    REQUIRE(welkin_cubemap_chain_copy(chain, 0, &target, &clamped) == WELKIN_INVALID_ARGUMENT);
+    REQUIRE(welkin_chain_copy(chain, 0, &target, &clamped) == WELKIN_INVALID_ARGUMENT);
     REQUIRE(std::string(welkin_last_error()).find(word) != std::string::npos);
     REQUIRE(clamped == 99);
   };
@@ -175,6 +174,12 @@ TEST_CASE("C: targets that nothing can be written to are refused before anything
   target.faces[3] = nullptr;
   refused(target, "null");
   target = sound;
+  target.width = 8;
+  refused(target, "width");
+  target.size = 0;
+  target.height = 8;
+  refused(target, "flat");
+  target = sound;
   target.faces[3] = reinterpret_cast<std::byte*>(block.data()) + 2;
   refused(target, "aligned");
   target = sound;
@@ -183,7 +188,7 @@ TEST_CASE("C: targets that nothing can be written to are refused before anything
   target.struct_size = 12;
   refused(target, "struct_size");
   for (const float value : block) REQUIRE(value == 7.0F);
-  REQUIRE(welkin_cubemap_chain_copy(chain, 0, &sound, nullptr) == WELKIN_OK);
+  REQUIRE(welkin_chain_copy(chain, 0, &sound, nullptr) == WELKIN_OK);
   REQUIRE(block.back() == 1.0F);
   welkin_bake_result_destroy(result);
 }
@@ -194,7 +199,7 @@ namespace {
 struct BothTargets {
   BothTargets(int size, int levels) : layout{.size = size, .levels = levels, .row_alignment_bytes = 256} {
     for (const CubemapTarget& target : cpp) {
-      auto& same = c.emplace_back(c_struct<welkin_cubemap_target>());
+      auto& same = c.emplace_back(c_struct<welkin_target>());
       same.format = WELKIN_FORMAT_RGBA_F16;
       same.row_stride_bytes = target.row_stride_bytes;
       same.size = target.size;
@@ -205,7 +210,7 @@ struct BothTargets {
   UploadLayout layout;
   std::vector<std::byte> memory = std::vector<std::byte>(upload_bytes(layout), std::byte{kUntouched});
   std::vector<CubemapTarget> cpp = upload_targets(layout, memory);
-  std::vector<welkin_cubemap_target> c{};
+  std::vector<welkin_target> c{};
 };
 
 /// Memory for all cubemaps of a bake of 4 texels.
@@ -233,8 +238,8 @@ struct BakeRoom {
 TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits of bake_to", "[c_interface]") {
   const auto cube = make_cubemap_half(Content::random, 8, 4, 1);
   const auto wide = make_lat_long(Content::one_texel_sun, 16, 8, 1);
-  const welkin_cubemap cube_view = c_view(cube.view());
-  const welkin_lat_long wide_view = c_view(wide.view());
+  const welkin_environment cube_view = c_view(cube.view());
+  const welkin_environment wide_view = c_view(wide.view());
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 4, .roughness = {0.5}};
   options.irradiance->size = 2;
@@ -272,25 +277,22 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
     return baked.values_clamped;
   };
   check(cube.view(), [&](const auto* targets, const auto* posting, welkin_job** job) {
-    return welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, targets, posting, job);
+    return welkin_post_bake(worker.get(), &cube_view, &asked, targets, posting, job);
   });
   CHECK(check(wide.view(), [&](const auto* targets, const auto* posting, welkin_job** job) {
-          return welkin_post_bake_lat_long_to(worker.get(), &wide_view, &asked, targets, posting, job);
+          return welkin_post_bake(worker.get(), &wide_view, &asked, targets, posting, job);
         }) > 0);
 
   BakeRoom room;
   const auto refused = [&](std::string_view what) {
     welkin_job* job = nullptr;
-    CHECK(welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, &room.c, nullptr, &job) ==
-          WELKIN_INVALID_ARGUMENT);
+    CHECK(welkin_post_bake(worker.get(), &cube_view, &asked, &room.c, nullptr, &job) == WELKIN_INVALID_ARGUMENT);
     CHECK(std::string(welkin_last_error()).find(what) != std::string::npos);
   };
   room.irradiance.c[0].format = WELKIN_FORMAT_RGB_F16;
   refused("targets.irradiance[0].format");
   room.c.specular_count = -1;
   refused("targets.specular is -1");
-  CHECK(welkin_post_bake_cubemap_to(worker.get(), &cube_view, &asked, nullptr, nullptr, nullptr) ==
-        WELKIN_INVALID_ARGUMENT);
 }
 
 }  // namespace welkin::test

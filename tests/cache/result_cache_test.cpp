@@ -401,8 +401,7 @@ std::vector<Change> changes() {
   };
 }
 
-template <class View>
-void check(const View& view, const Change& change) {
+void check(const EnvironmentView& view, const Change& change) {
   INFO(change.what);
   ResultCache cache;
   CHECK(same_specular(cache.prefilter_specular(view, change.before), prefilter_specular(view, change.before)));

@@ -40,15 +40,15 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
     return 0;
   });
   calls.call("plan(SourceShape", [&] { return plan(shape, {}, small_bake()).passes; });
-  calls.call("plan(LatLongView", [&] { return plan(wide.view(), rough, small_bake()).passes; });
-  calls.call("plan(CubemapView", [&] { return plan(cube.view(), rough, small_bake()).passes; });
+  calls.call("plan(EnvironmentView", [&] { return plan(wide.view(), rough, small_bake()).passes; });
+  calls.call("plan(EnvironmentView", [&] { return plan(cube.view(), rough, small_bake()).passes; });
   const Plan of_wide = plan(wide.view(), {}, small_bake());
   const Plan of_cube = plan(cube.view(), {}, small_bake());
   const std::vector<PassRecord> records = records_of(of_wide.passes);
   calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
   calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
-  calls.call("bake_to(BakeTargets const&, LatLongView", [&] { return bake_to({}, wide.view(), small_bake()); });
-  calls.call("bake_to(BakeTargets const&, CubemapView", [&] { return bake_to({}, cube.view(), small_bake()); });
+  calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, wide.view(), small_bake()); });
+  calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, cube.view(), small_bake()); });
   const std::vector<CubemapView> probes(3, cube.view());
   const UploadLayout layout{.size = 8, .levels = 3};
   std::vector<std::byte> memory(3 * upload_bytes(layout));
@@ -63,8 +63,8 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
     for (const std::byte byte : memory) light.emplace_back(static_cast<double>(std::to_integer<int>(byte)));
     return light;
   });
-  calls.call("bake(LatLongView const&, Plan", [&] { return bake(wide.view(), of_wide); });
-  calls.call("bake(CubemapView const&, Plan", [&] { return bake(cube.view(), of_cube); });
+  calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(wide.view(), of_wide); });
+  calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(cube.view(), of_cube); });
 }
 
 void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
@@ -77,25 +77,25 @@ void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   const LightChange change{.exposure = 1.7, .turn = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
   const Projection projection = project(cube.view());
   calls.call("changed(", [&] { return changed(projection, change); });
-  calls.call("ResultCache::project(CubemapView", [&] { return cache.project(cube.view(), {}, change); });
-  calls.call("ResultCache::project(LatLongView", [&] { return cache.project(wide.view(), {}, change); });
+  calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(cube.view(), {}, change); });
+  calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(wide.view(), {}, change); });
   calls.call("ResultCache::project_file(", [&] { return cache.project_file(file); });
   const PrefilterOptions specular{.size = 8, .roughness = {0.2, 0.7}};
-  calls.call("ResultCache::prefilter_specular(CubemapView",
+  calls.call("ResultCache::prefilter_specular(EnvironmentView",
              [&] { return cache.prefilter_specular(cube.view(), specular); });
-  calls.call("ResultCache::prefilter_specular(LatLongView",
+  calls.call("ResultCache::prefilter_specular(EnvironmentView",
              [&] { return cache.prefilter_specular(wide.view(), specular); });
-  calls.call("ResultCache::bake(CubemapView const&, BakeOptions",
+  calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions",
              [&] { return cache.bake(cube.view(), small_bake()); });
-  calls.call("ResultCache::bake(LatLongView const&, BakeOptions",
+  calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions",
              [&] { return cache.bake(wide.view(), small_bake()); });
   const StoredEnvironment stored = probe_environment(file);
   const Plan of_cube = plan(cube.view(), {}, small_bake());
   const Plan of_wide = plan(wide.view(), {}, small_bake());
   const Plan of_stored = plan(stored, {}, small_bake());
   ResultCache planned;
-  calls.call("ResultCache::bake(CubemapView const&, Plan", [&] { return planned.bake(cube.view(), of_cube); });
-  calls.call("ResultCache::bake(LatLongView const&, Plan", [&] { return planned.bake(wide.view(), of_wide); });
+  calls.call("ResultCache::bake(EnvironmentView const&, Plan", [&] { return planned.bake(cube.view(), of_cube); });
+  calls.call("ResultCache::bake(EnvironmentView const&, Plan", [&] { return planned.bake(wide.view(), of_wide); });
   calls.call("ResultCache::bake(StoredEnvironment", [&] { return planned.bake(stored, of_stored); });
 }
 
@@ -104,16 +104,16 @@ void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
 void call_bakes(Calls& calls) {
   const LatLongImage wide = small_lat_long();
   const CubemapImage cube = small_cubemap();
-  calls.call("bake_bytes(LatLongView", [&] { return bake_bytes(wide.view(), small_bake()); });
-  calls.call("bake_bytes(CubemapView", [&] { return bake_bytes(cube.view(), small_bake()); });
-  calls.call("bake(LatLongView const&, BakeOptions", [&] { return bake(wide.view(), small_bake()); });
-  calls.call("bake(CubemapView const&, BakeOptions", [&] { return bake(cube.view(), small_bake()); });
+  calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(wide.view(), small_bake()); });
+  calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(cube.view(), small_bake()); });
+  calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(wide.view(), small_bake()); });
+  calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(cube.view(), small_bake()); });
   BakeResult result;
-  calls.call("bake_into(BakeResult&, LatLongView", [&] {
+  calls.call("bake_into(BakeResult&, EnvironmentView", [&] {
     bake_into(result, wide.view(), small_bake());
     return std::cref(result);
   });
-  calls.call("bake_into(BakeResult&, CubemapView", [&] {
+  calls.call("bake_into(BakeResult&, EnvironmentView", [&] {
     bake_into(result, cube.view(), small_bake());
     return std::cref(result);
   });

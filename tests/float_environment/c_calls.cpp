@@ -62,28 +62,30 @@ void call_c(Calls& calls) {
   const std::string path = folder.file("wide.hdr").string();
   write_environment(path, wide.view());
 
-  welkin_cubemap faces;
+  welkin_environment faces;
   WELKIN_INIT(faces);
   for (std::size_t face = 0; face < 6; ++face) faces.faces[face] = cube.view().faces[face];
   faces.size = cube.size;
-  welkin_lat_long lat_long;
+  welkin_environment lat_long;
   WELKIN_INIT(lat_long);
-  lat_long.pixels = wide.pixels.data();
+  lat_long.faces[0] = wide.pixels.data();
   lat_long.width = wide.width;
   lat_long.height = wide.height;
   welkin_projection_options options;
   WELKIN_INIT(options);
   options.target_size = 5;
-  options.clamp_maximum = 123.4F;
+  welkin_pixel_policy policy;
+  WELKIN_INIT(policy);
+  policy.clamp_maximum = 123.4F;
+  options.pixels = &policy;
 
   const auto projected = [&](const auto& project) {
     welkin_projection projection;
     WELKIN_INIT(projection);
     return given(project(&projection), projection);
   };
-  calls.call("welkin_project_cubemap", [&] {
-    return projected([&](auto* out) { return welkin_project_cubemap(&faces, 1, &options, nullptr, out); });
-  });
+  calls.call("welkin_project",
+             [&] { return projected([&](auto* out) { return welkin_project(&faces, 1, &options, nullptr, out); }); });
   calls.call("welkin_project_many", [&] {
     Given result{WELKIN_INTERNAL, std::vector<double>(27)};
     result.status = welkin_project_many(&faces, 1, &options, nullptr, result.numbers.data(), nullptr);
@@ -99,7 +101,7 @@ void call_c(Calls& calls) {
     const double rough = 0.6;
     reflections.roughness = &rough;
     reflections.roughness_count = 1;
-    welkin_cubemap_target target;
+    welkin_target target;
     WELKIN_INIT(target);
     target.format = WELKIN_FORMAT_RGBA_F32;
     target.size = 4;
@@ -109,33 +111,8 @@ void call_c(Calls& calls) {
     result.numbers.insert(result.numbers.end(), texels.begin(), texels.end());
     return result;
   });
-  calls.call("welkin_fitted_roughness_of_mips", [&] {
-    Given result{WELKIN_INTERNAL, std::vector<double>(5)};
-    result.status = welkin_fitted_roughness_of_mips(WELKIN_ROUGHNESS_FILAMENT, 5, 32, result.numbers.data());
-    return result;
-  });
-  calls.call("welkin_charlie_roughness_of_mips", [&] {
-    Given result{WELKIN_INTERNAL, std::vector<double>(5)};
-    result.status = welkin_charlie_roughness_of_mips(5, 200, result.numbers.data());
-    return result;
-  });
-  calls.call("welkin_importance_lat_long", [&] {
-    const auto width = static_cast<std::size_t>(lat_long.width);
-    const auto height = static_cast<std::size_t>(lat_long.height);
-    std::vector<float> function(width * height);
-    std::vector<float> row_cdf(height + 1);
-    std::vector<float> column_cdf(height * (width + 1));
-    double integral = 0.0;
-    Given result{WELKIN_INTERNAL, {}};
-    result.status = welkin_importance_lat_long(&lat_long, nullptr, nullptr, function.data(), row_cdf.data(),
-                                               column_cdf.data(), &integral);
-    result.numbers.assign(function.begin(), function.end());
-    result.numbers.insert(result.numbers.end(), column_cdf.begin(), column_cdf.end());
-    result.numbers.push_back(integral);
-    return result;
-  });
-  calls.call("welkin_project_lat_long", [&] {
-    return projected([&](auto* out) { return welkin_project_lat_long(&lat_long, &options, nullptr, out); });
+  calls.call("welkin_project", [&] {
+    return projected([&](auto* out) { return welkin_project(&lat_long, 1, &options, nullptr, out); });
   });
   calls.call("welkin_project_file", [&] {
     return projected([&](auto* out) { return welkin_project_file(path.c_str(), nullptr, &options, nullptr, out); });
@@ -150,14 +127,14 @@ void call_c(Calls& calls) {
     welkin_worker_destroy(worker);
     return welkin_worker_create(&worker_options, &worker);
   });
-  calls.call("welkin_post_project_cubemap", [&] {
+  calls.call("welkin_post_project", [&] {
     return done_by_worker(worker, [&](auto* posted_to, auto** job) {
-      return welkin_post_project_cubemap(posted_to, &faces, 1, &options, nullptr, job);
+      return welkin_post_project(posted_to, &faces, 1, &options, nullptr, job);
     });
   });
-  calls.call("welkin_post_project_lat_long", [&] {
+  calls.call("welkin_post_project", [&] {
     return done_by_worker(worker, [&](auto* posted_to, auto** job) {
-      return welkin_post_project_lat_long(posted_to, &lat_long, &options, nullptr, job);
+      return welkin_post_project(posted_to, &lat_long, 1, &options, nullptr, job);
     });
   });
   calls.call("welkin_post_project_file", [&] {
@@ -169,7 +146,7 @@ void call_c(Calls& calls) {
 
   welkin_projection projection;
   WELKIN_INIT(projection);
-  welkin_project_cubemap(&faces, 1, nullptr, nullptr, &projection);
+  welkin_project(&faces, 1, nullptr, nullptr, &projection);
   const double* const radiance = projection.coefficients;
   std::vector<double> irradiance(27);
   calls.call("welkin_irradiance_from_radiance", [&] {
@@ -186,9 +163,9 @@ void call_c(Calls& calls) {
     welkin_engine_light light;
     WELKIN_INIT(light);
     calls.call("welkin_engine_light_from_radiance",
-               [&] { return given(welkin_engine_light_from_radiance(3, radiance, engine, &light), light); });
-    calls.call("welkin_engine_light_in_place",
-               [&] { return given(welkin_engine_light_in_place(3, radiance, engine, &light), light); });
+               [&] { return given(welkin_engine_light_from_radiance(3, radiance, engine, 0, &light), light); });
+    calls.call("welkin_engine_light_from_radiance",
+               [&] { return given(welkin_engine_light_from_radiance(3, radiance, engine, 1, &light), light); });
   }
 }
 

@@ -30,7 +30,7 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
   for (const char* const name : {"wide.pfm", "wide.hdr", "wide.exr", "wide.png", "dark.pfm"}) {
     const std::filesystem::path path = folder.file(name);
     const LatLongView view = name == std::string("dark.pfm") ? dark.view() : wide.view();
-    calls.call("write_environment(FileOutput const&, LatLongView", [&] {
+    calls.call("write_environment(FileOutput const&, EnvironmentView", [&] {
       write_environment(path, view);
       return read_bytes(path);
     });
@@ -40,7 +40,7 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
     calls.call("project_file(", [&] { return project_file(path, {}, {.target_size = 4}); });
   }
   const std::filesystem::path cross = folder.file("cube.exr");
-  calls.call("write_environment(FileOutput const&, CubemapView", [&] {
+  calls.call("write_environment(FileOutput const&, EnvironmentView", [&] {
     write_environment(cross, cube.view(), {.layout = Layout::horizontal_cross});
     return read_bytes(cross);
   });

@@ -23,16 +23,16 @@ namespace {
 
 void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   const glm::dmat3 turn = turn_about_y(21.0);
-  calls.call("to_cubemap(CubemapView", [&] { return to_cubemap(cube.view(), 7, turn); });
-  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9); });
-  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9, turn, ResampleFilter::bilinear); });
-  calls.call("to_lat_long(CubemapView", [&] { return to_lat_long(cube.view(), 18, 9, turn); });
-  calls.call("to_lat_long(CubemapView",
+  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(cube.view(), 7, turn); });
+  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(wide.view(), 9); });
+  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(wide.view(), 9, turn, ResampleFilter::bilinear); });
+  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(cube.view(), 18, 9, turn); });
+  calls.call("to_lat_long(EnvironmentView",
              [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), ResampleFilter::area); });
-  calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
+  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
-  calls.call("exposure_of(CubemapView", [&] { return exposure_of(cube.view()); });
-  calls.call("exposure_of(LatLongView", [&] { return exposure_of(wide.view()); });
+  calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(cube.view()); });
+  calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(wide.view()); });
   CubemapChain chain = build_mips(cube.view(), MipFilter::box);
   calls.call("octahedral_place(", [] {
     const auto place = octahedral_place({0.1, -0.7, -0.3});
@@ -59,18 +59,18 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
   options.target_size = 5;
   options.pixels.clamp = RadianceClamp{123.4F, true};
   const TestCubemap special = make_cubemap(Content::special_values, 9, 3, 5);
-  calls.call("project(CubemapView", [&] { return project(cube.view(), options); });
-  calls.call("project(CubemapView", [&] { return project(special.view(), {.pixels = {.gamma = true}}); });
-  calls.call("project(CubemapView", [&] {
+  calls.call("project(EnvironmentView", [&] { return project(cube.view(), options); });
+  calls.call("project(EnvironmentView", [&] { return project(special.view(), {.pixels = {.gamma = true}}); });
+  calls.call("project(EnvironmentView", [&] {
     return project(cube.view(), {}, {{}, [](double) {
                                        if (current_environment() == FloatEnvironment{}) return;
                                        throw std::runtime_error("progress is told in the caller's environment");
                                      }});
   });
   const TestLatLongHalf half = make_lat_long_half(Content::special_values, 33, 17, 73, 4);
-  calls.call("project(LatLongView", [&] { return project(wide.view(), options); });
-  calls.call("project(LatLongView", [&] { return project(half.view(), {.quadrature = Quadrature::midpoint}); });
-  calls.refused("project(LatLongView", [&] { static_cast<void>(project(wide.view(), {.bands = 0})); });
+  calls.call("project(EnvironmentView", [&] { return project(wide.view(), options); });
+  calls.call("project(EnvironmentView", [&] { return project(half.view(), {.quadrature = Quadrature::midpoint}); });
+  calls.refused("project(EnvironmentView", [&] { static_cast<void>(project(wide.view(), {.bands = 0})); });
   const CubemapChain mips = build_mips(cube.view());
   const std::vector<CubemapView> views = mips.views();
   calls.call("project(span<CubemapView", [&] { return project(views, options); });
@@ -159,16 +159,18 @@ void call_importance(Calls& calls, const LatLongImage& wide) {
 
 void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   const std::vector<glm::dvec3> normals{{0.36, -0.48, 0.8}, {0.0, 1.0, 0.0}};
-  calls.call("direct_irradiance(CubemapView const&, span", [&] { return direct_irradiance(cube.view(), normals); });
-  calls.call("direct_irradiance(LatLongView const&, span", [&] { return direct_irradiance(wide.view(), normals); });
-  calls.call("direct_irradiance(CubemapView const&, dvec3", [&] { return direct_irradiance(cube.view(), normals[0]); });
-  calls.call("direct_irradiance(LatLongView const&, dvec3", [&] { return direct_irradiance(wide.view(), normals[0]); });
+  calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(cube.view(), normals); });
+  calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(wide.view(), normals); });
+  calls.call("direct_irradiance(EnvironmentView const&, dvec3",
+             [&] { return direct_irradiance(cube.view(), normals[0]); });
+  calls.call("direct_irradiance(EnvironmentView const&, dvec3",
+             [&] { return direct_irradiance(wide.view(), normals[0]); });
   const SphericalHarmonics radiance = project(cube.view()).radiance;
-  calls.call("irradiance_errors(CubemapView", [&] { return irradiance_errors(cube.view(), radiance, 8); });
-  calls.call("irradiance_errors(LatLongView", [&] { return irradiance_errors(wide.view(), radiance, 8); });
+  calls.call("irradiance_errors(EnvironmentView", [&] { return irradiance_errors(cube.view(), radiance, 8); });
+  calls.call("irradiance_errors(EnvironmentView", [&] { return irradiance_errors(wide.view(), radiance, 8); });
   calls.call("irradiance_cubemap(", [&] { return irradiance_cubemap(irradiance_from_radiance(radiance), 3); });
-  calls.call("direct_irradiance_cubemap(CubemapView", [&] { return direct_irradiance_cubemap(cube.view(), 2); });
-  calls.call("direct_irradiance_cubemap(LatLongView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
+  calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(cube.view(), 2); });
+  calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
 }
 
 void call_kernels(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
@@ -185,10 +187,12 @@ void call_kernels(Calls& calls, const LatLongImage& wide, const CubemapImage& cu
   calls.call("ZonalKernel::spectrum(", [&] { return sheen.spectrum(17); });
   calls.call("charlie_roughness_of_mips(", [] { return charlie_roughness_of_mips(5, 200); });
   const KernelChainOptions options{.size = 8, .kernels = {sheen, ZonalKernel::lambert()}};
-  calls.call("prefilter_by_kernels(LatLongView", [&] { return prefilter_by_kernels(wide.view(), options); });
-  calls.call("prefilter_by_kernels(CubemapView", [&] { return prefilter_by_kernels(cube.view(), options); });
-  calls.call("reference_by_kernel(LatLongView", [&] { return reference_by_kernel(wide.view(), sheen, directions); });
-  calls.call("reference_by_kernel(CubemapView", [&] { return reference_by_kernel(cube.view(), sheen, directions); });
+  calls.call("prefilter_by_kernels(EnvironmentView", [&] { return prefilter_by_kernels(wide.view(), options); });
+  calls.call("prefilter_by_kernels(EnvironmentView", [&] { return prefilter_by_kernels(cube.view(), options); });
+  calls.call("reference_by_kernel(EnvironmentView",
+             [&] { return reference_by_kernel(wide.view(), sheen, directions); });
+  calls.call("reference_by_kernel(EnvironmentView",
+             [&] { return reference_by_kernel(cube.view(), sheen, directions); });
 }
 
 void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
@@ -206,13 +210,13 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage
   reference.method = PrefilterMethod::reference;
   reference.size = 2;
   reference.roughness = {0.4, 0.9};
-  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), spectral); });
-  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), reference); });
-  calls.call("prefilter_specular(CubemapView", [&] { return prefilter_specular(cube.view(), spectral); });
+  calls.call("prefilter_specular(EnvironmentView", [&] { return prefilter_specular(wide.view(), spectral); });
+  calls.call("prefilter_specular(EnvironmentView", [&] { return prefilter_specular(wide.view(), reference); });
+  calls.call("prefilter_specular(EnvironmentView", [&] { return prefilter_specular(cube.view(), spectral); });
   call_kernels(calls, wide, cube);
   const std::vector<glm::dvec3> directions{{0.36, -0.48, 0.8}};
-  calls.call("reference_specular(LatLongView", [&] { return reference_specular(wide.view(), 0.5, directions); });
-  calls.call("reference_specular(CubemapView", [&] { return reference_specular(cube.view(), 0.5, directions); });
+  calls.call("reference_specular(EnvironmentView", [&] { return reference_specular(wide.view(), 0.5, directions); });
+  calls.call("reference_specular(EnvironmentView", [&] { return reference_specular(cube.view(), 0.5, directions); });
 
   const BrdfTableOptions small{.width = 5, .height = 4};
   const auto brdf = calls.call("brdf_table(", [&] { return brdf_table(small); });

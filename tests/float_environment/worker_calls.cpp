@@ -28,19 +28,19 @@ void call_requests(Calls& calls) {
   const CubemapImage cube = small_cubemap();
   const LatLongImage wide = small_lat_long();
   const glm::dmat3 turn = turn_about_y(21.0);
-  const ProjectCubemap project_cubemap{cube, {.target_size = 5}};
-  calls.call("ProjectCubemap::operator()(", [&] { return project_cubemap({}); });
-  const ProjectLatLong project_lat_long{wide, {.target_size = 5}};
-  calls.call("ProjectLatLong::operator()(", [&] { return project_lat_long({}); });
-  const LatLongToCubemap to_cube{wide, 5, turn};
-  calls.call("LatLongToCubemap::operator()(", [&] { return to_cube({}); });
-  const CubemapToCubemap to_other_cube{cube, 5, turn};
-  calls.call("CubemapToCubemap::operator()(", [&] { return to_other_cube({}); });
-  const CubemapToLatLong to_wide{cube, 8, 4, turn};
-  calls.call("CubemapToLatLong::operator()(", [&] { return to_wide({}); });
-  const Bake bake_request{LatLongSource(wide), small_bake()};
+  const Project project_cubemap{cube, {.target_size = 5}};
+  calls.call("Project::operator()(", [&] { return project_cubemap({}); });
+  const Project project_lat_long{wide, {.target_size = 5}};
+  calls.call("Project::operator()(", [&] { return project_lat_long({}); });
+  const ToCubemap to_cube{wide, 5, turn};
+  calls.call("ToCubemap::operator()(", [&] { return to_cube({}); });
+  const ToCubemap to_other_cube{cube, 5, turn};
+  calls.call("ToCubemap::operator()(", [&] { return to_other_cube({}); });
+  const ToLatLong to_wide{cube, 8, 4, turn};
+  calls.call("ToLatLong::operator()(", [&] { return to_wide({}); });
+  const Bake bake_request{EnvironmentSource(wide), small_bake()};
   calls.call("Bake::operator()(", [&] { return bake_request({}); });
-  const BakeTo bake_to_request{LatLongSource(wide), {}, small_bake()};
+  const BakeTo bake_to_request{EnvironmentSource(wide), {}, small_bake()};
   calls.call("BakeTo::operator()(", [&] { return bake_to_request({}); });
 
   const PrecomputeSky precompute{earth(), tiny_tables()};
@@ -54,7 +54,7 @@ void call_requests(Calls& calls) {
 
   calls.call("Worker::Worker(", [&] {
     Worker worker({.threads = 1, .thread_priority = ThreadPriority::normal});
-    return worker.post(ProjectLatLong{wide, {.target_size = 7}}).get();
+    return worker.post(Project{wide, {.target_size = 7}}).get();
   });
 }
 

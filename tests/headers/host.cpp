@@ -168,7 +168,7 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   welkin::ResultCache cache;
   print("cache", cache.project(cubemap.view(), {}, {.exposure = 2.0, .turn = turn}).radiance);
   welkin::Worker worker;
-  auto job = worker.post(welkin::LatLongToCubemap{image, 4, turn});
+  auto job = worker.post(welkin::ToCubemap{image, 4, turn});
   print("job", std::span<const float>(job.get().pixels));
 }
 

@@ -194,7 +194,7 @@ TEST_CASE("Resampling refuses what it cannot do, and can be stopped", "[resampli
   std::stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] {
-          return to_cubemap(map.view(), 5, kAskew, {stop.get_token(), {}});
+          return to_cubemap(map.view(), 5, kAskew, ResampleFilter::area, {stop.get_token(), {}});
         }).code == ErrorCode::cancelled);
 }
 
@@ -467,6 +467,21 @@ TEST_CASE("Resampling by area can be stopped, and reports", "[area]") {
     CHECK(std::is_sorted(shares.begin(), shares.end()));
     CHECK(shares.back() == 1.0);
   }
+}
+
+TEST_CASE("an environment view is the view that it was made of, and refuses to be of the other kind", "[image]") {
+  const auto cube = make_cubemap(Content::smooth, 4, 3, 1);
+  const auto wide = make_lat_long(Content::smooth, 8, 4, 1);
+  const EnvironmentView faces = cube.view();
+  const EnvironmentView sphere = wide.view();
+  CHECK(faces.kind() == EnvironmentKind::cubemap);
+  CHECK(faces.cubemap() == cube.view());
+  CHECK(sphere.kind() == EnvironmentKind::lat_long);
+  CHECK(sphere.lat_long() == wide.view());
+  CHECK(faces == EnvironmentView(cube.view()));
+  CHECK_FALSE(faces == sphere);
+  CHECK(thrown_by([&] { return faces.lat_long(); }).says("to_lat_long"));
+  CHECK(thrown_by([&] { return sphere.cubemap(); }).says("to_cubemap"));
 }
 
 }  // namespace welkin::test

@@ -8,16 +8,16 @@ enum { WIDTH = 8, HEIGHT = 4 };
 int main(void) {
   static float pixels[3 * WIDTH * HEIGHT];
   static welkin_projection light;
-  welkin_lat_long view;
+  welkin_environment view;
   int i;
   for (i = 0; i < 3 * WIDTH * HEIGHT; ++i) pixels[i] = 1.0F;
   WELKIN_INIT(view);
   WELKIN_INIT(light);
   view.format = WELKIN_FORMAT_RGB_F32;
-  view.pixels = pixels;
+  view.faces[0] = pixels;
   view.width = WIDTH;
   view.height = HEIGHT;
-  if (welkin_project_lat_long(&view, NULL, NULL, &light) != WELKIN_OK) {
+  if (welkin_project(&view, 1, NULL, NULL, &light) != WELKIN_OK) {
     fprintf(stderr, "%s\n", welkin_last_error());
     return 1;
   }

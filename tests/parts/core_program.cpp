@@ -82,21 +82,21 @@ void plan_and_worker() {
   require(near(welkin::bake(picture.view(), plan).radiance->coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)),
           "the planned bake has other light");
   welkin::Worker worker;
-  auto job = worker.post(welkin::ProjectLatLong{even_picture()});
+  auto job = worker.post(welkin::Project{even_picture()});
   require(near(job.get().radiance.coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)), "the worker's light differs");
 }
 
 void c_interface() {
   const welkin::LatLongImage picture = even_picture();
-  welkin_lat_long view;
+  welkin_environment view;
   WELKIN_INIT(view);
   view.format = WELKIN_FORMAT_RGB_F32;
-  view.pixels = picture.pixels.data();
+  view.faces[0] = picture.pixels.data();
   view.width = picture.width;
   view.height = picture.height;
   welkin_projection projection;
   WELKIN_INIT(projection);
-  require(welkin_project_lat_long(&view, nullptr, nullptr, &projection) == WELKIN_OK, welkin_last_error());
+  require(welkin_project(&view, 1, nullptr, nullptr, &projection) == WELKIN_OK, welkin_last_error());
   require(near(projection.coefficients[0], 2.0 * std::sqrt(4.0 * kPi)), "the C interface's light differs");
 }
 

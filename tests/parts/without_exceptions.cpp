@@ -65,7 +65,7 @@ int main() {
   options.executor = own_thread;
   welkin::Worker worker(std::move(options));
 
-  auto light = worker.post(welkin::ProjectCubemap{grey(2.0F)});
+  auto light = worker.post(welkin::Project{grey(2.0F)});
   int runs = 0;
   auto one = worker.post(Number<1>{5, &runs});
   auto other = worker.post(Number<2>{5, &runs});
@@ -75,7 +75,7 @@ int main() {
     if (auto value = job.try_take()) drained = *value;
   });
   // No side of a cubemap can be of -1 texels: the call throws inside the library, and what follows is not run.
-  auto failing = worker.post(welkin::CubemapToCubemap{grey(1.0F), -1});
+  auto failing = worker.post(welkin::ToCubemap{grey(1.0F), -1});
   const welkin::JobHandle failed = failing;
   auto after = std::move(failing).then([](const welkin::CubemapImage& image) { return image.size; });
 
@@ -94,7 +94,7 @@ int main() {
   expect(error->code == welkin::ErrorCode::invalid_argument, "the error has its code");
   expect(!error->message.empty() && error->message == failed.error()->message, "the error has its words");
 
-  auto cancelled = worker.post(welkin::ProjectCubemap{grey(1.0F)});
+  auto cancelled = worker.post(welkin::Project{grey(1.0F)});
   expect(cancelled.cancel() && cancelled.error()->code == welkin::ErrorCode::cancelled, "a job can be cancelled");
   return 0;
 }

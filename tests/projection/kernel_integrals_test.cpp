@@ -43,8 +43,7 @@ double worst_ratio(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec
   return worst;
 }
 
-template <class View>
-void check_cosines(const View& view) {
+void check_cosines(const EnvironmentView& view) {
   const std::vector<glm::dvec3> axes = some_axes();
   const std::vector<glm::dvec3> irradiance = direct_irradiance(view, axes);
   CHECK(worst_ratio(reference_specular(view, 1.0, axes), irradiance, std::numbers::pi) < 2e-5);

@@ -26,8 +26,7 @@ std::vector<ZonalKernel> named_kernels() {
 }
 
 /// Errors of all mips against the truth, at some `probes` texels each.
-template <class View>
-void check_kernels(const View& view, const std::vector<ZonalKernel>& kernels, int size, std::size_t probes) {
+void check_kernels(const EnvironmentView& view, const std::vector<ZonalKernel>& kernels, int size, std::size_t probes) {
   const PrefilteredSpecular result = prefilter_by_kernels(view, {.size = size, .kernels = kernels});
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
     const std::vector<glm::dvec3> all = centres(result.mips[level].size);

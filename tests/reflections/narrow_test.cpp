@@ -27,8 +27,7 @@ constexpr double kMaximum = 1e-2;
 constexpr double kRms = 1e-3;
 
 /// Every `step`-th texel of a mip of each roughness.
-template <class View>
-void check_bounds(const View& view, const std::vector<double>& roughness, int size, std::size_t step) {
+void check_bounds(const EnvironmentView& view, const std::vector<double>& roughness, int size, std::size_t step) {
   for (const double rough : roughness) {
     CAPTURE(rough, size);
     const PrefilteredSpecular result = prefilter_specular(view, {.size = size, .mips = 1, .roughness = {rough}});

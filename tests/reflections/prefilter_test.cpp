@@ -30,8 +30,7 @@ namespace welkin::test {
 
 namespace {
 
-template <class View>
-void check_same_bits(const View& view, PrefilterOptions options) {
+void check_same_bits(const EnvironmentView& view, PrefilterOptions options) {
   const InstructionSet before = active_instruction_set();
   const PrefilteredSpecular expected = prefilter_specular(view, options);
   for (const InstructionSet set : available_instruction_sets()) {

@@ -23,8 +23,7 @@ namespace welkin::test {
 namespace {
 
 /// Errors of all mips that are blurred against the truth, at some `probes` texels each.
-template <class View>
-void check_against_truth(const View& view, const PrefilterOptions& options, std::size_t probes, double rms,
+void check_against_truth(const EnvironmentView& view, const PrefilterOptions& options, std::size_t probes, double rms,
                          double maximum) {
   const PrefilteredSpecular result = prefilter_specular(view, options);
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
@@ -222,8 +221,7 @@ TestLatLong sun_at(int column, int row, float sun, float sky) {
 }
 
 /// Every texel of every mip against the truth.
-template <class View>
-LevelError worst_level(const View& view, const PrefilterOptions& options) {
+LevelError worst_level(const EnvironmentView& view, const PrefilterOptions& options) {
   const PrefilteredSpecular result = prefilter_specular(view, options);
   LevelError worst;
   for (std::size_t level = 0; level < result.mips.size(); ++level) {

@@ -45,8 +45,7 @@ BakeOptions unusual_bake() {
 }
 
 /// Three of five bands.
-template <class View>
-BakeResult light_alone(const View& view) {
+BakeResult light_alone(const EnvironmentView& view) {
   BakeOptions five_bands = small_bake();
   five_bands.bands = 5;
   return bake(view, plan(view, {.diffuse_bands = 3, .glossy = std::nullopt, .background = false}, five_bands));
@@ -245,12 +244,12 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
                       {
                           {"project_cubemap",
                            [&] {
-                             return done(ProjectCubemap{cube, {.bands = 4}});
+                             return done(Project{cube, {.bands = 4}});
                            },
                            once},
                           {"project_lat_long",
                            [&] {
-                             return done(ProjectLatLong{wide, {.bands = 4}});
+                             return done(Project{wide, {.bands = 4}});
                            },
                            once},
                           {"project_file", [&] { return done(ProjectFile{files.path("wide.pfm")}); }, once},
@@ -258,22 +257,22 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
                           {"measure_file", [&] { return done(MeasureFile{files.path("wide.hdr")}); }, once},
                           {"lat_long_to_cubemap",
                            [&] {
-                             return done(LatLongToCubemap{wide, 11});
+                             return done(ToCubemap{wide, 11});
                            },
                            once},
                           {"cubemap_to_cubemap",
                            [&] {
-                             return done(CubemapToCubemap{cube, 9});
+                             return done(ToCubemap{cube, 9});
                            },
                            once},
                           {"cubemap_to_lat_long",
                            [&] {
-                             return done(CubemapToLatLong{cube, 30, 15});
+                             return done(ToLatLong{cube, 30, 15});
                            },
                            once},
                           {"bake",
                            [&] {
-                             return done(Bake{LatLongSource(wide), small_bake()});
+                             return done(Bake{EnvironmentSource(wide), small_bake()});
                            },
                            once},
                           {"bake_file",
@@ -298,14 +297,14 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
                            once},
                           {"continuation",
                            [&] {
-                             return worker.post(ProjectLatLong{wide})
+                             return worker.post(Project{wide})
                                  .then([](Projection light) { return irradiance_from_radiance(light.radiance); })
                                  .get();
                            },
                            once},
                           {"sky_light", [&] { return bits_of_sky_light(worker, tables, curve, specular); }, once},
                       });
-  CHECK(bits_of(*done(Bake{LatLongSource(wide), small_bake()})) == bits_of(bake(wide->view(), small_bake())));
+  CHECK(bits_of(*done(Bake{EnvironmentSource(wide), small_bake()})) == bits_of(bake(wide->view(), small_bake())));
 }
 
 }  // namespace welkin::test

@@ -40,8 +40,8 @@ PrefilterOptions bounded(double rms, double maximum) {
 }
 
 /// Some mips at the ends are not made, as where a cache holds them.
-template <class View>
-PrefilteredSpecular prefiltered_without(const View& view, const PrefilterOptions& options, int sharp, int rough) {
+PrefilteredSpecular prefiltered_without(const EnvironmentView& view, const PrefilterOptions& options, int sharp,
+                                        int rough) {
   return reflections::prefilter(view, reflections::plan_prefilter(options).without(sharp, rough), options.pixels, {},
                                 {});
 }

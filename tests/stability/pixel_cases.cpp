@@ -44,8 +44,7 @@ double projection_error(const Image& image) {
 }
 
 /// Of a uniform map against sqrt(4 pi) times its value.
-template <class View>
-double uniform_error(const View& view, double value) {
+double uniform_error(const EnvironmentView& view, double value) {
   return relative_error(project(view).radiance, constant_radiance(glm::dvec3(value), 3));
 }
 

@@ -79,7 +79,7 @@ bool gaps_untouched(const Block& block) {
 /// A cubemap of four halves per texel.
 TestCubemapHalf halves(int size, std::uint32_t seed = 5) { return make_cubemap_half(Content::random, size, 4, seed); }
 
-CubemapSource source_of(const TestCubemapHalf& cube) { return {cube.view(), nullptr}; }
+EnvironmentSource source_of(const TestCubemapHalf& cube) { return {cube.view(), nullptr}; }
 
 }  // namespace
 
@@ -96,9 +96,9 @@ TEST_CASE("BakeTo: halves in and out, with the bits that bake_to writes", "[work
     const std::array<Room, 4> rooms;
     std::vector<JobOf<BakeTo>> jobs;
     for (std::size_t k = 0; k < rooms.size(); ++k) {
-      jobs.push_back(worker.post(k % 2 == 0
-                                     ? BakeTo{source_of(cube), rooms.at(k).targets(), bake_of()}
-                                     : BakeTo{LatLongSource(wide.view(), nullptr), rooms.at(k).targets(), bake_of()}));
+      jobs.push_back(
+          worker.post(k % 2 == 0 ? BakeTo{source_of(cube), rooms.at(k).targets(), bake_of()}
+                                 : BakeTo{EnvironmentSource(wide.view(), nullptr), rooms.at(k).targets(), bake_of()}));
     }
     for (std::size_t k = 0; k < rooms.size(); ++k) {
       const auto found = take(jobs[k]);

@@ -315,7 +315,7 @@ TEST_CASE("progress of a job that fails stays where it was", "[worker]") {
 TEST_CASE("progress of a real projection never falls", "[worker]") {
   Worker worker(options_with(3));
   for (int repetition = 0; repetition < 5; ++repetition) {
-    auto job = worker.post(ProjectCubemap{CubemapImage{256, make_cubemap(Content::random, 256, 3, 1).pixels}});
+    auto job = worker.post(Project{CubemapImage{256, make_cubemap(Content::random, 256, 3, 1).pixels}});
     double before = 0.0;
     bool fell = false;
     while (!job.ready()) {

@@ -295,7 +295,7 @@ TEST_CASE("continuations are chained, and run on the worker's threads", "[worker
 TEST_CASE("a projection can be followed to an engine's form", "[worker]") {
   Worker worker(options_with(1));
   const TestCubemap cubemap = make_cubemap(Content::smooth, 32, 3, 1);
-  auto job = worker.post(ProjectCubemap{CubemapImage{32, cubemap.pixels}}).then([](const Projection& light) {
+  auto job = worker.post(Project{CubemapImage{32, cubemap.pixels}}).then([](const Projection& light) {
     return irradiance_from_radiance(light.radiance);
   });
   const SphericalHarmonics expected = irradiance_from_radiance(project(cubemap.view()).radiance);

@@ -37,7 +37,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   options.pixels.nan = NonFinitePolicy::reject;
   const ThrownError expected = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   const ThrownError got = thrown_by([&] {
-    static_cast<void>(take(worker.post(ProjectCubemap{CubemapImage{16, cubemap.pixels}, options})));
+    static_cast<void>(take(worker.post(Project{CubemapImage{16, cubemap.pixels}, options})));
   });
   CHECK(got.code == ErrorCode::rejected_pixel);
   CHECK(got.message == expected.message);
@@ -49,10 +49,10 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   write_bytes(directory.file("empty.exr"), {'a', 'b', 'c', 'd', 'e'});
   CHECK(outcome(worker.post(ProjectFile{directory.file("empty.exr")})) == "unsupported_file");
 
-  CHECK(outcome(worker.post(CubemapToCubemap{CubemapImage{16, cubemap.pixels}, -1})) == "invalid_argument");
-  CHECK(outcome(worker.post(CubemapToLatLong{CubemapImage{16, cubemap.pixels}, 0, 1})) == "invalid_argument");
+  CHECK(outcome(worker.post(ToCubemap{CubemapImage{16, cubemap.pixels}, -1})) == "invalid_argument");
+  CHECK(outcome(worker.post(ToLatLong{CubemapImage{16, cubemap.pixels}, 0, 1})) == "invalid_argument");
   const CubemapView no_view{};
-  CHECK(outcome(worker.post(ProjectCubemap{CubemapSource(no_view, nullptr)})) == "invalid_argument");
+  CHECK(outcome(worker.post(Project{EnvironmentSource(no_view, nullptr)})) == "invalid_argument");
 }
 
 TEST_CASE("anything that a request throws arrives", "[worker]") {
@@ -173,11 +173,11 @@ TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
   // Sizes of which no table is there yet; small ones that stay on one thread, and ones that spread.
   for (const int size : {37, 151}) {
     const TestCubemap cubemap = make_cubemap(Content::special_values, size, 3, 1);
-    fail_everywhere([&] { return ProjectCubemap{CubemapImage{size, cubemap.pixels}}; }, project(cubemap.view()));
+    fail_everywhere([&] { return Project{CubemapImage{size, cubemap.pixels}}; }, project(cubemap.view()));
     const TestLatLong lat_long = make_lat_long(Content::special_values, 4 * size, 2 * size, 1);
     fail_everywhere(
         [&] {
-          return ProjectLatLong{LatLongImage{4 * size, 2 * size, lat_long.pixels}};
+          return Project{LatLongImage{4 * size, 2 * size, lat_long.pixels}};
         },
         project(lat_long.view()));
   }
@@ -186,7 +186,7 @@ TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
 TEST_CASE("resampling runs out of memory cleanly", "[worker]") {
   const auto lat_long =
       std::make_shared<const LatLongImage>(LatLongImage{64, 32, make_lat_long(Content::smooth, 64, 32, 1).pixels});
-  fail_everywhere([&] { return LatLongToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
+  fail_everywhere([&] { return ToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
 }
 
 TEST_CASE("files run out of memory cleanly", "[worker][slow]") {
@@ -219,7 +219,7 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
     for (long number = 1; !posted; ++number) {
       INFO("allocation " << number);
       REQUIRE(number < 1000);
-      ProjectCubemap request{CubemapImage{8, cubemap.pixels}};
+      Project request{CubemapImage{8, cubemap.pixels}};
       detail::give_back_job_memory();  // what is kept from earlier posts would do
       const WorkerLoad before = worker.load();
       {

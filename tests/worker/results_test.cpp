@@ -64,17 +64,16 @@ ProjectionOptions midpoint_options() {
 
 void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t seed) {
   const auto floats = kept(CubemapImage{size, make_cubemap(Content::special_values, size, 3, seed).pixels});
-  cases.push_back(
-      make_case("moved in", project(floats->view()), [floats] { return ProjectCubemap{CubemapImage(*floats)}; }));
+  cases.push_back(make_case("moved in", project(floats->view()), [floats] { return Project{CubemapImage(*floats)}; }));
   cases.push_back(make_case("shared", project(floats->view(), midpoint_options()), [floats] {
-    return ProjectCubemap{floats, midpoint_options()};
+    return Project{floats, midpoint_options()};
   }));
   const auto halves = kept(make_cubemap_half(Content::high_range, size, 4, seed));
   cases.push_back(make_case("borrowed", project(halves->view()),
-                            [halves] { return ProjectCubemap{CubemapSource(halves->view(), nullptr)}; }));
+                            [halves] { return Project{EnvironmentSource(halves->view(), nullptr)}; }));
   const auto bytes = kept(make_cubemap_bytes(Content::random, size, 4, seed));
   cases.push_back(make_case("owned by another", project(bytes->view()),
-                            [bytes] { return ProjectCubemap{CubemapSource(bytes->view(), bytes)}; }));
+                            [bytes] { return Project{EnvironmentSource(bytes->view(), bytes)}; }));
 
   auto levels = std::make_shared<std::vector<TestCubemap>>();
   std::vector<CubemapView> chain;
@@ -84,7 +83,7 @@ void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t s
   for (int target = 1; target < size; target *= 8) {
     options.target_size = target;
     cases.push_back(make_case("mip chain", project(chain, options), [chain, levels, options] {
-      return ProjectCubemap{CubemapSource(chain, levels), options};
+      return Project{EnvironmentSource(chain, levels), options};
     }));
   }
 }
@@ -92,14 +91,14 @@ void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t s
 void add_lat_long_projections(std::vector<Case>& cases, int size, std::uint32_t seed) {
   const auto floats =
       kept(LatLongImage{2 * size, size, make_lat_long(Content::special_values, 2 * size, size, seed).pixels});
-  cases.push_back(make_case("lat-long moved in", project(floats->view()),
-                            [floats] { return ProjectLatLong{LatLongImage(*floats)}; }));
+  cases.push_back(
+      make_case("lat-long moved in", project(floats->view()), [floats] { return Project{LatLongImage(*floats)}; }));
   cases.push_back(make_case("lat-long shared", project(floats->view(), midpoint_options()), [floats] {
-    return ProjectLatLong{floats, midpoint_options()};
+    return Project{floats, midpoint_options()};
   }));
   const auto halves = kept(make_lat_long_half(Content::high_range, 2 * size, size, seed, 4));
   cases.push_back(make_case("lat-long borrowed", project(halves->view()),
-                            [halves] { return ProjectLatLong{LatLongSource(halves->view(), nullptr)}; }));
+                            [halves] { return Project{EnvironmentSource(halves->view(), nullptr)}; }));
 }
 
 void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
@@ -108,14 +107,14 @@ void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
   const glm::dmat3 turn = turn_about_y(37.0);
   const int half = size / 2 + 1;
   cases.push_back(make_case("lat-long to cubemap", to_cubemap(lat_long->view(), half, turn), [lat_long, half, turn] {
-    return LatLongToCubemap{lat_long, half, turn};
+    return ToCubemap{lat_long, half, turn};
   }));
   cases.push_back(make_case("cubemap to cubemap", to_cubemap(cubemap->view(), size, turn), [cubemap, turn] {
-    return CubemapToCubemap{CubemapImage(*cubemap), cubemap->size, turn};
+    return ToCubemap{CubemapImage(*cubemap), cubemap->size, turn};
   }));
   cases.push_back(
       make_case("cubemap to lat-long", to_lat_long(cubemap->view(), 3 * half, half, turn), [cubemap, half, turn] {
-        return CubemapToLatLong{cubemap, 3 * half, half, turn};
+        return ToLatLong{cubemap, 3 * half, half, turn};
       }));
 }
 
@@ -137,10 +136,10 @@ void add_files(std::vector<Case>& cases, const TemporaryDirectory& directory, in
     cases.push_back(make_case("read " + file, read_environment(path), [path] { return ReadFile{path}; }));
     if (environment.face_size() > 0) {
       cases.push_back(make_case("environment of " + file, project(environment.cubemap()),
-                                [path] { return ProjectCubemap{CubemapSource(read_environment(path))}; }));
+                                [path] { return Project{EnvironmentSource(read_environment(path))}; }));
     } else {
       cases.push_back(make_case("environment of " + file, project(environment.lat_long()),
-                                [path] { return ProjectLatLong{LatLongSource(read_environment(path))}; }));
+                                [path] { return Project{EnvironmentSource(read_environment(path))}; }));
     }
   }
 }
@@ -376,10 +375,10 @@ TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocati
     forget_allocations_in_tiles();
     for (const int size : {64, 512, 1024}) {
       const TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
-      for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(ProjectCubemap{CubemapImage{size, cubemap.pixels}}));
+      for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Project{CubemapImage{size, cubemap.pixels}}));
     }
     const TestLatLong lat_long = make_lat_long(Content::special_values, 1024, 512, 1);
-    jobs.push_back(worker.post(ProjectLatLong{LatLongImage{1024, 512, lat_long.pixels}}));
+    jobs.push_back(worker.post(Project{LatLongImage{1024, 512, lat_long.pixels}}));
     worker.wait_until_idle();
     CHECK(allocations_in_tiles() == 0);
     for (auto& job : jobs) CHECK(outcome(job) == "result");

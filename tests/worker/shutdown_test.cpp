@@ -143,7 +143,7 @@ TEST_CASE("terminate stops real work", "[worker]") {
   {
     Worker worker(options_with(2));
     const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 1);
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(ProjectCubemap{CubemapImage{256, cubemap.pixels}}));
+    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(Project{CubemapImage{256, cubemap.pixels}}));
     CHECK(eventually([&] { return worker.load().running > 0 || jobs.front().ready(); }));
   }
   for (auto& job : jobs) {

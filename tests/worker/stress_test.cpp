@@ -82,7 +82,7 @@ struct Square {
 
 /// A projection's digest.
 struct ProjectDigest {
-  ProjectCubemap request;
+  Project request;
   Kept kept{};
 
   Number operator()(const Control& control) const { return digest(request(control)); }
@@ -257,12 +257,12 @@ class Stress {
         case 3: {
           const std::size_t image = below(static_cast<unsigned>(stress_.images_.size()));
           expected.value = stress_.digests_[image];
-          return worker->post(ProjectDigest{ProjectCubemap{stress_.images_[image]}}, options);
+          return worker->post(ProjectDigest{Project{stress_.images_[image]}}, options);
         }
         case 4: {
           const std::size_t image = below(static_cast<unsigned>(stress_.images_.size()));
           expected.value = stress_.digests_[image];
-          return worker->post(ProjectCubemap{CubemapImage(*stress_.images_[image])}, options).then(&digest);
+          return worker->post(Project{CubemapImage(*stress_.images_[image])}, options).then(&digest);
         }
         case 5: {
           expected.thrown = value % 2 == 0 ? "on purpose" : "7";

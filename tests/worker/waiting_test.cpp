@@ -117,7 +117,7 @@ TEST_CASE("real work may be waited for inside a TBB task", "[worker]") {
     auto job = worker.post([&](const Control&) {
       std::atomic<int> wrong{0};
       tbb::parallel_for(0, 6, [&](int) {
-        if (!same_bits(worker.post(ProjectCubemap{CubemapImage{200, cubemap.pixels}}).get(), expected)) ++wrong;
+        if (!same_bits(worker.post(Project{CubemapImage{200, cubemap.pixels}}).get(), expected)) ++wrong;
       });
       return wrong.load();
     });

@@ -114,7 +114,7 @@ Baked bake_by_plan(const py::object& pixels, const PlanOfSource& plan, Options& 
   options.finish();
   return Baked(call.run([&](const Control& control) {
     if (plan.file) return bake(*plan.file, plan.plan, control);
-    return source->visit([&](const auto& view) { return bake(view, plan.plan, control); });
+    return bake(source->view, plan.plan, control);
   }));
 }
 
@@ -137,7 +137,7 @@ Baked bake_source(const py::object& pixels, const py::kwargs& given) {
   options.finish();
   return Baked(call.run([&](const Control& control) {
     if (input) return bake_file(*input, read, how, control);
-    return source->visit([&](const auto& view) { return bake(view, how, control); });
+    return bake(source->view, how, control);
   }));
 }
 

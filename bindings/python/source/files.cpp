@@ -149,9 +149,8 @@ py::dict write_file(const std::filesystem::path& path, const py::object& pixels,
   Call call("write", options);
   options.finish();
   const WriteOptions how = write_options(layout, type);
-  return report_of(call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return write_environment(path, view, how, control); });
-  }));
+  return report_of(
+      call.run([&](const Control& control) { return write_environment(path, source.view, how, control); }));
 }
 
 py::bytes encode(const std::string& name, const py::object& pixels, const std::string& layout, const std::string& type,
@@ -162,9 +161,7 @@ py::bytes encode(const std::string& name, const py::object& pixels, const std::s
   options.finish();
   const WriteOptions how = write_options(layout, type);
   std::vector<std::byte> bytes;
-  call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return write_environment({bytes, name}, view, how, control); });
-  });
+  call.run([&](const Control& control) { return write_environment({bytes, name}, source.view, how, control); });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -214,7 +211,7 @@ py::dict write_texture_file(const std::filesystem::path& path, const py::object&
   }
   options.finish();
   if (levels.size() == 1 && !levels[0].is_cubemap()) {
-    const auto picture = std::get<LatLongView>(levels[0].view);
+    const auto picture = levels[0].view.lat_long();
     if (picture.format != PixelFormat::rgb32f || picture.row_stride_bytes != std::ptrdiff_t{12} * picture.width) {
       throw Error(ErrorCode::invalid_argument,
                   "write_texture: a texture of two dimensions is packed, (height, width, 3) float32");
@@ -228,7 +225,7 @@ py::dict write_texture_file(const std::filesystem::path& path, const py::object&
   for (const Source& level : levels) {
     if (!level.is_cubemap())
       throw Error(ErrorCode::invalid_argument, "write_texture: levels are cubemaps, (6, n, n, channels)");
-    views.push_back(std::get<CubemapView>(level.view));
+    views.push_back(level.view.cubemap());
   }
   return report_of(call.run([&](const Control& control) { return write_texture(path, views, how, control); }));
 }

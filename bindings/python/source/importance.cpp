@@ -31,7 +31,7 @@ LatLongView lat_long_of(const Source& source, const char* function) {
     throw Error(ErrorCode::invalid_argument,
                 std::string(function) + ": takes a lat-long, found a cubemap; welkin.to_lat_long makes one of it");
   }
-  return std::get<LatLongView>(source.view);
+  return source.view.lat_long();
 }
 
 SharedImportance table_of(const py::object& pixels, const py::kwargs& given) {

@@ -47,7 +47,7 @@ Probes probes_of(const py::object& pixels, Options& options) {
       throw Error(ErrorCode::invalid_argument, std::string(options.function()) + ": probe " +
                                                    std::to_string(made.views.size()) + " is a lat-long, not a cubemap");
     }
-    made.views.push_back(std::get<CubemapView>(made.sources.back().view));
+    made.views.push_back(made.sources.back().view.cubemap());
   }
   if (made.sources.empty()) {  // nobody looked
     static_cast<void>(options.take("layout"));

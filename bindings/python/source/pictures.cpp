@@ -33,10 +33,8 @@ py::array cubemap_from(const py::object& pixels, int size, const py::kwargs& giv
   options.read("filter", filter, kFilters);
   Call call("to_cubemap", options);
   options.finish();
-  return array_of(call.run([&](const Control& control) {
-    if (source.is_cubemap()) return to_cubemap(std::get<CubemapView>(source.view), size, turn, control);
-    return to_cubemap(std::get<LatLongView>(source.view), size, turn, filter, control);
-  }));
+  return array_of(
+      call.run([&](const Control& control) { return to_cubemap(source.view, size, turn, filter, control); }));
 }
 
 py::array lat_long_from(const py::object& pixels, int height, const py::kwargs& given) {
@@ -47,12 +45,8 @@ py::array lat_long_from(const py::object& pixels, int height, const py::kwargs& 
   options.read("filter", filter, kFilters);
   Call call("to_lat_long", options);
   options.finish();
-  return array_of(call.run([&](const Control& control) {
-    if (source.is_cubemap()) {
-      return to_lat_long(std::get<CubemapView>(source.view), 2 * height, height, turn, filter, control);
-    }
-    return to_lat_long(std::get<LatLongView>(source.view), 2 * height, height, turn, control);
-  }));
+  return array_of(call.run(
+      [&](const Control& control) { return to_lat_long(source.view, 2 * height, height, turn, filter, control); }));
 }
 
 constexpr int kExposureSize = 32;  // texels of the faces by which an exposure is chosen
@@ -64,8 +58,7 @@ struct Shown {
 };
 
 Shown shown_as(const Source& source, int height, double exposure, const Control& control) {
-  Shown made{source.visit([&](const auto& view) { return to_lat_long(view, 2 * height, height, dmat3(1.0)); }),
-             exposure};
+  Shown made{to_lat_long(source.view, 2 * height, height, dmat3(1.0)), exposure};
   if (exposure <= 0.0) {
     const CubemapImage small =
         to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);

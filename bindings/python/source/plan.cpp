@@ -64,7 +64,7 @@ PlanOfSource plan_of(const py::object& pixels, const py::kwargs& given) {
   PlanOfSource made{call.run([&](const Control& /*control*/) {
                       if (file) return plan(*file, needs, whole);
                       if (shape) return plan(*shape, needs, whole);
-                      return source->visit([&](const auto& view) { return plan(view, needs, whole); });
+                      return plan(source->view, needs, whole);
                     }),
                     file, py::none()};
   if (file) made.keeps = pixels;

@@ -89,16 +89,14 @@ Projection project_source(const py::object& pixels, const py::kwargs& given) {
     options.finish();
     std::vector<CubemapView> views;
     views.reserve(levels.size());
-    for (const Source& level : levels) views.push_back(std::get<CubemapView>(level.view));
+    for (const Source& level : levels) views.push_back(level.view.cubemap());
     return call.run([&](const Control& control) { return project(views, how, control); });
   }
   const Source source = source_of(pixels, options);
   const ProjectionOptions how = projection_options(options);
   Call call("project", options);
   options.finish();
-  return call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return project(view, how, control); });
-  });
+  return call.run([&](const Control& control) { return project(source.view, how, control); });
 }
 
 enum class Integral { harmonics, direct };
@@ -125,13 +123,11 @@ Irradiance irradiance_of(const py::object& light, const py::kwargs& given) {
   }
   CubemapImage cubemap;
   SphericalHarmonics harmonics = call.run([&](const Control& control) {
-    SphericalHarmonics made = irradiance_from_radiance(
-        source ? source->visit([&](const auto& view) { return project(view, how, control); }).radiance
-               : light.cast<const SphericalHarmonics&>());
+    SphericalHarmonics made = irradiance_from_radiance(source ? project(source->view, how, control).radiance
+                                                              : light.cast<const SphericalHarmonics&>());
     if (!size) return made;
-    cubemap = integral == Integral::harmonics
-                  ? irradiance_cubemap(made, *size, control)
-                  : source->visit([&](const auto& view) { return direct_irradiance_cubemap(view, *size, control); });
+    cubemap = integral == Integral::harmonics ? irradiance_cubemap(made, *size, control)
+                                              : direct_irradiance_cubemap(source->view, *size, control);
     return made;
   });
   return {std::move(harmonics), size ? py::object(array_of(std::move(cubemap))) : py::none()};
@@ -147,9 +143,8 @@ py::array direct_irradiance_at(const py::object& pixels, const py::object& norma
   const Directions asked = directions_of(normals, "normals");
   std::vector<dvec3> directions(asked.count());
   for (std::size_t index = 0; index < directions.size(); ++index) directions[index] = asked.at(index);
-  const std::vector<dvec3> values = call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return direct_irradiance(view, directions, policy, control); });
-  });
+  const std::vector<dvec3> values =
+      call.run([&](const Control& control) { return direct_irradiance(source.view, directions, policy, control); });
   return array_of(values).reshape(asked.shape);
 }
 

@@ -131,13 +131,10 @@ Reflections prefilter(const py::object& pixels, const py::kwargs& given) {
   Call call("prefilter", options);
   options.finish();
   if (lobes) {
-    return Reflections(call.run([&](const Control& control) {
-      return source.visit([&](const auto& view) { return prefilter_by_kernels(view, *lobes, control); });
-    }));
+    return Reflections(
+        call.run([&](const Control& control) { return prefilter_by_kernels(source.view, *lobes, control); }));
   }
-  return Reflections(call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return prefilter_specular(view, how, control); });
-  }));
+  return Reflections(call.run([&](const Control& control) { return prefilter_specular(source.view, how, control); }));
 }
 
 /// By a roughness, or by a kernel.
@@ -160,10 +157,8 @@ py::array reference(const py::object& pixels, const py::object& lobe, const py::
   std::vector<dvec3> list(asked.count());
   for (std::size_t index = 0; index < list.size(); ++index) list[index] = asked.at(index);
   const std::vector<dvec3> values = call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) {
-      return kernel ? reference_by_kernel(view, *kernel, list, control)
-                    : reference_specular(view, roughness, list, control);
-    });
+    return kernel ? reference_by_kernel(source.view, *kernel, list, control)
+                  : reference_specular(source.view, roughness, list, control);
   });
   return array_of(values).reshape(asked.shape);
 }
@@ -186,8 +181,8 @@ Chain mips_of(const py::object& pixels, const py::kwargs& given) {
   Call call("build_mips", options);
   options.finish();
   if (!source.is_cubemap()) throw Error(ErrorCode::invalid_argument, "build_mips: takes a cubemap, found a lat-long");
-  return Chain(call.run(
-      [&](const Control& control) { return build_mips(std::get<CubemapView>(source.view), filter, levels, control); }));
+  return Chain(
+      call.run([&](const Control& control) { return build_mips(source.view.cubemap(), filter, levels, control); }));
 }
 
 void bind_chains(py::module_& module) {

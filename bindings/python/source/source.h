@@ -5,8 +5,6 @@
 #include <pybind11/pybind11.h>
 
 #include <cstddef>
-#include <utility>
-#include <variant>
 #include <vector>
 
 #include "options.h"
@@ -18,23 +16,15 @@ namespace welkin::python {
 /// An environment in arrays, which it keeps alive.
 class Source {
  public:
-  std::variant<CubemapView, LatLongView> view;
+  EnvironmentView view;
 
   /// What holds the pixels.
   py::object keeps;
   /// The last face of a vertical cross, which lies there turned by half a turn and is the only thing that is copied.
   std::vector<std::byte> turned_face;
 
-  /// `work(view)` of whichever view it is.
-  template <class Work>
-  decltype(auto) visit(Work&& work) const {
-    return std::visit(std::forward<Work>(work), view);
-  }
-
-  [[nodiscard]] bool is_cubemap() const noexcept { return std::holds_alternative<CubemapView>(view); }
-  [[nodiscard]] SourceShape shape() const {
-    return visit([](const auto& pixels) { return shape_of(pixels); });
-  }
+  [[nodiscard]] bool is_cubemap() const noexcept { return view.kind() == EnvironmentKind::cubemap; }
+  [[nodiscard]] SourceShape shape() const { return shape_of(view); }
 };
 
 /// Takes

@@ -39,7 +39,7 @@ std::map<std::string, std::function<void()>> calls_on(const CubemapView& view, c
 /// Seconds a call, of `count` calls one after the other.
 double seconds_of(const std::string& what, const py::object& pixels, int count) {
   const Source source = source_of(pixels);
-  const auto view = std::get<CubemapView>(source.view);
+  const auto view = source.view.cubemap();
   const SphericalHarmonics light = project(view).radiance;
   const auto calls = calls_on(view, light);
   const auto found = calls.find(what);

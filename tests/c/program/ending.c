@@ -7,7 +7,7 @@ enum { jobs_in_flight = 40 };
 
 static void terminating_with_jobs_in_flight(void) {
   welkin_worker* worker = make_worker();
-  welkin_cubemap cubemap = uniform_cubemap(256, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(256, 1.0F, 1.0F, 1.0F);
   counter released = {0}, completed = {0};
   const welkin_post_options post = {.struct_size = sizeof post,
                                     .release = count_up,
@@ -16,7 +16,7 @@ static void terminating_with_jobs_in_flight(void) {
                                     .completed_user = &completed};
   welkin_job* jobs[jobs_in_flight];
   for (int i = 0; i < jobs_in_flight; ++i) {
-    CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &jobs[i]));
+    CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, &jobs[i]));
   }
   CHECK_STATUS(WELKIN_OK, welkin_job_wait(jobs[0], WELKIN_NO_LIMIT));
   CHECK_STATUS(WELKIN_OK, welkin_worker_terminate(worker));
@@ -30,7 +30,7 @@ static void terminating_with_jobs_in_flight(void) {
   CHECK(stopped > 0);
 
   welkin_job* late = NULL;
-  CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &late));
+  CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, &late));
   CHECK_STATUS(WELKIN_STOPPED, welkin_job_poll(late, NULL));
   welkin_job_release(late);
 

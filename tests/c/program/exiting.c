@@ -36,7 +36,7 @@ static void exiting_in_functions(void) {
 
 static void exiting_in_callbacks(void) {
   welkin_worker* worker = make_worker();
-  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
   counter released = {0}, completed = {0};
   const welkin_post_options post = {.struct_size = sizeof post,
                                     .release = exit_thread_release,
@@ -45,7 +45,7 @@ static void exiting_in_callbacks(void) {
                                     .completed_user = &completed};
   for (int i = 1; i <= 3; ++i) {
     welkin_job* job = NULL;
-    CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &job));
+    CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, &job));
     CHECK_STATUS(WELKIN_OK, welkin_job_wait(job, WELKIN_NO_LIMIT));
     CHECK_STATUS(WELKIN_OK, welkin_worker_wait_until_idle(worker));
     CHECK_STATUS(WELKIN_INTERNAL, welkin_worker_drain(worker, WELKIN_NO_LIMIT, NULL));

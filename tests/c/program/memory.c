@@ -34,8 +34,8 @@ void* aligned_alloc(size_t alignment, size_t size) {
 }
 
 static welkin_worker* worker;
-static welkin_cubemap cubemap;
-static welkin_atmosphere* air;
+static welkin_environment cubemap;
+static const welkin_atmosphere air = {.struct_size = sizeof air};
 static gate closed;
 static welkin_job* job;
 static counter released;
@@ -46,11 +46,11 @@ static const welkin_post_options post = {.struct_size = sizeof post,
                                          .completed = count_completed,
                                          .completed_user = &released};
 
-static welkin_status post_cubemap(void) { return welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &job); }
+static welkin_status post_cubemap(void) { return welkin_post_project(worker, &cubemap, 1, NULL, &post, &job); }
 static welkin_status post_lat_long(void) {
-  const welkin_lat_long lat_long = {
-      .struct_size = sizeof lat_long, .pixels = cubemap.faces[0], .width = 8, .height = 4};
-  return welkin_post_project_lat_long(worker, &lat_long, NULL, &post, &job);
+  const welkin_environment lat_long = {
+      .struct_size = sizeof lat_long, .faces = {cubemap.faces[0]}, .width = 8, .height = 4};
+  return welkin_post_project(worker, &lat_long, 1, NULL, &post, &job);
 }
 static welkin_status post_file(void) {
   return welkin_post_project_file(worker, "/a/path/that/is/too/long/to/be/kept/without/an/allocation.exr", NULL, NULL,
@@ -60,10 +60,10 @@ static welkin_status post_prefilter(void) {
   static const double roughness[] = {0.0, 0.5, 1.0};
   static const welkin_prefilter_options options = {
       .struct_size = sizeof options, .size = 4, .roughness = roughness, .roughness_count = 3};
-  return welkin_post_prefilter_cubemap(worker, &cubemap, &options, &post, &job);
+  return welkin_post_prefilter(worker, &cubemap, &options, &post, &job);
 }
-static welkin_status post_bake(void) { return welkin_post_bake_cubemap(worker, &cubemap, NULL, &post, &job); }
-static welkin_status post_sky_tables(void) { return welkin_post_sky_tables(worker, air, NULL, &post, &job); }
+static welkin_status post_bake(void) { return welkin_post_bake(worker, &cubemap, NULL, NULL, &post, &job); }
+static welkin_status post_sky_tables(void) { return welkin_post_sky_tables(worker, &air, NULL, &post, &job); }
 static welkin_status post_function(void) { return welkin_post_function(worker, wait_at_gate, &closed, &post, &job); }
 
 static void post_with_failures(welkin_status (*call)(void)) {
@@ -90,20 +90,20 @@ static void post_with_failures(welkin_status (*call)(void)) {
 /* A call that makes a handle makes it, or says that there is no memory and makes none. */
 static void make_chains_with_failures(void) {
   static const welkin_prefilter_options options = {.struct_size = sizeof options, .size = 4};
-  welkin_cubemap_chain *chain = NULL, *another = NULL;
-  CHECK_STATUS(WELKIN_OK, welkin_prefilter_cubemap(&cubemap, &options, NULL, &chain));
+  welkin_chain *chain = NULL, *another = NULL;
+  CHECK_STATUS(WELKIN_OK, welkin_prefilter(&cubemap, &options, NULL, &chain));
   welkin_status status = WELKIN_OUT_OF_MEMORY;
   int failed = 0;
   for (; status == WELKIN_OUT_OF_MEMORY && failed < 1000; ++failed) {
     until_failure = failed;
-    status = welkin_cubemap_chain_share(chain, &another);
+    status = welkin_chain_share(chain, &another);
     until_failure = -1;
     CHECK((status == WELKIN_OK) == (another != NULL));
   }
   CHECK_STATUS(WELKIN_OK, status);
   CHECK(failed > 1);
-  welkin_cubemap_chain_destroy(another);
-  welkin_cubemap_chain_destroy(chain);
+  welkin_chain_destroy(another);
+  welkin_chain_destroy(chain);
 }
 
 void memory(void) {
@@ -118,16 +118,14 @@ void memory(void) {
   post_with_failures(post_function);
   post_with_failures(post_prefilter);
   post_with_failures(post_bake);
-  CHECK_STATUS(WELKIN_OK, welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air));
   post_with_failures(post_sky_tables);
-  welkin_atmosphere_destroy(air);
   make_chains_with_failures();
 
   welkin_status status = WELKIN_OUT_OF_MEMORY;
   for (int failed = 0; status == WELKIN_OUT_OF_MEMORY && failed < 100000; ++failed) {
     welkin_projection light = {.struct_size = sizeof light};
     until_failure = failed;
-    status = welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light);
+    status = welkin_project(&cubemap, 1, NULL, NULL, &light);
     until_failure = -1;
   }
   CHECK_STATUS(WELKIN_OK, status);

@@ -22,16 +22,17 @@ static void check_uniform_light(const welkin_projection* light, int bands) {
 }
 
 static void cubemaps(void) {
-  welkin_cubemap cubemap = uniform_cubemap(16, 1.0F, 2.0F, 3.0F);
+  welkin_environment cubemap = uniform_cubemap(16, 1.0F, 2.0F, 3.0F);
   welkin_projection light;
   WELKIN_INIT(light);
-  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light));
+  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &light));
   check_uniform_light(&light, 3);
   CHECK(light.texels == 6 * 16 * 16);
   CHECK(light.struct_size == sizeof light);
 
-  welkin_projection_options options = {.struct_size = sizeof options, .bands = 16, .clamp_maximum = 2.0F};
-  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, &options, NULL, &light));
+  const welkin_pixel_policy policy = {.struct_size = sizeof policy, .clamp_maximum = 2.0F};
+  welkin_projection_options options = {.struct_size = sizeof options, .bands = 16, .pixels = &policy};
+  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, &options, NULL, &light));
   CHECK(light.bands == 16);
   CHECK(light.texels_clamped == 6 * 16 * 16);
   CHECK(close_to(light.total_radiance[2], 4.0 * pi * 2.0, 1e-5));
@@ -40,10 +41,10 @@ static void cubemaps(void) {
 }
 
 static void mip_chains(void) {
-  welkin_cubemap mips[2] = {uniform_cubemap(16, 9.0F, 9.0F, 9.0F), uniform_cubemap(8, 1.0F, 2.0F, 3.0F)};
+  welkin_environment mips[2] = {uniform_cubemap(16, 9.0F, 9.0F, 9.0F), uniform_cubemap(8, 1.0F, 2.0F, 3.0F)};
   const welkin_projection_options options = {.struct_size = sizeof options, .target_size = 8};
   welkin_projection light = {.struct_size = sizeof light};
-  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(mips, 2, &options, NULL, &light));
+  CHECK_STATUS(WELKIN_OK, welkin_project(mips, 2, &options, NULL, &light));
   check_uniform_light(&light, 3);
   CHECK(light.texels == 6 * 8 * 8);
   free(pixels_of(&mips[0]));
@@ -54,14 +55,14 @@ static void lat_longs(void) {
   enum { width = 16, height = 8 };
   unsigned char pixels[height * width * 4];
   for (size_t i = 0; i < sizeof pixels; ++i) pixels[i] = 255;
-  const welkin_lat_long lat_long = {.struct_size = sizeof lat_long,
-                                    .format = WELKIN_FORMAT_RGBA_U8,
-                                    .row_stride_bytes = -(width * 4),
-                                    .pixels = pixels + (height - 1) * width * 4,
-                                    .width = width,
-                                    .height = height};
+  const welkin_environment lat_long = {.struct_size = sizeof lat_long,
+                                       .format = WELKIN_FORMAT_RGBA_U8,
+                                       .row_stride_bytes = -(width * 4),
+                                       .faces = {pixels + (height - 1) * width * 4},
+                                       .width = width,
+                                       .height = height};
   welkin_projection light = {.struct_size = sizeof light};
-  CHECK_STATUS(WELKIN_OK, welkin_project_lat_long(&lat_long, NULL, NULL, &light));
+  CHECK_STATUS(WELKIN_OK, welkin_project(&lat_long, 1, NULL, NULL, &light));
   CHECK(close_to(light.total_radiance[1], 4.0 * pi, 1e-5));
 }
 
@@ -89,14 +90,14 @@ static void files(void) {
 }
 
 static void conversions(void) {
-  welkin_cubemap cubemap = uniform_cubemap(4, 1.0F, 2.0F, 3.0F);
+  welkin_environment cubemap = uniform_cubemap(4, 1.0F, 2.0F, 3.0F);
   welkin_projection light = {.struct_size = sizeof light};
-  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light));
+  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &light));
   free(pixels_of(&cubemap));
 
   welkin_engine_light form = {.struct_size = sizeof form};
   CHECK_STATUS(WELKIN_OK,
-               welkin_engine_light_from_radiance(light.bands, light.coefficients, WELKIN_ENGINE_THREE, &form));
+               welkin_engine_light_from_radiance(light.bands, light.coefficients, WELKIN_ENGINE_THREE, 0, &form));
   CHECK(form.engine == WELKIN_ENGINE_THREE && form.term_count == 9 && form.vector_count == 0);
   CHECK(form.terms[0][2] == light.coefficients[2]);
 

@@ -18,29 +18,26 @@ static welkin_status do_nothing(void* user, const welkin_control* control) {
 }
 
 static void null_pointers(void) {
-  welkin_cubemap cubemap = uniform_cubemap(2, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(2, 1.0F, 1.0F, 1.0F);
   welkin_projection light = {.struct_size = sizeof light};
   double numbers[27] = {0.0};
-  REFUSED("mips", welkin_project_cubemap(NULL, 1, NULL, NULL, &light));
-  REFUSED("projection", welkin_project_cubemap(&cubemap, 1, NULL, NULL, NULL));
-  REFUSED("lat_long", welkin_project_lat_long(NULL, NULL, NULL, &light));
+  REFUSED("mips", welkin_project(NULL, 1, NULL, NULL, &light));
+  REFUSED("projection", welkin_project(&cubemap, 1, NULL, NULL, NULL));
   REFUSED("path", welkin_project_file(NULL, NULL, NULL, NULL, &light));
   REFUSED("radiance", welkin_irradiance_from_radiance(3, NULL, numbers));
   REFUSED("irradiance", welkin_irradiance_from_radiance(3, numbers, NULL));
   REFUSED("direction", welkin_evaluate(3, numbers, NULL, numbers));
   REFUSED("value", welkin_evaluate(3, numbers, numbers, NULL));
-  REFUSED("light", welkin_engine_light_in_place(3, numbers, WELKIN_ENGINE_UNITY, NULL));
+  REFUSED("light", welkin_engine_light_from_radiance(3, numbers, WELKIN_ENGINE_UNITY, 1, NULL));
   REFUSED("worker", welkin_worker_create(NULL, NULL));
   REFUSED("worker", welkin_worker_terminate(NULL));
   REFUSED("worker", welkin_worker_wait_until_idle(NULL));
   REFUSED("worker", welkin_worker_drain(NULL, 0, NULL));
-  REFUSED("worker", welkin_worker_get_load(NULL, NULL));
   REFUSED("worker", welkin_post_function(NULL, do_nothing, NULL, NULL, NULL));
   REFUSED("job", welkin_job_poll(NULL, NULL));
   REFUSED("job", welkin_job_wait(NULL, 0));
   REFUSED("job", welkin_job_projection(NULL, &light));
   REFUSED("job", welkin_job_cancel(NULL, NULL));
-  REFUSED("job", welkin_job_get_priority(NULL, NULL));
   REFUSED("job", welkin_job_set_priority(NULL, 0));
   REFUSED("control", welkin_control_report_progress(NULL, 0.5));
   CHECK(welkin_job_id(NULL) == 0);
@@ -50,48 +47,60 @@ static void null_pointers(void) {
   welkin_worker_destroy(NULL);
 
   for (int face = 0; face < 6; ++face) {
-    welkin_cubemap broken = cubemap;
+    welkin_environment broken = cubemap;
     broken.faces[face] = NULL;
-    REFUSED("face", welkin_project_cubemap(&broken, 1, NULL, NULL, &light));
+    REFUSED("face", welkin_project(&broken, 1, NULL, NULL, &light));
   }
   free(pixels_of(&cubemap));
 }
 
 static void values_out_of_range(void) {
-  welkin_cubemap cubemap = uniform_cubemap(2, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(2, 1.0F, 1.0F, 1.0F);
   welkin_projection light = {.struct_size = sizeof light};
   welkin_projection_options options;
-#define OPTION(field, number)                                                     \
-  do {                                                                            \
-    WELKIN_INIT(options);                                                         \
-    options.field = number;                                                       \
-    REFUSED(#field, welkin_project_cubemap(&cubemap, 1, &options, NULL, &light)); \
+#define OPTION(field, number)                                             \
+  do {                                                                    \
+    WELKIN_INIT(options);                                                 \
+    options.field = number;                                               \
+    REFUSED(#field, welkin_project(&cubemap, 1, &options, NULL, &light)); \
   } while (0)
   OPTION(bands, -1);
   OPTION(bands, 17);
-  OPTION(quadrature, 2);
+  OPTION(midpoint, 2);
   OPTION(target_size, -1);
-  OPTION(clamp_preserve_colour, 2);
-  OPTION(gamma, -1);
-  OPTION(nan, 2);
-  OPTION(infinity, -1);
-  OPTION(negative, 3);
 #undef OPTION
-  WELKIN_INIT(options);
-  options.clamp_maximum = -1.0F;
-  REFUSED("clamp", welkin_project_cubemap(&cubemap, 1, &options, NULL, &light));
-  options.clamp_maximum = (float)NAN;
-  REFUSED("clamp", welkin_project_cubemap(&cubemap, 1, &options, NULL, &light));
-
-  REFUSED("mip_count", welkin_project_cubemap(&cubemap, -1, NULL, NULL, &light));
-  REFUSED("mip_count", welkin_project_cubemap(&cubemap, 1 << 30, NULL, NULL, &light));
-#define VIEW(word, field, number)                                          \
-  do {                                                                     \
-    welkin_cubemap broken = cubemap;                                       \
-    broken.field = number;                                                 \
-    REFUSED(word, welkin_project_cubemap(&broken, 1, NULL, NULL, &light)); \
+  welkin_pixel_policy policy;
+#define POLICY(field, number)                                             \
+  do {                                                                    \
+    WELKIN_INIT(policy);                                                  \
+    policy.field = number;                                                \
+    REFUSED(#field, welkin_project(&cubemap, 1, &options, NULL, &light)); \
   } while (0)
-  VIEW("size", size, 0);
+  WELKIN_INIT(options);
+  options.pixels = &policy;
+  POLICY(clamp_preserve_colour, 2);
+  POLICY(gamma, -1);
+  POLICY(reject_nan, 2);
+  POLICY(reject_infinity, -1);
+  POLICY(negative, 3);
+#undef POLICY
+  WELKIN_INIT(policy);
+  policy.clamp_maximum = -1.0F;
+  REFUSED("clamp", welkin_project(&cubemap, 1, &options, NULL, &light));
+  policy.clamp_maximum = (float)NAN;
+  REFUSED("clamp", welkin_project(&cubemap, 1, &options, NULL, &light));
+
+  REFUSED("mip_count", welkin_project(&cubemap, -1, NULL, NULL, &light));
+  REFUSED("mip_count", welkin_project(&cubemap, 1 << 30, NULL, NULL, &light));
+#define VIEW(word, field, number)                                  \
+  do {                                                             \
+    welkin_environment broken = cubemap;                           \
+    broken.field = number;                                         \
+    REFUSED(word, welkin_project(&broken, 1, NULL, NULL, &light)); \
+  } while (0)
+  VIEW("width", size, 0); /* a lat-long without texels */
+  VIEW("width", width, 4);
+  VIEW("height", height, 4);
   VIEW("size", size, -1);
   VIEW("size", size, INT64_MAX);
   VIEW("size", size, (int64_t)1 << 32);
@@ -111,8 +120,8 @@ static void values_out_of_range(void) {
   welkin_engine_light form = {.struct_size = sizeof form};
   REFUSED("bands", welkin_irradiance_from_radiance(0, numbers, numbers));
   REFUSED("bands", welkin_evaluate(17, numbers, numbers, numbers));
-  REFUSED("engine", welkin_engine_light_from_radiance(3, numbers, 12, &form));
-  REFUSED("OpenEXR", welkin_engine_light_from_radiance(3, numbers, 1, &form)); /* has no form of its own */
+  REFUSED("engine", welkin_engine_light_from_radiance(3, numbers, 12, 0, &form));
+  REFUSED("OpenEXR", welkin_engine_light_from_radiance(3, numbers, 1, 0, &form)); /* has no form of its own */
   free(pixels_of(&cubemap));
 }
 
@@ -135,9 +144,7 @@ static void workers_out_of_range(void) {
   welkin_job* job = NULL;
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, NULL, &job));
   CHECK_STATUS(WELKIN_OK, welkin_job_wait(job, WELKIN_NO_LIMIT));
-  REFUSED("priority", welkin_job_get_priority(job, NULL));
   REFUSED("priority", welkin_job_set_priority(job, 5));
-  REFUSED("load", welkin_worker_get_load(worker, NULL));
   welkin_job_release(job);
   welkin_worker_destroy(worker);
 }

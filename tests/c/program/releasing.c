@@ -19,16 +19,16 @@ static welkin_post_options releasing_to(counter* to) {
 
 static void of_jobs_that_end(void) {
   welkin_worker* worker = make_worker();
-  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
-  const welkin_lat_long lat_long = {
-      .struct_size = sizeof lat_long, .pixels = pixels_of(&cubemap), .width = 8, .height = 4};
-  welkin_cubemap faceless = cubemap;
+  welkin_environment cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  const welkin_environment lat_long = {
+      .struct_size = sizeof lat_long, .faces = {pixels_of(&cubemap)}, .width = 8, .height = 4};
+  welkin_environment faceless = cubemap;
   faceless.faces[0] = NULL;
 
   welkin_post_options post = releasing_to(&released[0]);
-  CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, NULL));
+  CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, NULL));
   post = releasing_to(&released[1]);
-  CHECK_STATUS(WELKIN_OK, welkin_post_project_lat_long(worker, &lat_long, NULL, &post, NULL));
+  CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &lat_long, 1, NULL, &post, NULL));
   post = releasing_to(&released[2]);
   CHECK_STATUS(WELKIN_OK, welkin_post_project_file(worker, "/no/such/file.exr", NULL, NULL, &post, NULL));
   CHECK(counted(&released[2]) == 1); /* its path is copied */
@@ -36,7 +36,7 @@ static void of_jobs_that_end(void) {
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, NULL));
   post = releasing_to(&released[4]);
   welkin_job* job = NULL;
-  CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &faceless, 1, NULL, &post, &job));
+  CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &faceless, 1, NULL, &post, &job));
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_job_wait(job, WELKIN_NO_LIMIT));
   welkin_job_release(job);
   welkin_worker_destroy(worker);
@@ -47,13 +47,13 @@ static void of_jobs_that_end(void) {
 /* Twice the same pixels: neither post's are released while the other's job may still read them. */
 static void of_equal_posts(void) {
   welkin_worker* worker = make_worker();
-  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
   gate closed = {0, 0};
   counter both = {0};
   const welkin_post_options post = releasing_to(&both);
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, NULL));
   for (int i = 0; i < 2; ++i) {
-    CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, NULL));
+    CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, NULL));
   }
   CHECK(counted(&both) == 0);
   open_gate(&closed);
@@ -103,10 +103,10 @@ static void of_jobs_that_are_given_up(void) {
 
 static void of_posts_that_fail(void) {
   welkin_worker* worker = make_worker();
-  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  welkin_environment cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
   counter up = {0};
   welkin_post_options post = releasing_to(&up);
-  const welkin_projection_options bad_options = {.struct_size = sizeof bad_options, .quadrature = 7};
+  const welkin_projection_options bad_options = {.struct_size = sizeof bad_options, .midpoint = 7};
   welkin_job* job = (welkin_job*)&up;
   int expected = 0;
 #define FAILS(call)                                 \
@@ -114,16 +114,16 @@ static void of_posts_that_fail(void) {
     CHECK_STATUS(WELKIN_INVALID_ARGUMENT, call);    \
     CHECK(counted(&up) == ++expected); /* by now */ \
   } while (0)
-  FAILS(welkin_post_project_cubemap(NULL, &cubemap, 1, NULL, &post, &job));
+  FAILS(welkin_post_project(NULL, &cubemap, 1, NULL, &post, &job));
   CHECK(job == NULL);
-  FAILS(welkin_post_project_cubemap(worker, NULL, 1, NULL, &post, &job));
-  FAILS(welkin_post_project_cubemap(worker, &cubemap, 0, NULL, &post, &job));
-  FAILS(welkin_post_project_cubemap(worker, &cubemap, 1, &bad_options, &post, &job));
-  FAILS(welkin_post_project_lat_long(worker, NULL, NULL, &post, &job));
+  FAILS(welkin_post_project(worker, NULL, 1, NULL, &post, &job));
+  FAILS(welkin_post_project(worker, &cubemap, 0, NULL, &post, &job));
+  FAILS(welkin_post_project(worker, &cubemap, 1, &bad_options, &post, &job));
+  FAILS(welkin_post_project(worker, NULL, 1, NULL, &post, &job));
   FAILS(welkin_post_project_file(worker, NULL, NULL, NULL, &post, &job));
   FAILS(welkin_post_function(worker, NULL, NULL, &post, &job));
   cubemap.format = 99;
-  FAILS(welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &job));
+  FAILS(welkin_post_project(worker, &cubemap, 1, NULL, &post, &job));
   post.priority = 2;
   FAILS(welkin_post_function(worker, do_nothing, NULL, &post, &job));
 #undef FAILS

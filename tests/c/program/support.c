@@ -33,7 +33,7 @@ int failures(void) {
 
 int close_to(double value, double expected, double tolerance) { return fabs(value - expected) <= tolerance; }
 
-welkin_cubemap uniform_cubemap(int size, float red, float green, float blue) {
+welkin_environment uniform_cubemap(int size, float red, float green, float blue) {
   const size_t face = (size_t)size * (size_t)size * 3;
   float* pixels = malloc(6 * face * sizeof *pixels);
   if (pixels == NULL) abort();
@@ -42,7 +42,7 @@ welkin_cubemap uniform_cubemap(int size, float red, float green, float blue) {
     pixels[i + 1] = green;
     pixels[i + 2] = blue;
   }
-  welkin_cubemap cubemap;
+  welkin_environment cubemap;
   WELKIN_INIT(cubemap);
   cubemap.size = size;
   cubemap.format = WELKIN_FORMAT_RGB_F32;
@@ -50,7 +50,7 @@ welkin_cubemap uniform_cubemap(int size, float red, float green, float blue) {
   return cubemap;
 }
 
-void* pixels_of(const welkin_cubemap* cubemap) { return (void*)(uintptr_t)cubemap->faces[0]; }
+void* pixels_of(const welkin_environment* cubemap) { return (void*)(uintptr_t)cubemap->faces[0]; }
 
 void count_up(void* its_counter) {
   pthread_mutex_lock(&mutex);

@@ -14,8 +14,8 @@ int failures(void);
 int close_to(double value, double expected, double tolerance);
 
 /* A cubemap of RGB floats, the same radiance everywhere. Its pixels are one block, which begins at faces[0]. */
-welkin_cubemap uniform_cubemap(int size, float red, float green, float blue);
-void* pixels_of(const welkin_cubemap* cubemap);
+welkin_environment uniform_cubemap(int size, float red, float green, float blue);
+void* pixels_of(const welkin_environment* cubemap);
 
 /* Counts calls of callbacks: `count_up(&counter)` is a `release`, `count_completed` a `completed`. */
 typedef struct counter {
