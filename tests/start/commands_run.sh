@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# commands_run.sh WELKIN SOURCE WORK: every command of README.md and docs/start.md as printed, page by page, in a folder
+# commands_run.sh WELKIN SOURCE WORK: every command of README.md and docs/tutorials/first_light.md as printed, page by page, in a folder
 # that holds nothing of the reader's: indented lines, and words in backquotes that begin with "welkin" or
 # "scripts/welkin". The built program WELKIN stands for both. What builds, tests, serves or fetches is left out by name;
 # any other command is a failure, as is one that nobody can run.
@@ -25,7 +25,7 @@ commands_of() {
 }
 
 run=0
-for page in README.md docs/start.md; do
+for page in README.md docs/tutorials/first_light.md; do
   folder="$work/$(basename "$page" .md)"
   mkdir -p "$folder/scripts" "$folder/bin"
   ln -s "$welkin" "$folder/scripts/welkin"
