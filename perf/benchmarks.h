@@ -16,7 +16,7 @@ namespace welkin::perf {
 /// DecodeBc6h/halves/<size>/<threads>.
 void add_bc6h(const std::vector<int>& thread_counts);
 
-/// The table of docs/reference/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
+/// The table of docs/notes/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
 /// the error of each mip and of all, and the largest bias of a mip's mean, of BC6H and ASTC at each effort.
 [[nodiscard]] std::string block_error_table(const std::vector<std::filesystem::path>& files);
 
@@ -90,7 +90,7 @@ void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& t
 
 void add_resampling(const std::vector<int>& thread_counts);
 
-/// What is saved when results are found again, on 2 threads: the tables of docs/guides/cache.md.
+/// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
 /// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
 ///   a cache; the first time, stored in memory or in a folder too; found in memory, on disk; with another last mip.
 /// - Cache/hash: the lat-long's hash alone.

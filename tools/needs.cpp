@@ -70,14 +70,13 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
     if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
-  table.push_back(
-      {.names = "--needs",
-       .target = On<std::string>([&choice](const std::string& file) {
-         choice.needs_in_file = read_needs(platform::path_of(file));
-         choice.file = file;
-       }),
-       .text = "A JSON file that says what the scene uses (docs/guides/scene_needs.md); the rest is not baked",
-       .type = "FILE"});
+  table.push_back({.names = "--needs",
+                   .target = On<std::string>([&choice](const std::string& file) {
+                     choice.needs_in_file = read_needs(platform::path_of(file));
+                     choice.file = file;
+                   }),
+                   .text = "A JSON file of what the scene uses (docs/guides/scene_needs.md); the rest is not baked",
+                   .type = "FILE"});
   table.push_back(
       {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
   table.push_back(
