@@ -47,8 +47,8 @@ class PromiseKeeper final : public Computation {
 
 /// A `std::future` of the job's result or error. The job is taken: nobody else can take its result, and a copy of its
 /// handle, made before, still cancels it. The future must not be waited for inside a request of the same worker,
-/// because it does not help as `Job::get()` does (docs/threading.md). Throws `Error` (invalid_argument) if the result
-/// was taken before, and std::bad_alloc.
+/// because it does not help as `Job::get()` does (docs/guides/worker.md). Throws `Error` (invalid_argument) if the
+/// result was taken before, and std::bad_alloc.
 template <class Result>
 [[nodiscard]] std::future<Result> future_of(Job<Result> job) {
   const auto record = detail::JobAccess::record(job);

@@ -25,9 +25,9 @@ namespace WELKIN_EXPORT welkin {
 
 /// Writes probes as a description in JSON, with files beside it that the description names: NAME.bin with all arrays of
 /// `BakedProbes` as they are (little-endian), and a three-dimensional KTX2 texture of halves for each texture of each
-/// layout, NAME_LAYOUT.ktx2 or NAME_LAYOUT_TEXTURE.ktx2. docs/probes.md has the keys. All files are complete or none is
-/// there. The same bytes on any number of threads. Throws `Error`: invalid_argument, unsupported_file (a name that does
-/// not end in .json), file_access, cancelled.
+/// layout, NAME_LAYOUT.ktx2 or NAME_LAYOUT_TEXTURE.ktx2. docs/guides/probe_grids.md has the keys. All files are
+/// complete or none is there. The same bytes on any number of threads. Throws `Error`: invalid_argument,
+/// unsupported_file (a name that does not end in .json), file_access, cancelled.
 WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& probes,
                          std::span<const ProbeLayout> layouts = {}, const Control& control = {});
 

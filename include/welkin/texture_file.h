@@ -31,8 +31,8 @@ enum class Supercompression {
   zstd,  ///< Zstandard
 };
 
-/// How long is searched for a block's best numbers in ASTC. The names are astcenc's; docs/textures.md has errors and
-/// times.
+/// How long is searched for a block's best numbers in ASTC. The names are astcenc's; docs/notes/textures.md has errors
+/// and times.
 enum class AstcEffort {
   fastest,   ///< some 1 Mtexel/s a thread (4 x 4, AMD EPYC Zen 4)
   fast,      ///< 0.7

@@ -44,8 +44,8 @@
  *
  * Numbers. A direction is three doubles x, y, z; a colour is r, g, b; a 3 x 3 matrix is nine doubles, column after
  * column. A direction or normal that a call takes may have any length: it is normalised, unless its length is 1. One
- * that is zero or not finite is WELKIN_INVALID_ARGUMENT. Returned directions have length 1. docs/c.md leads through the
- * whole with examples.
+ * that is zero or not finite is WELKIN_INVALID_ARGUMENT. Returned directions have length 1. docs/guides/c.md leads
+ * through the whole with examples.
  */
 /* NOLINTBEGIN(modernize-*): this is C */
 #ifndef WELKIN_WELKIN_H
@@ -401,7 +401,7 @@ typedef struct welkin_convention {
 /* How things lie in an engine. */
 WELKIN_API welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention);
 
-/* Light in an engine's own form; docs/engines.md has the formulas. */
+/* Light in an engine's own form; docs/reference/engines.md has the formulas. */
 typedef struct welkin_engine_light {
   uint32_t struct_size;
   welkin_engine engine; /* whose form it is */
@@ -524,7 +524,7 @@ WELKIN_API welkin_status welkin_fitted_roughness_of_mips(welkin_roughness_schedu
  * UNITY: at most seven; BABYLON and UNREAL: down to 1 texel. */
 WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
 
-/* Lobes of a chain whose mips have a roughness r each; docs/reflections.md has their formulas. */
+/* Lobes of a chain whose mips have a roughness r each; docs/maths/reflections.md has their formulas. */
 typedef int32_t welkin_lobe_family;
 enum {
   WELKIN_LOBE_FAMILY_GGX = 0,
@@ -756,7 +756,7 @@ WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* 
 
 /* ---- Sky ----
  * y is up; a sun's azimuth is counted from +z towards +x, its elevation from the horizon up. `sun` is a direction
- * towards it. docs/sky.md says what is computed. */
+ * towards it. docs/maths/sky.md says what is computed. */
 
 /* An atmosphere: a planet's air, its ground and its sun. Not to be changed while another thread uses it. */
 typedef struct welkin_atmosphere welkin_atmosphere;
@@ -1007,7 +1007,7 @@ WELKIN_API welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, cons
 
 /* ---- Worker ---- */
 
-/* Runs jobs on threads of its own, or on the engine's (docs/threading.md). */
+/* Runs jobs on threads of its own, or on the engine's (docs/guides/worker.md). */
 typedef struct welkin_worker welkin_worker;
 
 /* A posted job. Handles are counted: a post gives one reference, `welkin_job_release` gives it back. A handle is good
@@ -1397,7 +1397,7 @@ enum {
   WELKIN_TEXEL_ASTC_6X6_HDR = 7  /* likewise */
 };
 
-/* How long is searched for a block's best numbers; docs/textures.md has errors and times. */
+/* How long is searched for a block's best numbers; docs/notes/textures.md has errors and times. */
 typedef int32_t welkin_bc6h_effort;
 enum {
   WELKIN_BC6H_DEFAULT = 0, /* normal */

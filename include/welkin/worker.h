@@ -10,7 +10,7 @@
 //   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
 //   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
 //
-// docs/threading.md says which thread runs what.
+// docs/guides/worker.md says which thread runs what.
 #pragma once
 
 #include <chrono>
@@ -125,7 +125,7 @@ struct WorkerLoad {
 /// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
 /// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
 /// leaves all as it is. A fork may make a worker of its own, unless its parent had one or a call of it computed when it
-/// forked: then the constructor throws (docs/threading.md).
+/// forked: then the constructor throws (docs/guides/worker.md).
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.
