@@ -49,7 +49,7 @@ def with_links(text, origin, page):
             return f"{match.group(1)}[{shown}]({relative(found, page)}{'#' + anchor if anchor else ''})"
         header = re.fullmatch(r"include/welkin/(\w+)\.(h|hpp)", target.relative_to(SOURCE).as_posix())
         if header:
-            name = header.group(1).replace("_", "__") + "_8" + header.group(2)
+            name = header.group(1).replace("_", "__") + "_8" + header.group(2) + "_source"
             return f'<a href="{relative("api/" + name + ".html", page)}">{shown}</a>'
         return f"`{shown}`" if "`" not in shown else shown
 
@@ -76,6 +76,8 @@ def main():
     origins |= {SOURCE / name: page for name, page in ELSEWHERE.items() if name != "README.md"}
     for origin, page in origins.items():
         text = with_links(origin.read_text(encoding="utf-8"), origin, page)
+        if page == "reference/api.md":
+            text = text.replace("\n\n", '\n\n<a href="../api/index.html">All headers, by Doxygen</a>.\n\n', 1)
         if page == "reference/command.md" and len(sys.argv) > 2:
             text += command_help(sys.argv[2])
         (pages / page).write_text(text, encoding="utf-8")
