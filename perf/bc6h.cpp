@@ -1,5 +1,3 @@
-#include "welkin/bc6h.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,9 +10,10 @@
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "subjects.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
+#include "welkin/image.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::perf {
 namespace {

@@ -19,14 +19,13 @@
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
 #include "welkin/importance.h"
-#include "welkin/irradiance.h"
 #include "welkin/probes.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/requests.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
 #include "welkin/worker.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::perf {
 namespace {

@@ -8,9 +8,8 @@
 #include "benchmarks.h"
 #include "perf/report/error_norms.h"
 #include "welkin/bake.h"
-#include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {

@@ -7,10 +7,8 @@
 #include "perf/report/importance_sampling.h"
 #include "subjects.h"
 #include "welkin/image.h"
-#include "welkin/octahedral.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::perf {
 namespace {

@@ -7,7 +7,7 @@
 #include "benchmarks.h"
 #include "subjects.h"
 #include "welkin/bake.h"
-#include "welkin/exposure.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {
 

@@ -11,8 +11,7 @@
 
 #include "benchmarks.h"
 #include "subjects.h"
-#include "welkin/probe_file.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::perf {
 namespace {

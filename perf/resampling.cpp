@@ -12,7 +12,7 @@
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "subjects.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 
 namespace welkin::perf {
 namespace {

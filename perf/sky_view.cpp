@@ -7,8 +7,8 @@
 
 #include "benchmarks.h"
 #include "subjects.h"
+#include "welkin/bake.h"
 #include "welkin/sky.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin::perf {
 namespace {

@@ -15,9 +15,9 @@
 #include "tools/sky_model.h"
 #include "tools/turning.h"
 #include "welkin/bake.h"
-#include "welkin/octahedral.h"
+#include "welkin/bake_file.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
+#include "welkin/resampling.h"
 
 namespace welkin::tool {
 

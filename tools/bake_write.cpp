@@ -16,12 +16,10 @@
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
-#include "welkin/exposure.h"
-#include "welkin/octahedral.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::tool {
 namespace {

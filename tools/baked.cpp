@@ -15,7 +15,6 @@
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"

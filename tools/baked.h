@@ -10,7 +10,6 @@
 #include "tools/bake_options.h"
 #include "tools/terminal.h"
 #include "welkin/bake.h"
-#include "welkin/plan.h"
 
 namespace welkin::tool {
 

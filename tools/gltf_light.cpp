@@ -9,8 +9,8 @@
 #include "math/elementary.h"
 #include "tools/json.h"
 #include "tools/turning.h"
+#include "welkin/bake_file.h"
 #include "welkin/engines.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::tool {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "tools/arguments.h"
-#include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 class ResultCache;

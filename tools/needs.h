@@ -7,7 +7,7 @@
 
 #include "tools/arguments.h"
 #include "tools/json.h"
-#include "welkin/plan.h"
+#include "welkin/bake.h"
 
 namespace welkin::tool {
 

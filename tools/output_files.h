@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "welkin/bake_file.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::tool {
 

@@ -24,9 +24,9 @@
 #include "tools/turning.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {

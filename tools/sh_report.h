@@ -7,9 +7,7 @@
 
 #include "tools/input.h"
 #include "tools/sky_model.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 

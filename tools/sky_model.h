@@ -12,11 +12,10 @@
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/json.h"
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
 #include "welkin/image.h"
 #include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 

@@ -6,7 +6,6 @@
 #include <welkin/bake.h>
 #include <welkin/core.h>
 #include <welkin/image.h>
-#include <welkin/job.h>
 #include <welkin/reflections.h>
 #include <welkin/requests.h>
 #include <welkin/spherical_harmonics.h>

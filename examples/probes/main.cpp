@@ -4,7 +4,6 @@
 #include <welkin/core.h>
 #include <welkin/engines.h>
 #include <welkin/image.h>
-#include <welkin/job.h>
 #include <welkin/projection.h>
 #include <welkin/requests.h>
 #include <welkin/spherical_harmonics.h>

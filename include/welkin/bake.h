@@ -8,15 +8,16 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "welkin/core.h"
 #include "welkin/engines.h"
 #include "welkin/image.h"
-#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
+#include "welkin/sky.h"
 
 namespace WELKIN_EXPORT welkin {
 
@@ -175,5 +176,189 @@ void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions&
 BakeResult bake_many(std::span<const CubemapView> probes, std::span<const CubemapTarget> specular,
                      std::span<dvec3> coefficients, const PrefilterOptions& options = {}, int bands = 3,
                      const Control& control = {});
+
+// ---- Plans: what a scene uses of its environment, and what a bake will do for it
+//
+//   welkin::SceneNeeds mobile{.diffuse_bands = 1, .glossy = std::nullopt, .background = false};
+//   welkin::Plan plan = welkin::plan(panorama, mobile);
+
+/// Perceptual roughness, as artists set it.
+struct RoughnessRange {
+  double minimum = 0.0;  ///< of the smoothest material
+  double maximum = 1.0;  ///< of the roughest material
+
+  friend bool operator==(const RoughnessRange&, const RoughnessRange&) = default;
+};
+
+/// The default uses everything, of diffuse light what three bands hold.
+struct SceneNeeds {
+  int diffuse_bands = 3;  ///< of diffuse light: 0 none is used, 1 ambient only, 3 as a rule; up to kMaximumBands
+  bool irradiance_cubemap = true;  ///< shaders look diffuse light up in a cubemap; else coefficients are all they read
+
+  /// Of all materials that reflect their surroundings; none: there are no glossy materials.
+  std::optional<RoughnessRange> glossy = RoughnessRange{};
+
+  bool background = true;       ///< something shows the environment itself
+  bool background_mips = true;  ///< and shows it from afar, or blurred
+  bool brdf_table = true;       ///< glossy materials read it; else the engine has one
+
+  /// What an input file carries is taken as it is: the polynomial and the prefiltered chain of an .env, the levels of
+  /// a KTX2. Off: it is computed from the pixels.
+  bool stored_results = true;
+
+  bool sun_moves = true;  ///< of a computed sky: a curve over the sun's elevation; else the light of one sun
+
+  friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
+};
+
+/// Throws `Error` (invalid_argument) that names the member unless 0 <= diffuse_bands <= kMaximumBands and 0 <= minimum
+/// <= maximum <= 1.
+void check(const SceneNeeds& needs);
+
+// What a source of light looks like from outside: all that a plan needs to know of its pixels.
+
+/// Size and format of pixels that are not there yet, for plans.
+struct SourceShape {
+  bool cubemap = false;                      ///< or a lat-long
+  int columns = 0;                           ///< of a lat-long, or of a face
+  int rows = 0;                              ///< of a lat-long, or of six faces
+  PixelFormat format = PixelFormat::rgb32f;  ///< of the pixels
+
+  /// How many texels there are.
+  [[nodiscard]] std::uint64_t texels() const noexcept {
+    return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
+  }
+  /// "lat-long 1024 x 512", "cubemap of 256"
+  [[nodiscard]] std::string words() const;
+
+  friend bool operator==(const SourceShape&, const SourceShape&) = default;
+};
+
+/// Throw `Error` (invalid_argument) for a view that no call would accept.
+[[nodiscard]] SourceShape shape_of(const LatLongView& view);
+[[nodiscard]] SourceShape shape_of(const CubemapView& view);
+
+// A step of a plan: what will be done, or why it will not.
+
+/// What becomes of one pass, and why.
+struct PlannedPass {
+  std::string name;                     ///< as the `PassRecord` that comes out of it
+  PassAction action = PassAction::run;  ///< run, reused or left out
+  std::string reason;                   ///< what is done, or why it is not; for a person
+
+  std::uint64_t bytes = 0;  ///< what it holds at most beside the source: its result, and its working memory
+
+  friend bool operator==(const PlannedPass&, const PlannedPass&) = default;
+};
+
+// What a bake will do for a scene, before any of it is done: which passes run, which are there already, which nobody
+// needs, why, and how much memory each takes.
+//
+//   const welkin::Plan plan = welkin::plan(panorama, {.glossy = std::nullopt});
+//   log(welkin::plan_text(plan));
+//   const welkin::BakeResult light = welkin::bake(panorama, plan);
+
+/// What a bake would do, before it does it.
+struct Plan {
+  std::string source;               ///< "lat-long 1024 x 512"; of files with their name
+  std::vector<PlannedPass> passes;  ///< in the order of the records that come out; of files "read" first
+
+  BakeOptions options;         ///< the whole bake's, without the parts that the scene does not use
+  bool take_specular = false;  ///< the file's chain is the result's
+  bool take_levels = false;    ///< the file's levels are the background's mips
+  int first_stored_mip = 0;    ///< of that chain: the first that is used,
+  int stored_mips = 0;         ///< and how many are
+  bool take_light = false;     ///< the file's polynomial is the diffuse light
+  bool streams = false;  ///< nothing but its light is wanted: it is projected while it is read, or not read at all
+
+  std::uint64_t result_bytes = 0;   ///< memory of the results
+  std::uint64_t working_bytes = 0;  ///< at most, beside results and source
+
+  /// Throws `Error` (invalid_argument) if no pass has the name.
+  [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
+};
+
+/// Plans a bake. `whole` describes the bake of everything, with its sizes and bounds; the parts that `needs` does not
+/// use are removed from it. The reflections become a chain of the mips that are left, and the light has as many bands
+/// as are used. Throws `Error` (invalid_argument, limit_exceeded) as `bake` and `check`.
+[[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole = {});
+[[nodiscard]] Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
+[[nodiscard]] Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
+
+/// Carries a plan out; the source must have the shape that was planned for. The records' reasons are the plan's. Throws
+/// as `bake`, and invalid_argument for another source.
+[[nodiscard]] BakeResult bake(const LatLongView& source, const Plan& plan, const Control& control = {});
+[[nodiscard]] BakeResult bake(const CubemapView& source, const Plan& plan, const Control& control = {});
+
+/// A table of passes: action, memory, reason. With `measured`, the records of the bake that was planned, also the time
+/// that each took.
+[[nodiscard]] std::string plan_text(const Plan& plan, const std::vector<PassRecord>& measured = {});
+[[nodiscard]] std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured);
+
+// ---- Skies: reflections of a computed sky, and plans for skies
+
+/// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the sun's disc is left out unless asked
+/// for. Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const dvec3& sun, const PrefilterOptions& options,
+                                               const SkyPictureOptions& picture = {}, const Control& control = {});
+
+// Plans for computed skies: which tables, and what of the light.
+//
+//   const welkin::SkyPlan plan = welkin::plan(welkin::earth(), {.glossy = std::nullopt});
+//   const welkin::SkyBake sky = welkin::bake(plan, welkin::sun_direction(20.0, 145.0));
+//   const auto light = sky.curve->at(sun);    // each frame
+
+/// What is baked of a sky.
+struct SkyBakeOptions {
+  SkyTableOptions tables{};         ///< sizes and orders of the tables
+  double altitude_m = 0.0;          ///< the observer's, above the ground
+  int bands = 3;                    ///< 0 to kMaximumBands; those of `curve` and `harmonics` are not read
+  SkyCurveOptions curve{};          ///< of a sun that moves
+  SkyHarmonicsOptions harmonics{};  ///< of one that does not
+  std::optional<PrefilterOptions> specular = PrefilterOptions{.size = 32};  ///< reflections; none: not made
+  /// Texels along an edge of a sharp cubemap of the sky, at least 1; none: not made.
+  std::optional<int> background_size = 256;
+  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< the BRDF table; none: not made
+
+  friend bool operator==(const SkyBakeOptions&, const SkyBakeOptions&) = default;
+};
+
+/// What a bake of a sky would do.
+struct SkyPlan {
+  Atmosphere atmosphere;            ///< as it was given
+  std::string source;               ///< for a person
+  std::vector<PlannedPass> passes;  ///< of the tables as `SkyTables::passes` names them, and what follows
+  SkyBakeOptions options;           ///< what the scene does not need is left out of them
+  int specular_source = 0;          ///< texels along an edge of the sky that the reflections are prefiltered from
+  bool tables = true;               ///< whether anything looks into them
+  bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
+  std::uint64_t result_bytes = 0;   ///< memory of the results
+
+  /// By its name. Throws `Error` (invalid_argument) if there is none.
+  [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
+};
+
+/// Plans a sky. Work for what the planet lacks is left out: without aerosol the second table of scattering, without
+/// absorbers their shells, with one order the sources of the others. Throws `Error`
+/// (invalid_argument) as `check` and `precompute_sky`.
+[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {});
+
+/// The results. What was not planned is empty.
+struct SkyBake {
+  std::shared_ptr<const SkyTables> tables;      ///< null if nothing is needed
+  std::optional<SkyCurve> curve;                ///< of a sun that moves
+  std::optional<SphericalHarmonics> radiance;   ///< of one that does not: what `SkyProjector` gives
+  Sun sun;                                      ///< as a directional light
+  std::optional<PrefilteredSpecular> specular;  ///< for this sun; about the vertical it can be turned
+  std::optional<CubemapImage> background;       ///< the sky as a sharp cubemap
+  std::shared_ptr<const BrdfTable> brdf;        ///< null: not made
+  std::vector<PassRecord> passes;  ///< in the plan's order; of tables for more wavelengths than three some come again
+};
+
+/// Carries it out, for one sun. The same bits on any number of threads. Throws `Error` as the calls that it makes.
+[[nodiscard]] SkyBake bake(const SkyPlan& plan, const dvec3& sun, const Control& control = {});
+
+/// As above.
+[[nodiscard]] std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured = {});
 
 }  // namespace welkin

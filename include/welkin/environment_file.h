@@ -1,7 +1,7 @@
 // Environments in files, on disk or in memory: what one is, what is in it, and its light.
 //
 // Read and written here: OpenEXR, Radiance .hdr, PFM and PNG. Read here too: cubemaps and pictures with their levels in
-// KTX2, KTX (the first version) and DDS files, and cubemaps in Babylon.js .env files (in Welkin's axes); texture_file.h
+// KTX2, KTX (the first version) and DDS files, and cubemaps in Babylon.js .env files (in Welkin's axes); bake_file.h
 // reads them whole and writes them.
 #pragma once
 

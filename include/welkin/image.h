@@ -1,4 +1,4 @@
-// Pixels: views of the caller's, images and chains that own theirs, and targets in the caller's memory.
+// Pixels: views of the caller's, images and chains that own theirs, targets in the caller's memory, and BC6H blocks.
 //
 //   welkin::CubemapView cubemap{{px, nx, py, ny, pz, nz}, 1024, 0, welkin::PixelFormat::rgba16f};
 //   welkin::LatLongView panorama{pixels, 4096, 2048, 0, welkin::PixelFormat::rgb32f};
@@ -192,12 +192,12 @@ enum class TexelFormat {
   rgba32f,    ///< floats, as they are: NaN and infinities too
   b10g11r11,  ///< unsigned floats of 11, 11 and 10 bits, up to 65024 and 64512: 1 part in 64 and 32
   e5b9g9r9,   ///< mantissas of 9 bits, one exponent, up to 65408: 1 part in 512 of the largest channel
-  /// BC6H in blocks of 4 x 4, up to 65504 (bc6h.h). Files of cubemaps are written with it; memory is filled by
+  /// BC6H in blocks of 4 x 4, up to 65504. Files of cubemaps are written with it; memory is filled by
   /// `encode_bc6h`.
   bc6h_ufloat,
   bc6h_sfloat,  ///< the same with negatives
   /// ASTC with high dynamic range in blocks of 4 x 4 (1 byte a texel) or 6 x 6 (4/9 of one), up to 65504. KTX2 files
-  /// hold it (texture_file.h).
+  /// hold it (bake_file.h).
   astc_4x4_hdr,
   astc_6x6_hdr,  ///< the same in larger blocks
 };
@@ -241,5 +241,61 @@ struct UploadLayout {
 /// The targets of such a block, one a level. Throws `Error` (invalid_argument) as above, and if the memory is too
 /// small.
 [[nodiscard]] std::vector<CubemapTarget> upload_targets(const UploadLayout& layout, std::span<std::byte> memory);
+
+// ---- Cubemaps as BC6H: blocks of 4 x 4 texels in 16 bytes, which graphics cards read (BC6H_UF16, BC6H_SF16)
+//
+//   welkin::Bc6hCubemap blocks = welkin::encode_bc6h(light.specular->cubemap.views());
+//   upload(blocks.levels[0].blocks);
+//
+// For radiance. Irradiance must not be compressed: where it nears 0 errors of a block are large beside it.
+
+/// How long is searched for a block's best numbers. Errors: rms of a channel's relative error (below 2^-14 relative to
+/// that), over chains of 256 from seven pictures; docs/notes/textures.md has the table.
+enum class Bc6hEffort {
+  fast,    ///< one line of colours a block: 3.4 %
+  normal,  ///< and two lines, with the partition that promises most, where one is not enough: 2.3 %
+  slow,    ///< with the best of four partitions
+};
+
+/// What and how to encode.
+struct Bc6hOptions {
+  Bc6hEffort effort = Bc6hEffort::normal;  ///< what an error may cost
+  bool is_signed = false;                  ///< BC6H_SFLOAT, which has negatives and half the precision
+};
+
+/// One level of a cubemap in blocks.
+struct Bc6hLevel {
+  int size = 0;  ///< texels along an edge; blocks at the right and at the bottom may reach beyond
+  /// Face after face in the order of `CubemapView`, rows of blocks from the top: 6 x ceil(size / 4)^2 x 16 bytes.
+  std::vector<std::uint8_t> blocks;
+  /// Rms of the relative error of a channel, as the encoder sees it while it works. It is within a tenth of
+  /// `bc6h_errors` from 16 texels on.
+  double estimated_error = 0.0;
+};
+
+/// A chain of levels, largest first.
+struct Bc6hCubemap {
+  std::vector<Bc6hLevel> levels;     ///< largest first
+  bool is_signed = false;            ///< BC6H_SFLOAT instead of BC6H_UFLOAT
+  std::uint64_t values_clamped = 0;  ///< channel values that halves could not hold: above 65504, NaN, or negative
+};
+
+/// Encodes a cubemap with its mips, largest first, each half the one before (rounded down). Values that the format
+/// cannot hold are clamped and counted, NaN becomes 0. The same bytes on every instruction set and any number of
+/// threads. Throws `Error`: invalid_argument (an uneven chain), cancelled.
+/// Error halves where the size of the faces doubles. A level of fewer than 32 texels has little in a block that is
+/// alike: of 256 texels' chains with `normal`, 2.6 % at 16 texels, 4 to 5 % below. The ends of a level's brightest
+/// blocks are chosen so that from 16 texels on the mean of each channel is within 0.5 % (signed: 0.8 %).
+[[nodiscard]] Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& options = {},
+                                      const Control& control = {});
+
+/// Decodes all levels, exactly as the format is defined. Throws `Error`: invalid_argument (sizes and bytes that do not
+/// fit), cancelled.
+[[nodiscard]] CubemapChain decode_bc6h(const Bc6hCubemap& cubemap, const Control& control = {});
+
+/// Of each level, the rms over all channels of (decoded - given) / max(|given|, 2^-14), with given as clamped to what
+/// the format holds. Decodes all. Throws `Error`: invalid_argument, cancelled.
+[[nodiscard]] std::vector<double> bc6h_errors(const Bc6hCubemap& cubemap, std::span<const CubemapView> mips,
+                                              const Control& control = {});
 
 }  // namespace welkin

@@ -14,7 +14,6 @@
 #include <variant>
 #include <vector>
 
-#include "welkin/atmosphere.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/image.h"

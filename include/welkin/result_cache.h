@@ -20,7 +20,6 @@
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
-#include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"

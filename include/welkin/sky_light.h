@@ -22,9 +22,7 @@
 #include <exception>
 #include <memory>
 
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"

@@ -1,22 +1,13 @@
-// All of Welkin's C++ interface but job_future.h, which brings the standard library's futures along.
+// All of Welkin's C++ interface.
 #pragma once
 
-#include "welkin/atmosphere.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/bc6h.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
-#include "welkin/irradiance.h"
-#include "welkin/job.h"
-#include "welkin/octahedral.h"
-#include "welkin/plan.h"
-#include "welkin/probe_file.h"
 #include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -25,8 +16,5 @@
 #include "welkin/result_cache.h"
 #include "welkin/sky.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_plan.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 #include "welkin/worker.h"
-#include "welkin/zonal_kernel.h"

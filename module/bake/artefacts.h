@@ -15,7 +15,6 @@
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/plan.h"
 
 namespace welkin::baking {
 

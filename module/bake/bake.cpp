@@ -28,7 +28,7 @@
 #include "reflections/prefilter.h"
 #include "reflections/radiance_scale.h"
 #include "welkin/core.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 

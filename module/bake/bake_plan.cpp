@@ -24,9 +24,9 @@
 #include "transform/row_reduction.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/irradiance.h"
-#include "welkin/plan.h"
+#include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin {

@@ -7,7 +7,6 @@
 
 #include "reflections/prefilter_plan.h"
 #include "welkin/bake.h"
-#include "welkin/plan.h"
 
 namespace welkin::baking {
 

@@ -9,8 +9,8 @@
 #include "platform/standard_library.h"
 #include "platform/text.h"
 #include "reflections/prefilter_plan.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/plan.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin {

@@ -1,6 +1,4 @@
 // Plans for people.
-#include "welkin/plan.h"
-
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -12,6 +10,7 @@
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
 #include "platform/text.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
 
 namespace welkin {

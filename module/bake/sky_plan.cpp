@@ -1,6 +1,4 @@
 // Plans for skies carried out.
-#include "welkin/sky_plan.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,8 +12,8 @@
 #include "platform/standard_library.h"
 #include "reflections/prefilter.h"
 #include "sky/table_sizes.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/plan.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
 

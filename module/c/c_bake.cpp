@@ -15,7 +15,7 @@
 #include "image/pixels.h"
 #include "transform/spectrum.h"
 #include "welkin/bake.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/requests.h"
 #include "welkin/welkin.h"

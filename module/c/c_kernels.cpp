@@ -7,8 +7,8 @@
 
 #include "c/c_support.h"
 #include "welkin/importance.h"
+#include "welkin/reflections.h"
 #include "welkin/welkin.h"
-#include "welkin/zonal_kernel.h"
 
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 

@@ -11,9 +11,7 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
-#include "welkin/exposure.h"
 #include "welkin/projection.h"
 #include "welkin/requests.h"
 #include "welkin/spherical_harmonics.h"

@@ -10,10 +10,9 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
-#include "welkin/atmosphere.h"
+#include "welkin/bake.h"
 #include "welkin/requests.h"
 #include "welkin/sky.h"
-#include "welkin/sky_plan.h"
 #include "welkin/welkin.h"
 
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)

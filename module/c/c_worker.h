@@ -13,9 +13,7 @@
 #include <vector>
 
 #include "c/c_support.h"
-#include "welkin/atmosphere.h"
 #include "welkin/bake.h"
-#include "welkin/job.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"

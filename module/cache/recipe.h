@@ -21,9 +21,9 @@
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
+#include "welkin/resampling.h"
 #include "welkin/result_cache.h"
 #include "welkin/sky.h"
 

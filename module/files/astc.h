@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "files/textures.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::files {
 

@@ -15,7 +15,6 @@
 #include "platform/text.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 
 namespace welkin::c_interface {

@@ -8,7 +8,7 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::files {
 

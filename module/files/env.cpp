@@ -22,9 +22,9 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
+#include "welkin/bake_file.h"
 #include "welkin/engines.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::files {
 namespace {

@@ -12,7 +12,6 @@
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::files {
 

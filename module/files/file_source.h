@@ -5,10 +5,10 @@
 #include <string>
 
 #include "bake/artefacts.h"
+#include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
-#include "welkin/plan.h"
 
 namespace welkin::files {
 

@@ -14,8 +14,8 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
-#include "welkin/octahedral.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
+#include "welkin/resampling.h"
 
 namespace welkin {
 namespace {

@@ -20,8 +20,7 @@
 #include "platform/text.h"
 #include "probes/probe_arrays.h"
 #include "projection/project.h"
-#include "welkin/probe_file.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin {
 namespace {

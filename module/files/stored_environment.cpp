@@ -17,8 +17,8 @@
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
 #include "platform/text.h"
+#include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/plan.h"
 #include "welkin/reflections.h"
 
 namespace welkin {

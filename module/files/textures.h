@@ -17,10 +17,9 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
-#include "welkin/bc6h.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::files {
 

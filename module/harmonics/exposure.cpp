@@ -1,5 +1,3 @@
-#include "welkin/exposure.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +8,7 @@
 #include "image/pixels.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {

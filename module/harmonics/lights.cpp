@@ -11,7 +11,7 @@
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {

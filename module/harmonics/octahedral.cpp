@@ -15,6 +15,8 @@
 #include "math/direction.h"
 #include "platform/float_environment.h"
 #include "welkin/image.h"
+#include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "welkin/octahedral.h"
+#include "welkin/resampling.h"
 
 namespace welkin::octahedral {
 

@@ -16,7 +16,7 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
-#include "welkin/bc6h.h"
+#include "welkin/image.h"
 
 namespace welkin {
 namespace {

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "welkin/bc6h.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 

@@ -7,7 +7,7 @@
 #include "harmonics/octahedral_border.h"
 #include "image/geometry.h"
 #include "probes/probe_arrays.h"
-#include "welkin/octahedral.h"
+#include "welkin/resampling.h"
 
 namespace welkin::probes {
 namespace {

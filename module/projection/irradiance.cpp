@@ -20,7 +20,7 @@
 #include "projection/projection_kernels.h"
 #include "projection/sanitizer.h"
 #include "welkin/core.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 
 namespace welkin::projection {
 namespace {

@@ -19,7 +19,7 @@
 #include "platform/text.h"
 #include "projection/kernel_integrals.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace projection {

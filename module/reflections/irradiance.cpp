@@ -8,7 +8,6 @@
 #include "reflections/band_choice.h"
 #include "reflections/lobe.h"
 #include "transform/spectrum.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 
 namespace welkin::reflections {

@@ -14,7 +14,6 @@
 #include "reflections/near_sums.h"
 #include "transform/spectrum.h"
 #include "welkin/reflections.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::reflections {
 

@@ -1,6 +1,4 @@
 // Kernels with names, those of the caller's, and chains by them.
-#include "welkin/zonal_kernel.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,6 +12,7 @@
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "transform/spectrum.h"
+#include "welkin/reflections.h"
 
 namespace welkin {
 namespace {

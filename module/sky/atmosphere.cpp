@@ -1,6 +1,4 @@
 // Atmospheres as data: what can be computed of them, and the helpers that make and change them.
-#include "welkin/atmosphere.h"
-
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -11,6 +9,7 @@
 #include "platform/text.h"
 #include "sky/spectrum.h"
 #include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

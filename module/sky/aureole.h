@@ -25,7 +25,6 @@
 #include "sky/sky_kernels.h"
 #include "sky/spectrum.h"
 #include "sky/table_mapping.h"
-#include "welkin/atmosphere.h"
 #include "welkin/sky.h"
 
 namespace welkin::sky {

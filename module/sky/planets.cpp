@@ -10,8 +10,8 @@
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "sky/spectrum.h"
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "platform/float_environment.h"
-#include "welkin/atmosphere.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

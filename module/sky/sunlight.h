@@ -87,7 +87,7 @@ inline constexpr double kPoint = 1e-60;
 [[nodiscard]] glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                               double zenith_cosine) noexcept;
 
-/// The sun's disc over a horizon (welkin/atmosphere.h states the model), at any altitude.
+/// The sun's disc over a horizon (welkin/sky.h states the model), at any altitude.
 struct SettingSun {
   double horizon = 0.0;  ///< cosine of its zenith angle
   double stretch = 1.0;  ///< of elevations at the altitude beside those on the ground

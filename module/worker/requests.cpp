@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin {
 namespace {

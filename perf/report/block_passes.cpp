@@ -10,8 +10,8 @@
 
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
+#include "welkin/bake_file.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::report {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 
 namespace welkin::report {
 namespace {

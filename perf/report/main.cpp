@@ -21,8 +21,8 @@
 #include "tools/json.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/plan.h"
 
 namespace welkin::tool {
 namespace {

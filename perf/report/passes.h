@@ -13,11 +13,11 @@
 #include "perf/report/measurement.h"
 #include "perf/report/peers.h"
 #include "perf/report/stopwatch.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/sky.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::report {
 

@@ -7,7 +7,7 @@ set(pattern_tbb "#include [<\"](tbb|oneapi)/[a-z_/]+\\.h[>\"]|tbb::")
 set(pattern_thread "std::j?thread[^:a-z_]")
 set(pattern_cancelled "[^:]Error\\(ErrorCode::cancelled, (kCancelled|[^\"\n]*\"cancelled)|cancelled by the caller")
 set(allowed_tbb "^module/(jobs/one_tbb\\.cpp$|worker/)")
-set(allowed_thread "^module/(jobs|worker|platform)/|^include/welkin/detail/stop_token\\.h$")
+set(allowed_thread "^module/(jobs|worker|platform)/|^include/welkin/detail/standard_library\\.h$")
 set(allowed_cancelled "^module/jobs/control\\.(h|cpp)$")
 set(kinds tbb thread cancelled)
 

@@ -14,12 +14,9 @@
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/irradiance.h"
-#include "welkin/plan.h"
+#include "welkin/projection.h"
 #include "welkin/result_cache.h"
-#include "welkin/sky_plan.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 

@@ -26,7 +26,7 @@
 #include "support/thrown_error.h"
 #include "support/trials.h"
 #include "welkin/core.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -14,7 +14,7 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/result_cache.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -15,11 +15,10 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/plan.h"
+#include "welkin/reflections.h"
 #include "welkin/requests.h"
 #include "welkin/result_cache.h"
 #include "welkin/worker.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 namespace {

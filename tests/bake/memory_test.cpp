@@ -12,7 +12,6 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/plan.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
 

@@ -12,9 +12,8 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/octahedral.h"
-#include "welkin/plan.h"
 #include "welkin/requests.h"
+#include "welkin/resampling.h"
 #include "welkin/result_cache.h"
 #include "welkin/worker.h"
 

@@ -1,7 +1,5 @@
 // Plans: what is not needed is left out, and what is made is what the options of the plan say.
 
-#include "welkin/plan.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,10 +16,10 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/row_reduction.h"
+#include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/resampling.h"
-#include "welkin/sky_plan.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

@@ -16,10 +16,9 @@
 #include "support/test_environments.h"
 #include "welkin/bake.h"
 #include "welkin/importance.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/welkin.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 

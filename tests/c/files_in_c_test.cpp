@@ -18,7 +18,6 @@
 #include "support/test_environments.h"
 #include "welkin/bake_file.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 
 namespace welkin::test {

@@ -13,10 +13,9 @@
 #include "c/c_worker.h"
 #include "support/catch.h"
 #include "support/small_skies.h"
-#include "welkin/atmosphere.h"
+#include "welkin/bake.h"
 #include "welkin/sky.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_plan.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 

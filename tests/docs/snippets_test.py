@@ -28,7 +28,7 @@ PROGRAM = """
 #include <welkin/requests.h>
 #include <welkin/sky_light.h>
 #include <welkin/spherical_harmonics.h>
-#include <welkin/texture_file.h>
+#include <welkin/bake_file.h>
 #include <welkin/worker.h>
 std::span<std::byte> map(std::uint64_t bytes);  // the reader's
 template <class... T> void upload(T&&...);

@@ -16,9 +16,9 @@
 #include "support/sun_chain.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 

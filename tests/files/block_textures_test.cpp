@@ -12,10 +12,10 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/bc6h.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/octahedral.h"
-#include "welkin/texture_file.h"
+#include "welkin/image.h"
+#include "welkin/resampling.h"
 
 namespace welkin::test {
 

@@ -13,7 +13,7 @@
 #include "support/shared_pictures.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::test {
 namespace {

@@ -21,7 +21,6 @@
 #include "support/webp_env.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

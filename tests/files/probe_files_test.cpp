@@ -17,8 +17,7 @@
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/probe_file.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::test {
 namespace {

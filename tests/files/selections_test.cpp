@@ -6,8 +6,8 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 

@@ -15,8 +15,8 @@
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 

@@ -13,8 +13,8 @@
 #include "support/catch.h"
 #include "support/shared_pictures.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 namespace {

@@ -22,10 +22,10 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 

@@ -11,11 +11,9 @@
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin::test {
 namespace {

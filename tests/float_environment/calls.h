@@ -13,13 +13,12 @@
 
 #include "modes.h"
 #include "support/bit_hash.h"
-#include "welkin/atmosphere.h"
-#include "welkin/bc6h.h"
+#include "welkin/bake.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
-#include "welkin/plan.h"
+#include "welkin/image.h"
 #include "welkin/probes.h"
-#include "welkin/sky_plan.h"
+#include "welkin/projection.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

@@ -10,9 +10,7 @@
 #include "support/temporary_directory.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/probe_file.h"
 #include "welkin/result_cache.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 namespace {

@@ -4,9 +4,7 @@
 
 #include "calls.h"
 #include "support/random_harmonics.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
-#include "welkin/exposure.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -10,18 +10,13 @@
 
 #include "calls.h"
 #include "pictures.h"
-#include "welkin/bc6h.h"
-#include "welkin/directional_light.h"
-#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
-#include "welkin/irradiance.h"
-#include "welkin/octahedral.h"
 #include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/zonal_kernel.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 namespace {

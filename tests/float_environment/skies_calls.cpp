@@ -8,11 +8,10 @@
 #include "calls.h"
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
-#include "welkin/atmosphere.h"
+#include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/result_cache.h"
 #include "welkin/sky.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin::test {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <span>
 
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::fuzz {
 namespace {

@@ -25,7 +25,6 @@
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
-#include "welkin/texture_file.h"
 
 namespace {
 

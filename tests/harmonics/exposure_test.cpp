@@ -1,11 +1,10 @@
-#include "welkin/exposure.h"
-
 #include <algorithm>
 #include <limits>
 #include <vector>
 
 #include "support/catch.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 namespace {

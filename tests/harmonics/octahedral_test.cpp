@@ -1,7 +1,5 @@
 // Octahedral maps: where directions lie, what borders hold, and what texels are.
 
-#include "welkin/octahedral.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +13,7 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 namespace {

@@ -16,7 +16,6 @@
 #include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "transform/frame_transform.h"
-#include "welkin/directional_light.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -16,8 +16,8 @@
 #include "support/sun_chain.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/bc6h.h"
 #include "welkin/environment_file.h"
+#include "welkin/image.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 

@@ -16,16 +16,14 @@
 #include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/importance.h"
-#include "welkin/irradiance.h"
-#include "welkin/octahedral.h"
 #include "welkin/probes.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
+#include "welkin/resampling.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/zonal_kernel.h"
 
 // Promise: a direction may have any finite length but 0, which changes the result by no more than rounding; one that is
 // zero or not finite is refused.

@@ -8,8 +8,6 @@
 
 #include "welkin/bake.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
-#include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/requests.h"

@@ -1,6 +1,4 @@
 // Promise: the stop token of our own, for standard libraries without one, does what std::stop_token does.
-#include "welkin/detail/stop_token.h"
-
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -11,7 +9,7 @@
 #include <vector>
 
 #include "support/catch.h"
-#include "welkin/detail/memory_resource.h"
+#include "welkin/detail/standard_library.h"
 
 namespace welkin::test {
 namespace {

@@ -4,13 +4,12 @@
 #include <vector>
 
 #include "portability/hashing.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::portability {
 namespace {

@@ -6,7 +6,6 @@
 #include "portability/hashing.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::portability {
 namespace {

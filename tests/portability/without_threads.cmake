@@ -11,7 +11,7 @@ if(NOT sources MATCHES "module/jobs/serial.cpp" OR sources MATCHES "one_tbb.cpp|
   message(FATAL_ERROR "a build without threads compiles others' sources, or nothing was looked at")
 endif()
 file(READ ${work}/cmake_install.cmake installed)
-foreach(absent IN ITEMS worker.h job.h requests.h welkin.h welkin.hpp)
+foreach(absent IN ITEMS worker.h requests.h welkin.h welkin.hpp)
   string(REPLACE "." "\\\\." pattern ${absent})
   string(FIND "${installed}" "/${pattern}$\" EXCLUDE" found)
   if(found EQUAL -1)

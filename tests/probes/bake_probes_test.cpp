@@ -17,9 +17,9 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
-#include "welkin/octahedral.h"
 #include "welkin/probes.h"
 #include "welkin/projection.h"
+#include "welkin/resampling.h"
 
 namespace welkin::test {
 namespace {

@@ -14,8 +14,8 @@
 #include "probes/probe_captures.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
-#include "welkin/octahedral.h"
 #include "welkin/probes.h"
+#include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

@@ -1,7 +1,5 @@
 // Irradiance: cubemaps from harmonics, integration over the texels, and how few bands come near to it.
 
-#include "welkin/irradiance.h"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -12,9 +12,8 @@
 #include "support/catch.h"
 #include "support/random_harmonics.h"
 #include "support/test_environments.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 namespace {

@@ -24,9 +24,9 @@
 #include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
-#include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

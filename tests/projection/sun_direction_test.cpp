@@ -6,7 +6,6 @@
 
 #include "support/catch.h"
 #include "support/sun_maps.h"
-#include "welkin/directional_light.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "math/elementary.h"
-#include "welkin/atmosphere.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

@@ -5,8 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 

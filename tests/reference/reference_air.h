@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "welkin/atmosphere.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

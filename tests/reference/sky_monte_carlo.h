@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "reference/path_tracer.h"
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 

@@ -1,12 +1,12 @@
 // The truth that fast skies are measured against: slow, in double, by other routes than the tables. The model is that
-// of all skies, as welkin/atmosphere.h states it; light scattered more than once is in path_tracer.h.
+// of all skies, as welkin/sky.h states it; light scattered more than once is in path_tracer.h.
 #pragma once
 
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace WELKIN_EXPORT welkin {

@@ -14,7 +14,7 @@
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
-#include "welkin/zonal_kernel.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 namespace {

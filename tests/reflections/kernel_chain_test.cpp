@@ -15,7 +15,7 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
-#include "welkin/zonal_kernel.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 namespace {

@@ -13,7 +13,7 @@
 #include "support/chains.h"
 #include "support/test_environments.h"
 #include "welkin/core.h"
-#include "welkin/zonal_kernel.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 namespace {

@@ -15,12 +15,10 @@
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/plan.h"
 #include "welkin/requests.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
 #include "welkin/sky_light.h"
-#include "welkin/texture_file.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

@@ -16,7 +16,6 @@
 #include "support/test_environments.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 namespace {

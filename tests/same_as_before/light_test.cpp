@@ -9,12 +9,11 @@
 #include "support/recorded_results.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
-#include "welkin/atmosphere.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/result_cache.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

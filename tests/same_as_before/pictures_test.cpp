@@ -6,10 +6,10 @@
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"
+#include "welkin/bake_file.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::test {
 namespace {

@@ -7,10 +7,9 @@
 #include "support/recorded_results.h"
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
-#include "welkin/atmosphere.h"
+#include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/sky.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin::test {
 namespace {

@@ -1,7 +1,5 @@
 // Atmospheres: what is refused, densities, phase functions, spectra.
 
-#include "welkin/atmosphere.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,6 +13,7 @@
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
 #include "support/thrown_error.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

@@ -12,7 +12,6 @@
 #include "reference/sky_reference.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
-#include "welkin/atmosphere.h"
 #include "welkin/sky.h"
 
 namespace welkin::test {

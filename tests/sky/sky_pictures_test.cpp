@@ -20,11 +20,11 @@
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
-#include "welkin/sky_plan.h"
 
 namespace welkin::test {
 

@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "welkin/atmosphere.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/sky.h"

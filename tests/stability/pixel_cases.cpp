@@ -8,11 +8,10 @@
 #include "reference/reference_projection.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
-#include "welkin/directional_light.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test::stability {
 

@@ -9,7 +9,7 @@
 #include "perf/report/brdf_truth.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 
 namespace welkin::test::stability {

@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "welkin/bake.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"

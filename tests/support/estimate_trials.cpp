@@ -9,11 +9,9 @@
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/random_environments.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 namespace {

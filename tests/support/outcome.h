@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "welkin/core.h"
-#include "welkin/job.h"
+#include "welkin/worker.h"
 
 namespace welkin::test {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "support/trials.h"
-#include "welkin/atmosphere.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

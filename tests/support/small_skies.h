@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 
-#include "welkin/atmosphere.h"
 #include "welkin/sky.h"
 
 namespace welkin::test {

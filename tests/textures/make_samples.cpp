@@ -11,8 +11,8 @@
 #include <string>
 
 #include "support/chains.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace {
 

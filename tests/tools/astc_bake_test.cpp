@@ -8,7 +8,7 @@
 #include "support/chains.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::test {
 

@@ -5,9 +5,9 @@
 #include "support/exr_files.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
-#include "welkin/texture_file.h"
 
 using namespace welkin;
 using namespace welkin::test;

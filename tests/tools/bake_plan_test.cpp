@@ -2,7 +2,7 @@
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
-#include "welkin/plan.h"
+#include "welkin/bake.h"
 
 using namespace welkin;
 using namespace welkin::test;

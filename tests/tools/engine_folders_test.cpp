@@ -9,10 +9,10 @@
 #include "support/chains.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/texture_file.h"
 
 using namespace welkin;
 using namespace welkin::test;

@@ -12,7 +12,7 @@
 #include "tools/command.h"
 #include "welkin/core.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
+#include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"

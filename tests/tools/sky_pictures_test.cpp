@@ -6,9 +6,9 @@
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "tools/sky_command.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/sky.h"
-#include "welkin/texture_file.h"
 
 using namespace welkin;
 using namespace welkin::test;

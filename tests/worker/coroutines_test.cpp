@@ -132,7 +132,7 @@ namespace {
 Detached add_up(Worker& worker, int count, std::shared_ptr<std::promise<int>> sum) {
   int total = 0;
   for (int k = 0; k < count; ++k) {
-    // In statements of their own: see the note on `co_await` in job.h.
+    // In statements of their own: see the note on `co_await` in worker.h.
     auto job = worker.post([k](const Control&) { return k; });
     auto other = worker.post([](const Control&) {}, {.priority = TaskPriority::high});
     total += co_await std::move(job);

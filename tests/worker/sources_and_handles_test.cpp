@@ -18,7 +18,6 @@
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/job_future.h"
 #include "welkin/requests.h"
 #include "welkin/worker.h"
 

@@ -32,7 +32,6 @@
 #include "support/process_threads.h"
 #include "support/sanitized.h"
 #include "support/test_environments.h"
-#include "welkin/job_future.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

@@ -29,7 +29,6 @@
 #include "support/process_threads.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
-#include "welkin/job_future.h"
 #include "welkin/worker.h"
 #include "worker/scheduler.h"
 

@@ -8,7 +8,6 @@
 #include "options.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/plan.h"
 
 namespace welkin::python {
 

@@ -16,7 +16,7 @@
 #include "octahedral.h"
 #include "results.h"
 #include "source.h"
-#include "welkin/texture_file.h"
+#include "welkin/bake_file.h"
 
 namespace welkin::python {
 namespace {

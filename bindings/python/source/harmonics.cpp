@@ -12,7 +12,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "options.h"
-#include "welkin/directional_light.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::python {
 namespace {

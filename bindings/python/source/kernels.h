@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "welkin/zonal_kernel.h"
+#include "welkin/reflections.h"
 
 namespace welkin::python {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "call.h"
-#include "welkin/octahedral.h"
+#include "welkin/resampling.h"
 
 namespace welkin::python {
 

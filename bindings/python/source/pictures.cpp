@@ -11,10 +11,9 @@
 #include "results.h"
 #include "source.h"
 #include "tools/preview_light.h"
-#include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
-#include "welkin/exposure.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::python {
 namespace {

@@ -1,6 +1,4 @@
 // Less work for scenes that need less.
-#include "welkin/plan.h"
-
 #include <pybind11/stl.h>
 
 #include <string>
@@ -12,6 +10,7 @@
 #include "files.h"
 #include "results.h"
 #include "source.h"
+#include "welkin/bake.h"
 
 namespace welkin::python {
 namespace {

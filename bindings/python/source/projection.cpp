@@ -14,7 +14,6 @@
 #include "harmonics.h"
 #include "results.h"
 #include "source.h"
-#include "welkin/irradiance.h"
 
 namespace welkin::python {
 namespace {

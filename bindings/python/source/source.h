@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "options.h"
+#include "welkin/bake.h"
 #include "welkin/image.h"
-#include "welkin/plan.h"
 
 namespace welkin::python {
 

@@ -9,7 +9,6 @@
 #include "source.h"
 #include "welkin/bake.h"
 #include "welkin/engines.h"
-#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"

@@ -1,9 +1,9 @@
 #include "env_file.h"
 
 #include "chains.h"
+#include "welkin/bake_file.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/texture_file.h"
 
 namespace welkin::wasm {
 

@@ -13,12 +13,11 @@
 #include "platform/text.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/directional_light.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
-#include "welkin/texture_file.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::wasm {
 namespace {

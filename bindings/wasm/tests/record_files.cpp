@@ -25,7 +25,6 @@
 #include "welkin/bake_file.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// What a job is made of: the record that its caller holds, and the computation behind it. Users need job.h and
+// What a job is made of: the record that its caller holds, and the computation behind it. Users need
 // worker.h.
 //
 // Nothing in here throws or catches, so that a host may compile it without exceptions: what a request throws is caught

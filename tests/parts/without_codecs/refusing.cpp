@@ -11,7 +11,6 @@
 
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 
