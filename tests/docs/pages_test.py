@@ -141,6 +141,9 @@ def check_links(source):
             if target in texts and target not in reached:
                 reached.add(target)
                 frontier.append(target)
+    for header in set(re.findall(r"\b\w+\.h\b", texts[source / "docs/reference/api.md"])):
+        if not (source / "include/welkin" / header).exists():
+            faults.append(f"docs/reference/api.md: there is no public header {header}")
     navigation = (source / "mkdocs.yml").read_text(encoding="utf-8")
     for path in texts:
         name = path.relative_to(source).as_posix()
