@@ -29,6 +29,7 @@ commands_of() {
        function spans(rest,   parts, count, k) {
          count = split(rest, parts, "`")
          for (k = 2; k <= count; k += 2) {
+           gsub(/ +/, " ", parts[k])  # a line may end within
            if (parts[k] !~ /^(scripts\/)?welkin [a-z]+ ./ || parts[k] ~ /[A-Z][A-Z]|[A-Z]$|[A-Z] |\.\.\.|\|/) continue
            if (parts[k] ~ /^(scripts\/)?welkin (help|completion) |^(scripts\/)?welkin batch [a-z]+$/) continue
            if (parts[k] ~ /^(scripts\/)?welkin (bake|sh|batch run) --/ && parts[k] !~ /--sky/) continue
