@@ -16,8 +16,8 @@ namespace welkin::perf {
 /// DecodeBc6h/halves/<size>/<threads>.
 void add_bc6h(const std::vector<int>& thread_counts);
 
-/// The table of docs/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256), the error
-/// of each mip and of all, and the largest bias of a mip's mean, of BC6H and ASTC at each effort.
+/// The table of docs/notes/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
+/// the error of each mip and of all, and the largest bias of a mip's mean, of BC6H and ASTC at each effort.
 [[nodiscard]] std::string block_error_table(const std::vector<std::filesystem::path>& files);
 
 /// CancelRunning/REQUEST/SIZE/THREADS: from `cancel()` of a running job, at moments spread over its whole length, to
@@ -61,7 +61,7 @@ void add_command(const std::vector<int>& thread_counts);
 /// levels of a map of so many texels.
 void add_prefilter(const std::vector<int>& thread_counts);
 
-/// The tables of docs/reflections.md: for each lat-long of `files`, and each made-up one where an entry says
+/// The tables of docs/maths/reflections.md: for each lat-long of `files`, and each made-up one where an entry says
 /// "--synthetic", the error and time of each method's mips against the integral in double, at `--texels=N` (256)
 /// texels a mip, or all if there are fewer. "--size=N": texels along an edge of mip 0 (512). "--methods=A,B": which
 /// (automatic).
@@ -90,14 +90,15 @@ void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& t
 
 void add_resampling(const std::vector<int>& thread_counts);
 
-/// What is saved when results are found again, on 2 threads: the tables of docs/cache.md.
+/// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
 /// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
 ///   a cache; the first time, stored in memory or in a folder too; found in memory, on disk; with another last mip.
 /// - Cache/hash: the lat-long's hash alone.
 /// - Cache/cubemap-...: three bands of a cubemap of 1024: hashed, projected, one face of it, and the sum of all faces.
 void add_result_cache();
 
-/// The tables of docs/sky.md, as Markdown: errors of precomputed skies against the truth in double. Options choose:
+/// The tables of docs/maths/sky.md, as Markdown: errors of precomputed skies against the truth in double. Options
+/// choose:
 /// "--radiance" (single scattering by table size and sun), "--orders" (orders 2 to 4 as harmonics against path
 /// tracing), "--methods" (ways to harmonics by sun and time); none: all. "--directions=N" (400), "--paths=N" (4000000),
 /// "--altitude=METRES" (0).

@@ -1,14 +1,14 @@
 // welkin_perf: throughput of the kernels beside the machine's own limits.
 //   welkin_perf [Google Benchmark options]
-//   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
-//   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
-//   welkin_perf --block-errors [--size=N] ENVIRONMENT...   the table of docs/textures.md
+//   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/maths/projection.md
+//   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/maths/irradiance.md
+//   welkin_perf --block-errors [--size=N] ENVIRONMENT...   the table of docs/notes/textures.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
-//     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
+//     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/maths/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
-//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/reflections.md
-//   welkin_perf --bounds [--runs=N] LATLONG          docs/speed.md, time by rms_error
-//   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/speed.md, first calls
+//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
+//   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
+//   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
 //   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
 #include <benchmark/benchmark.h>
 

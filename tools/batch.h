@@ -1,5 +1,5 @@
 // `welkin batch`: its plan (jobs.json), the folder of results, what runs record of them, and what is made of that.
-// docs/batches.md has the files' formats.
+// docs/guides/farm.md has the files' formats.
 #pragma once
 
 #include <atomic>

@@ -1,7 +1,7 @@
 // environment.glb: a light of EXT_lights_image_based in one file, its chain of reflections as pictures of RGBD.
 //
 // (KhronosGroup/glTF, extensions/2.0/Vendor/EXT_lights_image_based; Babylon.js's loader of the same name,
-// @babylonjs/loaders 9.28, which is what reads such files. docs/bake_folder.md says where the two differ.)
+// @babylonjs/loaders 9.28, which is what reads such files. docs/guides/engine_files.md says where the two differ.)
 #pragma once
 
 #include <array>

@@ -75,7 +75,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
                      choice.needs_in_file = read_needs(platform::path_of(file));
                      choice.file = file;
                    }),
-                   .text = "A JSON file that says what the scene uses (docs/plans.md); the rest is not baked",
+                   .text = "A JSON file of what the scene uses (docs/guides/scene_needs.md); the rest is not baked",
                    .type = "FILE"});
   table.push_back(
       {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
@@ -115,7 +115,8 @@ Json needs_json(const SceneNeeds& needs) {
 
 SceneNeeds read_needs(const std::filesystem::path& path) {
   return naming_file(path, [&] {
-    return needs_of(read_json_file(path, "docs/plans.md says what stands in one", kMostJsonBytes, Pipes::read));
+    return needs_of(
+        read_json_file(path, "docs/guides/scene_needs.md says what stands in one", kMostJsonBytes, Pipes::read));
   });
 }
 

@@ -13,7 +13,8 @@
 namespace welkin::tool {
 
 /// The surroundings as a lat-long, twice as wide as high, as who stands there sees them: +z in the middle, +x to the
-/// left of it. (A cubemap's own faces look mirrored: docs/orientation.md says why.) The axes are written at the foot.
+/// left of it. (A cubemap's own faces look mirrored: docs/explanation/orientation.md says why.) The axes are written at
+/// the foot.
 [[nodiscard]] PreviewPicture preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
                                                  const Control& control = {});
 

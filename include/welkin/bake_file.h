@@ -152,8 +152,8 @@ enum class Supercompression {
   zstd,  ///< Zstandard
 };
 
-/// How long is searched for a block's best numbers in ASTC. The names are astcenc's; docs/textures.md has errors and
-/// times.
+/// How long is searched for a block's best numbers in ASTC. The names are astcenc's; docs/notes/textures.md has errors
+/// and times.
 enum class AstcEffort {
   fastest,   ///< some 1 Mtexel/s a thread (4 x 4, AMD EPYC Zen 4)
   fast,      ///< 0.7
@@ -293,9 +293,9 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
 
 /// Writes probes as a description in JSON, with files beside it that the description names: NAME.bin with all arrays of
 /// `BakedProbes` as they are (little-endian), and a three-dimensional KTX2 texture of halves for each texture of each
-/// layout, NAME_LAYOUT.ktx2 or NAME_LAYOUT_TEXTURE.ktx2. docs/probes.md has the keys. All files are complete or none is
-/// there. The same bytes on any number of threads. Throws `Error`: invalid_argument, unsupported_file (a name that does
-/// not end in .json), file_access, cancelled.
+/// layout, NAME_LAYOUT.ktx2 or NAME_LAYOUT_TEXTURE.ktx2. docs/guides/probe_grids.md has the keys. All files are
+/// complete or none is there. The same bytes on any number of threads. Throws `Error`: invalid_argument,
+/// unsupported_file (a name that does not end in .json), file_access, cancelled.
 WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& probes,
                          std::span<const ProbeLayout> layouts = {}, const Control& control = {});
 

@@ -98,7 +98,7 @@ class Error : public std::runtime_error {
 /// Passed to every call that can take longer than a frame. The default asks for nothing.
 struct Control {
   /// Checked before every tile: 0.05 to 0.6 ms of work on pixels in memory, one block of rows or tiles of a file
-  /// (docs/threading.md has what was measured). Once stop is requested the call throws `Error` with
+  /// (docs/notes/threads.md has what was measured). Once stop is requested the call throws `Error` with
   /// `ErrorCode::cancelled`; nothing that the call would have returned exists.
   stop_token stop{};
 

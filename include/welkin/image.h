@@ -277,7 +277,7 @@ struct UploadLayout {
 // For radiance. Irradiance must not be compressed: where it nears 0 errors of a block are large beside it.
 
 /// How long is searched for a block's best numbers. Errors: rms of a channel's relative error (below 2^-14 relative to
-/// that), over chains of 256 from seven pictures; docs/textures.md has the table.
+/// that), over chains of 256 from seven pictures; docs/notes/textures.md has the table.
 enum class Bc6hEffort {
   fast,    ///< one line of colours a block: 3.4 %
   normal,  ///< and two lines, with the partition that promises most, where one is not enough: 2.3 %

@@ -130,7 +130,8 @@ struct BakedProbes {
 /// - Radiance: `project_many`, with its bits and errors.
 /// - Distances: texels are averaged first in blocks, so that no more than 16 blocks lie along an edge (exactly, by
 ///   solid angle). A map's texel is the mean of blocks by solid angle times max(0, cosine)^power of the angle between
-///   the texel's direction and the middle of the block, corrected for variation within the block (docs/probes.md).
+///   the texel's direction and the middle of the block, corrected for variation within the block
+///   (docs/guides/probe_grids.md).
 /// - Validity: by the solid angles of texels.
 /// - Dilation: see `dilate`.
 /// - Visibility of the sky: as `project` with exact quadrature, so many bands as relighting needs.
@@ -215,7 +216,7 @@ enum class ShaderLanguage {
 
 /// The code of `probe_irradiance` for a shader: a structure ProbeVolume and functions whose names begin with probe_.
 /// All languages are made of one source. The shader has to define, before it, how a probe's numbers are read
-/// (docs/probes.md has all of them):
+/// (docs/guides/probe_grids.md has all of them):
 ///
 ///   vec3 probe_coefficient(int probe, int index)      radiance, `BakedProbes::coefficients`
 ///   vec2 probe_distance(int probe, int column, int row)    `BakedProbes::distances`, border included

@@ -100,7 +100,7 @@ struct Atmosphere {
 
   /// Light of a night without a moon (airglow, zodiacal light, faint stars), which is there by day too: luminance of
   /// the zenith as seen from the ground, in cd/m2, 0 (none) to 1. Views from within the air add it, their irradiance,
-  /// harmonics and curves included; tables and truth do not have it. docs/sky.md has its colour and its shape.
+  /// harmonics and curves included; tables and truth do not have it. docs/maths/sky.md has its colour and its shape.
   double night_zenith_luminance = 0.0;
 
   friend bool operator==(const Atmosphere&, const Atmosphere&) = default;
@@ -145,8 +145,8 @@ struct AerosolModel {
 
 /// Earth on a day with that aerosol, at given wavelengths (360 to 830 nm). Rayleigh optical depth 0.0973 at 550 nm
 /// (Hansen and Travis 1974), 300 Dobson units of ozone, solar spectrum ASTM G-173, ground albedo 0.1. The illuminance
-/// of clear air is within 10 % of the clear sky of IES RP-21-84 for suns of 60, 30 and 10 degrees (docs/sky.md). Throws
-/// `Error` (invalid_argument) for other wavelengths and unknown kinds.
+/// of clear air is within 10 % of the clear sky of IES RP-21-84 for suns of 60, 30 and 10 degrees (docs/maths/sky.md).
+/// Throws `Error` (invalid_argument) for other wavelengths and unknown kinds.
 [[nodiscard]] Atmosphere earth(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0},
                                AerosolKind aerosol = AerosolKind::clear);
 /// Bruneton 2017's Earth at given wavelengths (360 to 830 nm), equal to his program's: Rayleigh 1.24062e-6 (1 um /

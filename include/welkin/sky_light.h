@@ -7,7 +7,7 @@
 //   const welkin::SkyLightFrame& light = sky.update(seconds_since_last_frame);
 //   if (light.ready) shade_with(light.radiance, light.sun, light.reflections);
 //
-// What a change costs: docs/sky.md.
+// What a change costs: docs/guides/moving_sky.md.
 //
 //   sun's azimuth        the curve's coefficients are turned, reflections get another turn: no work
 //   intensity            a factor

@@ -189,9 +189,9 @@ struct DominantLight {
 [[nodiscard]] std::optional<DominantLight> dominant_light(const SphericalHarmonics& radiance);
 
 /// What counts as a sun: a spot that is far brighter than the map, small, and a good part of the map's light. All
-/// three are needed; the defaults are chosen on photographs (docs/sun.md), where suns are 0.3 to 1.8 degrees in radius
-/// and 2 to 77 % of the light, and lamps, windows and clouds fail by size or by share. A spotlight that
-/// is as small and strong as a sun is taken for one: nothing in a map tells them apart.
+/// three are needed; the defaults are chosen on photographs (docs/notes/measurements.md), where suns are 0.3 to 1.8
+/// degrees in radius and 2 to 77 % of the light, and lamps, windows and clouds fail by size or by share. A spotlight
+/// that is as small and strong as a sun is taken for one: nothing in a map tells them apart.
 struct SunOptions {
   /// Texels of at least this share of the brightest one's luminance that are joined to it are the spot; above 0 to 1.
   /// What is fainter, the glow, stays in the map. A clipped sun before bright clouds wants more, 0.5 perhaps.

@@ -27,7 +27,7 @@
  * Numbers. Strings are UTF-8 and are copied. A direction is three doubles x, y, z, y up, of any length above 0;
  * returned ones have length 1. A colour is r, g, b. A 3 x 3 matrix is nine doubles, column after column. Harmonics are
  * real, orthonormal, without Condon-Shortley phase, Y(1, -1..1) ~ y, z, x: 3 bands^2 doubles, r, g, b of coefficient
- * (l, m) from 3 (l (l + 1) + m) on. docs/c.md has examples.
+ * (l, m) from 3 (l (l + 1) + m) on. docs/guides/c.md has examples.
  */
 /* NOLINTBEGIN(modernize-*): this is C */
 #ifndef WELKIN_WELKIN_H

@@ -10,7 +10,7 @@
 //   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
 //   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
 //
-// docs/threading.md says which thread runs what.
+// docs/guides/worker.md says which thread runs what.
 #pragma once
 
 #include <chrono>
@@ -408,7 +408,7 @@ struct WorkerLoad {
 /// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
 /// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
 /// leaves all as it is. A fork may make a worker of its own, unless its parent had one or a call of it computed when it
-/// forked: then the constructor throws (docs/threading.md).
+/// forked: then the constructor throws (docs/guides/worker.md).
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.
@@ -503,8 +503,8 @@ class PromiseKeeper final : public Computation {
 
 /// A `std::future` of the job's result or error. The job is taken: nobody else can take its result, and a copy of its
 /// handle, made before, still cancels it. The future must not be waited for inside a request of the same worker,
-/// because it does not help as `Job::get()` does (docs/threading.md). Throws `Error` (invalid_argument) if the result
-/// was taken before, and std::bad_alloc.
+/// because it does not help as `Job::get()` does (docs/guides/worker.md). Throws `Error` (invalid_argument) if the
+/// result was taken before, and std::bad_alloc.
 template <class Result>
 [[nodiscard]] std::future<Result> future_of(Job<Result> job) {
   const auto record = detail::JobAccess::record(job);

@@ -1,4 +1,4 @@
-// Irradiance at a place on a surface, from a grid of probes (Welkin, docs/probes.md).
+// Irradiance at a place on a surface, from a grid of probes (Welkin, docs/guides/probe_grids.md).
 //
 // The weights are those of Majercik, Guertin, Nowrouzezahrai and McGuire 2019, "Dynamic Diffuse Global Illumination with
 // Ray-Traced Irradiance Fields", section 5.2: trilinear, facing, and visibility by Chebyshev's inequality.

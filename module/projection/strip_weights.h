@@ -11,7 +11,7 @@ namespace welkin::projection {
 /// For three bands. A strip's moments stand for the weights of its rows, which between 16 of them are a polynomial in
 /// the row: of as low a degree as leaves 2e-8 of a texel's solid angle in double. Measured at all texels of a face:
 /// 2e-8 with 4 moments at 1024, 5e-9 with 5 at 512, 7e-9 with 6 at 256. In floats a texel's weight is off by up to 6e-7
-/// (docs/projection.md).
+/// (docs/maths/projection.md).
 class StripWeights {
  public:
   /// Whether faces of this size are cut into strips.

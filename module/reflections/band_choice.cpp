@@ -13,7 +13,7 @@ namespace {
 constexpr double kStep = 1.0 / 3.0;  ///< of a bound, from one tightening to the next
 constexpr double kTaper = 0.2;
 
-// Envelopes of errors over the pictures in docs/reflections.md, by `reach`: the largest error at a texel is below
+// Envelopes of errors over the pictures in docs/maths/reflections.md, by `reach`: the largest error at a texel is below
 // kOfMaximum e^-reach, most root mean square errors with their safety are below kOfRms e^-reach.
 constexpr double kOfMaximum = 17.3;
 constexpr double kOfRms = 0.88;

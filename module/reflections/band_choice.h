@@ -27,8 +27,8 @@ inline constexpr int kLeastLobeBands = 64;  ///< of lobes other than GGX
 inline constexpr int kMostTightenings = 2;
 
 /// Returns 2 alpha bands, which decides the error of a lobe of any alpha, because its spectrum falls like exp(-2 alpha
-/// l). The bounds hold for photographs, edges of any contrast, noise and stripes (docs/reflections.md) whose bright
-/// texels are extracted.
+/// l). The bounds hold for photographs, edges of any contrast, noise and stripes (docs/maths/reflections.md) whose
+/// bright texels are extracted.
 [[nodiscard]] double reach_within(const ErrorBounds& bounds) noexcept;
 
 /// Returns bands, a multiple of 8: by reach, or more where the lobe is so wide that its kink at the horizon decides.

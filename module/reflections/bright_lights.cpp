@@ -22,12 +22,13 @@ constexpr double kPi = std::numbers::pi;
 
 constexpr int kSmallMip = 64;  ///< mips below that end with areas of `kPartEdge`, over which no field is interpolated
 
-constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
-constexpr double kLost = 5e-6;    ///< of the lights' field, at least: float sums, and what the truth itself errs
+constexpr double kHorizon =
+    0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/maths/reflections.md
+constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 
 // Constants of lobes in tables. They were fitted in several rounds to some hundred random environments
-// (docs/reflections.md). Over its scale:
+// (docs/maths/reflections.md). Over its scale:
 constexpr double kMergedOfScale = 0.4;  ///< most radius of a node
 constexpr double kFieldOfScale = 0.25;  ///< most radius of a block with a field
 constexpr double kWidestField = 0.2;    ///< of directions over a face

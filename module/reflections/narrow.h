@@ -58,7 +58,7 @@ struct NarrowMip {
   double lights = 0.0;   ///< the far part's share of the lobe if bright texels were taken out, else 0
 };
 
-/// Returns the estimated root mean square error of a mip over its own root mean square (docs/reflections.md has
+/// Returns the estimated root mean square error of a mip over its own root mean square (docs/maths/reflections.md has
 /// measurements): what the far part's bands leave out, a share of the steps that grows with alpha for cubemaps and with
 /// its root for lat-longs, the places of lines in floats, and no more of those two than the error of any texel's
 /// weight; and what bright texels' points give in place of their areas.

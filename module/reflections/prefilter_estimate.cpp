@@ -28,7 +28,7 @@ double spline_loss(int l, int rings) {
 }
 
 /// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
-/// This and the shares are fits to `welkin_perf --estimates`, docs/reflections.md.
+/// This and the shares are fits to `welkin_perf --estimates`, docs/maths/reflections.md.
 constexpr double kSafety = 1.8;
 constexpr double kRingSafety = 2.8;     ///< the same of cubemaps, whose edges rings meet by chance
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places

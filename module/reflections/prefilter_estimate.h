@@ -28,7 +28,7 @@ struct SpectralSource {
 ///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi
 /// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
 /// r_l what a cubemap's rings lose; energy that those scatter; `of_lights`, what the bright texels' lights err
-/// (`BrightLights::error`). docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
+/// (`BrightLights::error`). docs/maths/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 

@@ -1,6 +1,6 @@
 """Conan 2 recipe of the sources that it lies in: conan create packaging/conan
 
-Written for Conan's documented interface and never run against a remote (docs/platforms.md).
+Written for Conan's documented interface and never run against a remote (docs/notes/platforms.md).
 """
 
 import os

@@ -1,5 +1,5 @@
 # cmake -DROOT=<the repository> -P arrows.cmake: every include, and the weight of every room, against the table of rooms
-# in docs/architecture.md.
+# in docs/notes/architecture.md.
 #
 # A row of the table reads
 #   | `room` | `room` `room` or nothing | `header.h` ... or none | lines at most | what it holds |
@@ -16,7 +16,7 @@ function(fail message)
 endfunction()
 
 # ---- the table
-file(STRINGS ${ROOT}/docs/architecture.md rows REGEX "^\\| `[a-z]+` \\|")
+file(STRINGS ${ROOT}/docs/notes/architecture.md rows REGEX "^\\| `[a-z]+` \\|")
 set(rooms)
 foreach(row IN LISTS rows)
   string(REPLACE "|" ";" cells "${row}")
@@ -53,7 +53,7 @@ foreach(row IN LISTS rows)
 endforeach()
 list(LENGTH rooms count)
 if(count LESS 10)
-  message(FATAL_ERROR "docs/architecture.md has no table of rooms: ${count} rows were found")
+  message(FATAL_ERROR "docs/notes/architecture.md has no table of rooms: ${count} rows were found")
 endif()
 
 # check(FILE ROOM): all that it includes lies in the room or in those that it may include.
@@ -109,7 +109,7 @@ foreach(folder IN LISTS folders)
   string(APPEND weights "\n  ${folder}: ${lines} of ${most_lines_${folder}}")
   if(lines GREATER most_lines_${folder})
     message(SEND_ERROR "module/${folder} has ${lines} lines, at most ${most_lines_${folder}} are allowed; remove some, or "
-                       "raise the number in docs/architecture.md in a commit of its own that says why")
+                       "raise the number in docs/notes/architecture.md in a commit of its own that says why")
   endif()
 endforeach()
 

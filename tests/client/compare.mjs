@@ -19,5 +19,5 @@ export function compare(a, b) {
 
 export const percent = (value) => `${(100 * value).toFixed(100 * value < 9.95 ? 2 : 1)} %`;
 export const within = (balls, allowed) => balls.every((error, ball) => error <= allowed[ball]);
-/** A row of docs/bake_folder.md's tables. */
+/** A row of docs/notes/clients.md's tables. */
 export const tableRow = (name, balls) => `| ${[name, ...balls.map(percent)].join(" | ")} |`;

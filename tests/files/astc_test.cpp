@@ -24,7 +24,7 @@ namespace welkin::test {
 
 // Promises: KTX2 cubemaps and pictures are written in ASTC as KTX 2.0 and the data format specification have it, the
 // same on any number of threads; they are read with every level, face and size, and are environments like others. What
-// the encoder itself loses is measured in docs/textures.md; here it is only bounded.
+// the encoder itself loses is measured in docs/notes/textures.md; here it is only bounded.
 
 namespace {
 

@@ -339,7 +339,8 @@ TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[s
   CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {&up, 1}, {}, control); }).code == ErrorCode::cancelled);
 }
 
-// Promise: the irradiance of n bands is off by what docs/irradiance.md says, on real environments and synthetic ones.
+// Promise: the irradiance of n bands is off by what docs/maths/irradiance.md says, on real environments and synthetic
+// ones.
 
 namespace {
 
@@ -414,7 +415,7 @@ TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "
   CHECK(rms[0] == rms[1]);
 }
 
-// Promise: on the real environments of ../shared the bands' errors stay within what docs/irradiance.md says.
+// Promise: on the real environments of ../shared the bands' errors stay within what docs/maths/irradiance.md says.
 
 namespace fs = std::filesystem;
 

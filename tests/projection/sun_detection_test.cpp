@@ -395,8 +395,8 @@ TEST_CASE("A sun of one colour takes no other", "[image][sun]") {
 }
 
 // Promises: with default options photographs with a sun give one, of a sun's size; overcast skies, studios and night
-// give none; and three bands light a scene better without the sun in them. The hidden case prints docs/sun.md's table
-// (of the folder in the variable WELKIN_ENVIRONMENTS if it is set).
+// give none; and three bands light a scene better without the sun in them. The hidden case prints
+// docs/notes/measurements.md's table (of the folder in the variable WELKIN_ENVIRONMENTS if it is set).
 
 namespace {
 
@@ -560,7 +560,7 @@ TEST_CASE("The sun of a photograph is the same at half and quarter size", "[imag
   }
 }
 
-TEST_CASE("The table of suns in docs/sun.md", "[.sun-table]") {
+TEST_CASE("The table of suns in docs/notes/measurements.md", "[.sun-table]") {
   for (const fs::path& file : environment_files()) {
     try {
       const Environment environment = read_environment(file);

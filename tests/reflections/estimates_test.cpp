@@ -50,7 +50,7 @@ TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][
   EstimateTrials trials;
   add_family_trials(120'000, 150, {0.12, 1.0}, false, trials);
   std::erase_if(trials, [](const auto& entry) {
-    return entry.first.find("level of a mip chain") != std::string::npos;  // nobody can know: docs/reflections.md
+    return entry.first.find("level of a mip chain") != std::string::npos;  // nobody can know: docs/maths/reflections.md
   });
   CHECK(trials.size() >= 8);
   for (const auto& [kind, honesty] : trials) {

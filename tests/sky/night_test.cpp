@@ -126,7 +126,8 @@ TEST_CASE("night: irradiance, harmonics and curves are those of its radiance", "
   }
 }
 
-// Promise: down to -18 degrees the light that is left is that of paths. (docs/sky.md has the table of many more paths.)
+// Promise: down to -18 degrees the light that is left is that of paths. (docs/maths/sky.md has the table of many more
+// paths.)
 TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][night][truth]") {
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), {.exact_orders = true})), 0.0);
   struct Case {

@@ -94,7 +94,7 @@ TEST_CASE("sky view: earth()'s radiances at 8 azimuths integrate to its irradian
     }
     CAPTURE(angles, most);
     CHECK(most < (angles == 8 ? 0.0065 : 0.002));
-    CHECK(most > (angles == 8 ? 0.005 : 0.001));  // what docs/sky.md says is true
+    CHECK(most > (angles == 8 ? 0.005 : 0.001));  // what docs/maths/sky.md says is true
   }
 }
 

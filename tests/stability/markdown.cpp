@@ -1,4 +1,4 @@
-// docs/stability_table.md.
+// docs/notes/stability_table.md.
 #include <algorithm>
 #include <array>
 #include <charconv>

@@ -48,8 +48,8 @@ struct StabilityOrigin {
   std::string command{};  ///< that made the page
 };
 
-/// docs/stability_table.md: a table a subject, then what does not hold and what to do. Paragraphs are wrapped at 120
-/// columns.
+/// docs/notes/stability_table.md: a table a subject, then what does not hold and what to do. Paragraphs are wrapped at
+/// 120 columns.
 [[nodiscard]] std::string stability_markdown(const std::vector<StabilityResult>& results,
                                              const StabilityOrigin& origin);
 

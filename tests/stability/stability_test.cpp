@@ -115,7 +115,7 @@ TEST_CASE("Every subject of the record is one of the suite", "[stability]") {
   }
 }
 
-TEST_CASE("The table of docs/stability_table.md", "[.stability-table]") {
+TEST_CASE("The table of docs/notes/stability_table.md", "[.stability-table]") {
   std::vector<StabilityResult> results;
   for (const std::string& subject : stability_subjects()) {
     for (StabilityResult& result : run_stability(subject, false)) results.push_back(std::move(result));

@@ -17,7 +17,7 @@ class Honesty {
   Honesty(const Honesty&) = delete;
   Honesty& operator=(const Honesty&) = delete;
 
-  /// With WELKIN_RANDOM_TRIALS set, says what was measured: docs/reflections.md has such figures.
+  /// With WELKIN_RANDOM_TRIALS set, says what was measured: docs/maths/reflections.md has such figures.
   ~Honesty() {
     if (std::getenv("WELKIN_RANDOM_TRIALS") == nullptr) return;
     std::printf("%-44s %5zu estimates, honest %7.3f %%, median estimate/true %6.2f, worst true/estimate %6.3f (%s)\n",

@@ -163,7 +163,7 @@ TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan s
   CHECK(octahedral.at("specular").size() > 1);
 }
 
-TEST_CASE("The table of sharpness in docs/bake_folder.md", "[.sharpness]") {
+TEST_CASE("The table of sharpness in docs/notes/measurements.md", "[.sharpness]") {
   const TemporaryFolder scratch;
   for (const char* name : {"venice_sunset_1k.hdr", "potsdamer_platz_1k.hdr", "spruit_sunrise_4k.hdr"}) {
     const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;

@@ -372,7 +372,7 @@ TEST_CASE("testmap: --for writes the engine's axes", "[tools][slow]") {
     REQUIRE(run_welkin("testmap -o " + quoted(file) + " --size 64 --type float " + options).exit_code == 0);
     return read_environment(file);
   };
-  // Red is x, green y, blue z, and a positive axis is the primary colour: docs/orientation.md.
+  // Red is x, green y, blue z, and a positive axis is the primary colour: docs/explanation/orientation.md.
   const auto colour = [](const Environment& map, double column, double row) {
     const auto at = static_cast<std::size_t>(row * map.info.height) * static_cast<std::size_t>(map.info.width) +
                     static_cast<std::size_t>(column * map.info.width);
@@ -382,7 +382,7 @@ TEST_CASE("testmap: --for writes the engine's axes", "[tools][slow]") {
   constexpr double kLow = 0.66;                            // below the letters
   CHECK(colour(drawn(""), 0.53, kLow) == "b");             // Welkin's centre is +z
   CHECK(colour(drawn("--for unity"), 0.53, kLow) == "r");  // Unity's is +x,
-  CHECK(colour(drawn("--for unity"), 0.28, kLow) == "b");  // and its +z on the left (docs/orientation.md)
+  CHECK(colour(drawn("--for unity"), 0.28, kLow) == "b");  // and its +z on the left (docs/explanation/orientation.md)
   // What convert makes of the plain map for an engine lies where its own map lies.
   for (const std::string engine : {"unity", "unreal", "three", "babylon"}) {
     INFO(engine);
