@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "bake/baked.h"
-#include "jobs/trace.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/outcome.h"
@@ -114,42 +113,6 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   CHECK(result.diagnostics.texels == 80 * 40);
   CHECK(result.peak_bytes > 12 * 80 * 40);
   CHECK(result.peak_bytes <= bake_bytes(picture.view(), options));
-}
-
-namespace {
-
-/// How often rows were looked through for values that are to be replaced.
-int measurements(const jobs::TracedWork& work) {
-  int count = 0;
-  for (const jobs::TracedWork::Stretch& stretch : work.stretches) {
-    for (const jobs::TracedRegion& region : stretch.region) {
-      const bool measures = region.what != nullptr &&
-                            std::string(region.what->name()).find("SanitizedSource7measure") != std::string::npos;
-      count += measures ? 1 : 0;
-      for (const jobs::TracedWork& part : region.parts) count += measurements(part);
-    }
-  }
-  return count;
-}
-
-}  // namespace
-
-TEST_CASE("A bake looks through its pixels once", "[bake]") {
-  BakeOptions options;
-  options.specular->size = 16;
-  options.background.emplace();
-  const auto lat_long = make_lat_long(Content::smooth, 64, 32, 1);
-  const auto cubemap = make_cubemap(Content::smooth, 32, 3, 1);
-  run_with_threads(1, [&] {
-    jobs::TraceRecording of_lat_long;
-    (void)bake(lat_long.view(), options);
-    CHECK(measurements(of_lat_long.finish()) == 1);
-  });
-  run_with_threads(1, [&] {
-    jobs::TraceRecording of_cubemap;
-    (void)bake(cubemap.view(), options);
-    CHECK(measurements(of_cubemap.finish()) == 1);
-  });
 }
 
 TEST_CASE("A background as large as the specular cubemap is its mip 0", "[bake]") {
