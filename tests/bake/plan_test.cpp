@@ -2,10 +2,6 @@
 
 #include "welkin/plan.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <span>
 #include <vector>
 
 #include "bake/baked.h"
@@ -18,7 +14,6 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/row_reduction.h"
-#include "welkin/bake_file.h"
 #include "welkin/irradiance.h"
 #include "welkin/resampling.h"
 #include "welkin/sky_plan.h"
@@ -85,11 +80,6 @@ TEST_CASE("A panorama baked by a plan has the bits of a bake by the plan's optio
   }
 }
 
-TEST_CASE("A cubemap baked by a plan has the bits of a bake by the plan's options", "[plan]") {
-  const TestCubemapHalf cube = make_cubemap_half(Content::high_range, 16, 4, 8);
-  check_all_needs(cube.view(), whole_bake());
-}
-
 TEST_CASE("Mips that are left are within the bounds of the whole chain", "[plan]") {
   const TestCubemap cube = make_cubemap(Content::smooth, 16, 3, 9);
   const BakeResult whole = bake(cube.view(), whole_bake());
@@ -103,13 +93,6 @@ TEST_CASE("Mips that are left are within the bounds of the whole chain", "[plan]
     REQUIRE(values.size() == truth.size());
     for (std::size_t k = 0; k < values.size(); ++k) CHECK(values[k] == Approx(truth[k]).epsilon(2e-2));
   }
-}
-
-TEST_CASE("A plan is for the source that it was made for", "[plan]") {
-  const TestLatLong one = make_lat_long(Content::smooth, 32, 16, 3);
-  const TestLatLong other = make_lat_long(Content::smooth, 34, 16, 3);
-  const Plan planned = plan(one.view(), {});
-  CHECK(thrown_by([&] { static_cast<void>(bake(other.view(), planned)); }).says("lat-long 32 x 16"));
 }
 
 // Promise: a plan says of every pass whether it runs and why, and what a scene does not use falls away.
@@ -174,15 +157,6 @@ TEST_CASE("Where coefficients are all, there is no cubemap", "[plan]") {
   CHECK(light.result_bytes == 0);
 }
 
-TEST_CASE("Ambient light is one colour, and of no diffuse light nothing is projected", "[plan]") {
-  const Plan ambient = plan(kPanorama, {.diffuse_bands = 1});
-  CHECK(ambient.options.bands == 1);
-  check_skipped(ambient, "irradiance", "ambient only: one colour is all of it");
-  const Plan none = plan(kPanorama, {.diffuse_bands = 0});
-  check_skipped(none, "project", "no diffuse light is used");
-  check_skipped(none, "irradiance", "no diffuse light is used");
-}
-
 TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
   struct Case {
     RoughnessRange range;
@@ -203,22 +177,6 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
     const bool says = planned.pass("specular").reason.find(left_out) != std::string::npos;
     CHECK(says == (each.sharp + each.rough > 0));
   }
-}
-
-TEST_CASE("A background keeps its size when reflections lose theirs", "[plan]") {
-  const Plan without = plan(kPanorama, {.glossy = std::nullopt}, six_mip_bake());
-  CHECK(without.options.background->size == 64);
-  const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
-  CHECK(rough.options.background->size == 64);
-  CHECK(rough.pass("background").action == PassAction::run);
-  CHECK(plan(kPanorama, {}, six_mip_bake()).pass("background").action == PassAction::reuse);
-}
-
-TEST_CASE("What is left out takes no memory", "[plan]") {
-  const Plan all = plan(kPanorama, {}, six_mip_bake());
-  const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
-  CHECK(rough.pass("specular").bytes < all.pass("specular").bytes);
-  CHECK(rough.working_bytes < all.working_bytes);
 }
 
 TEST_CASE("A plan reads as a table", "[plan]") {

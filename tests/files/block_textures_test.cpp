@@ -10,8 +10,6 @@
 #include "support/chains.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
-#include "support/test_environments.h"
-#include "support/thrown_error.h"
 #include "welkin/bc6h.h"
 #include "welkin/environment_file.h"
 #include "welkin/octahedral.h"
@@ -189,73 +187,6 @@ TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures
                               {read_environment(directory.file("sky.dds"), read_options).pixels.get(), rgb.size()}));
     }
   }
-}
-
-TEST_CASE("a picture has the blocks that a face of the same texels has", "[codec][textures][bc6h]") {
-  // Smooth, so that no mean needs to be mended, which is done for all faces of a level together.
-  const CubemapChain chain = build_mips(make_cubemap(Content::smooth, 14, 3, 0).view());
-  const TextureOptions options{.format = TexelFormat::bc6h_ufloat};
-  const Bc6hCubemap wanted = encode_bc6h(chain.views());
-  for (const int face : {0, 5}) {
-    std::vector<std::byte> bytes;
-    write_texture_2d({bytes, "face.dds"}, 14, 14, chain.face(0, face), options);
-    constexpr std::size_t header = 148;
-    constexpr std::size_t blocks = std::size_t{16} * 16;
-    REQUIRE(bytes.size() == header + blocks);
-    std::uint32_t linear_size = 0;
-    std::memcpy(&linear_size, bytes.data() + 20, sizeof linear_size);
-    CHECK(linear_size == blocks);
-    CHECK(std::memcmp(bytes.data() + header, wanted.levels[0].blocks.data() + blocks * static_cast<std::size_t>(face),
-                      blocks) == 0);
-  }
-}
-
-TEST_CASE("values of a picture that BC6H cannot hold are counted", "[codec][textures][bc6h]") {
-  std::vector<float> rgb = slopes(6, 3);
-  rgb[0] = -1.0F;
-  rgb[3 * 17] = 1e6F;  // in the last column, which blocks repeat
-  std::vector<std::byte> bytes;
-  CHECK(write_texture_2d({bytes, "a.ktx2"}, 6, 3, rgb.data(), {.format = TexelFormat::bc6h_ufloat}).values_clamped ==
-        2);
-}
-
-TEST_CASE("octahedral maps are written as BC6H, every level", "[codec][textures][bc6h]") {
-  OctahedralMap map;
-  map.size = 24;
-  map.border = 4;
-  for (int level = 0; level < 3; ++level) map.levels.push_back(slopes(24 >> level, 24 >> level));
-  std::vector<std::byte> bytes;
-  write_octahedral({bytes, "map.ktx2"}, map, {.format = TexelFormat::bc6h_ufloat});
-  for (int level = 0; level < 3; ++level) {
-    ReadOptions options;
-    options.layout = Layout::lat_long;
-    options.level = level;
-    const Environment read = read_environment({std::as_const(bytes), "map.ktx2"}, options);
-    CHECK(read.info.width == 24 >> level);
-    const std::vector<float>& wanted = map.levels[static_cast<std::size_t>(level)];
-    CHECK(is_near({read.pixels.get(), wanted.size()}, wanted, 0.03F));
-  }
-}
-
-TEST_CASE("BC6H is refused where it cannot be", "[codec][textures][bc6h]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(4, 1);
-  TextureOptions options;
-  options.format = TexelFormat::bc6h_ufloat;
-  CHECK(thrown_by([&] { write_texture(directory.file("sky.exr"), chain.views(), options); }).says("blocks of BC6H"));
-  CubemapTarget target{{}, 4, 0, TexelFormat::bc6h_ufloat};
-  CHECK(thrown_by([&] { store_texels(chain.view(0), target); }).code == ErrorCode::invalid_argument);
-}
-
-TEST_CASE("a cubemap of BC6H blocks that ends too early is refused", "[codec][textures][bc6h]") {
-  const TemporaryDirectory directory;
-  const std::vector<RecordedBlock> blocks = blocks_of(image::Bc6hRange::positive);
-  const auto path = directory.file("sky.dds");
-  write_texture(path, noisy_chain(5, 3).views(), {});
-  std::vector<char> bytes = dds_of_blocks(read_bytes(path), blocks, 5);
-  bytes.pop_back();
-  write_bytes(path, bytes);
-  CHECK(thrown_by([&] { (void)read_texture(path); }).code == ErrorCode::corrupt_file);
 }
 
 }  // namespace welkin::test

@@ -186,16 +186,6 @@ TEST_CASE("every level is read as the library reads it", "[codec]") {
   }
 }
 
-TEST_CASE("a file without a chain has one level", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("levels.exr");
-  write_exr(path, recipe_of(64, 32, Imf::TileDescription(8, 8)), some_pixels(64, 32));
-  const EnvironmentInfo info = inspect_environment(path);
-  REQUIRE(info.levels.size() == 1);
-  CHECK(info.levels[0].width == 64);
-  CHECK(info.storage == "tiled 8 x 8");
-}
-
 TEST_CASE("a level that is not there is an error that says how many there are", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("levels.exr");
@@ -278,13 +268,6 @@ TEST_CASE("the level nearest to four times the target is chosen for lat-longs", 
   CHECK(files::level_for_target(sky, target(255)) == 0);
   CHECK(!files::level_for_target(sky, target(256)));
   CHECK(!files::level_for_target(sky, target(std::nullopt)));
-}
-
-TEST_CASE("levels that are no longer six squares are not chosen", "[codec][levels]") {
-  const EnvironmentInfo odd = chain(Layout::vertical_strip, 12, 72, 7);  // 12 x 72, 6 x 36, 3 x 18, 1 x 9
-  CHECK(files::level_for_target(odd, target(3)) == 2);
-  CHECK(files::level_for_target(odd, target(1)) == 2);
-  CHECK(!files::level_for_target(chain(Layout::vertical_strip, 3, 18, 5), target(1)));
 }
 
 TEST_CASE("files choose as chains in memory do", "[codec][levels]") {

@@ -157,18 +157,6 @@ TEST_CASE("a KTX2 file has its parts where the specification wants them", "[code
   }
 }
 
-TEST_CASE("plain KTX2 levels start at multiples of a texel, however long the metadata is", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(2, 2);
-  for (std::size_t length = 0; length < 16; length += 4) {
-    const TextureOptions options{TexelFormat::rgba32f, Supercompression::none, {{"k", std::string(length, 'x')}}};
-    write_texture(directory.file("sky.ktx2"), chain.views(), options);
-    const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    CHECK(number(bytes, 80, 8) % 16 == 0);
-    CHECK(number(bytes, 104, 8) % 16 == 0);
-  }
-}
-
 TEST_CASE("a DDS file has face after face, with its levels from the largest to the smallest", "[codec][textures]") {
   const TemporaryDirectory directory;
   const CubemapChain chain = half_chain(4, 3);
@@ -219,77 +207,6 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
   const EnvironmentInfo info = inspect_environment(path);
   CHECK(info.storage.find("mip-mapped tiles") != std::string::npos);
   CHECK(info.layout_reason.find("envmap") != std::string::npos);
-}
-
-TEST_CASE("levels of an OpenEXR cube that were not given are means of the last one", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(16, 2);
-  write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
-  ReadOptions options;
-  options.level = 3;
-  const Environment read = read_environment(directory.file("sky.exr"), options);
-  REQUIRE(read.face_size() == 2);
-  for (int face = 0; face < 6; ++face) {
-    double sum = 0.0;  // of the top left quarter of 8 x 8
-    for (int j = 0; j < 4; ++j) {
-      for (int i = 0; i < 4; ++i) sum += static_cast<double>(chain.face(1, face)[3 * (8 * j + i)]);
-    }
-    CHECK(std::abs(static_cast<double>(read.pixels[static_cast<std::size_t>(face) * 12]) - sum / 16.0) < 1e-6 * sum);
-  }
-}
-
-TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  for (const int size : {3, 7, 257}) {
-    const CubemapChain chain = half_chain(size, full_chain_levels(size));
-    write_texture(directory.file("sky.exr"), chain.views(), {});
-    const Environment read = read_environment(directory.file("sky.exr"));
-    CHECK(read.face_size() == size);
-    CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, 0)},
-                            {chain.face(0, 0), 6 * face_values(chain, 0)}));
-  }
-}
-
-TEST_CASE("a texture's bytes do not depend on the number of threads", "[codec][textures][slow]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(128, 8);
-  for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
-    for (const Supercompression packing : kPackings) {
-      if (packing != Supercompression::none && std::string(file) != "sky.ktx2") continue;
-      std::vector<char> first;
-      for (const int threads : {1, 2, 5}) {
-        CubemapChain read;
-        run_with_threads(threads, [&] {
-          write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
-          if (std::string(file) != "sky.exr") read = read_texture(directory.file(file)).cubemap;
-        });
-        const std::vector<char> bytes = read_bytes(directory.file(file));
-        if (threads == 1) first = bytes;
-        CHECK(bytes == first);
-        if (std::string(file) != "sky.exr") CHECK(is_rounded(chain, read, TexelFormat::rgba16f));
-      }
-    }
-  }
-}
-
-TEST_CASE("views of any format and stride are written as they are seen", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  std::vector<std::uint16_t> halves;
-  for (int texel = 0; texel < 6 * 3 * 5; ++texel) {  // rows of 5 texels, of which 3 are the picture
-    for (int channel = 0; channel < 4; ++channel) {
-      halves.push_back(Imath::half(static_cast<float>(texel * 4 + channel) * 0.25F).bits());
-    }
-  }
-  CubemapView view{{}, 3, -5 * 8, PixelFormat::rgba16f};  // bottom row first
-  for (std::size_t face = 0; face < 6; ++face) view.faces[face] = halves.data() + (face * 15 + 10) * 4;
-  write_texture(directory.file("sky.ktx2"), {&view, 1}, {});
-  const CubemapTexture read = read_texture(directory.file("sky.ktx2"));
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < 3; ++row) {
-      const float wanted = static_cast<float>((face * 15 + (2 - row) * 5 + 1) * 4 + 2) * 0.25F;
-      CHECK(read.cubemap.face(0, face)[3 * (row * 3 + 1) + 2] == wanted);
-    }
-  }
 }
 
 TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textures]") {
@@ -510,22 +427,6 @@ TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textur
   CHECK(error.says("cancelled"));
 }
 
-TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env][slow]") {
-  constexpr int size = 2048;
-  const Bytes rgba = noise(std::size_t{4} * size * size);
-  const ThrownError written =
-      stopped_while([&](const std::stop_token& stop) { (void)files::encode_png_rgba(rgba, size, stop); });
-  CHECK(written.says("cancelled"));
-  const Bytes png = files::encode_png_rgba(rgba, size);
-  Bytes back(rgba.size());
-  files::decode_rgba({png, size, "sky.env", "its face"}, back.data());
-  CHECK(back == rgba);
-  const ThrownError read = stopped_while([&](const std::stop_token& stop) {
-    files::decode_rgba({png, size, "sky.env", "its face"}, back.data(), stop);
-  });
-  CHECK(read.says("cancelled"));
-}
-
 TEST_CASE("the checksum of sky tables is zlib's, in pieces too", "[codec]") {
   CHECK(files::crc32(0, "123456789", 9) == 0xCBF43926U);
   const Bytes bytes = noise(100);
@@ -536,25 +437,6 @@ TEST_CASE("the checksum of sky tables is zlib's, in pieces too", "[codec]") {
       const std::uint32_t before = files::crc32(0, bytes.data(), first);
       REQUIRE(files::crc32(before, bytes.data() + first, count) == files::crc32(0, bytes.data(), first + count));
     }
-  }
-}
-
-TEST_CASE("a two-dimensional texture that is stopped before it is packed leaves no file", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const std::vector<float> rgb(std::size_t{3} * 64 * 64, 0.5F);
-  for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    std::stop_source source;
-    double last = 0.0;
-    const Control control{source.get_token(), [&](double done) {
-                            last = done;
-                            source.request_stop();
-                          }};
-    const ThrownError error = thrown_by([&] {
-      write_texture_2d(directory.file("brdf.ktx2"), 64, 64, rgb.data(), {TexelFormat::rgba16f, packing, {}}, control);
-    });
-    CHECK(error.code == ErrorCode::cancelled);
-    CHECK(last < 1.0);
-    CHECK(std::filesystem::is_empty(directory.file("").parent_path()));
   }
 }
 

@@ -53,29 +53,6 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
 }
 
-TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
-  const TemporaryFolder scratch;
-  const auto faces = scratch.path() / "faces";
-  const auto own = scratch.path() / "own";
-  std::filesystem::create_directory(faces);
-  std::filesystem::create_directory(own);
-  for (const std::string face : {"px", "nx", "py", "ny", "pz", "nz"}) {
-    write_pfm(faces / (face + ".pfm"), 8, 8, some_pixels(8, 8));
-  }
-  std::filesystem::create_symlink(faces / "nz.pfm", own / "specular.pfm");
-  const std::string before = file_text(faces / "nz.pfm");
-  const std::string options = " --formats pfm --no-previews --size 8 --mips 1 --irradiance 8 --brdf 8";
-  for (const std::string& input : {quoted(faces / "py.pfm") + " --layout six-files", quoted(faces)}) {
-    INFO(input);
-    const std::string message = failure("bake " + input + " -o " + quoted(own) + options, 1);
-    CHECK(contains(message, "nz.pfm: is read"));
-    CHECK(contains(message, "as specular.pfm"));
-    CHECK(names_in(own) == std::vector<std::string>{"specular.pfm"});
-    CHECK((file_text(faces / "nz.pfm") == before));
-  }
-  bake_into(scratch.path() / "other", quoted(faces) + options);
-}
-
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
@@ -152,25 +129,4 @@ TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools
   CHECK(contains(failure("bake --sky -o ''", 1), "-o"));
   CHECK(contains(failure("bake --sky -o /proc/welkin", 1), "/proc/welkin"));
   CHECK(file_text(file) == "no folder");
-}
-
-TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake][posix]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const std::string to_folder = " -o " + quoted(out);
-  // As a shell passes $INPUT and "$INPUT" where the variable is not set.
-  for (const std::string start : {"bake $NOT_SET", "bake \"$NOT_SET\"", "bake ''", "bake --plan-only"}) {
-    INFO(start);
-    const std::string message = failure(start + to_folder, 2);
-    CHECK(contains(message, "INPUT"));
-    CHECK(contains(message, "--sky"));
-    CHECK_FALSE(std::filesystem::exists(out));
-  }
-}
-
-TEST_CASE("bake: an input and --sky exclude each other", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  CHECK(contains(failure("bake some.hdr --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK(contains(failure("bake '' --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK_FALSE(std::filesystem::exists(scratch.path() / "both"));
 }

@@ -9,10 +9,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "places.h"
@@ -121,19 +119,6 @@ TEST_CASE("What killed runs left in a folder is tidied by the next one, and bloc
   CHECK(std::filesystem::exists(out / "manifest.json"));
 }
 
-TEST_CASE("With too little address space for its threads a command works or says so", "[command][unlucky][slow]") {
-  if (kSanitized) return;  // sanitizers need more than there is
-  const TemporaryFolder folder;
-  const std::filesystem::path input = folder.path() / "in.pfm";
-  write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
-  for (int run = 0; run < 50; ++run) {
-    const CommandResult result =
-        run_program("/bin/sh", "-c 'ulimit -v 600000; exec " WELKIN_COMMAND " sh " + input.string() + " --threads 64'");
-    INFO(result.errors);
-    REQUIRE((result.exit_code == 0 || (result.exit_code == 1 && contains(result.errors, "--threads 1"))));
-  }
-}
-
 TEST_CASE("Files that options name are read once, so that pipes do, and are not written over", "[command][unlucky]") {
   const TemporaryFolder folder;
   const std::string small = "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --json ";
@@ -176,31 +161,6 @@ TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]"
   const std::filesystem::path face = folder.path() / "cube_ny.hdr";
   refused(face, quoted(folder.path() / "cube_px.hdr") + " " + quoted(faces) + " --layout six-files --size 4");
   CHECK(run_welkin("convert " + quoted(map) + " " + quoted(folder.path() / "small.hdr") + " --size 32").exit_code == 0);
-}
-
-TEST_CASE("A repeated bake with a cache takes its files from there", "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
-  const std::filesystem::path input = folder.path() / "map.hdr";
-  REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
-  const std::string bake = quoted(input) + " --formats ktx2,env --cache " + quoted(folder.path() / "cache");
-  CHECK(bake_into(folder.path() / "first", bake).at("times").size() > 1);
-  CHECK(bake_into(folder.path() / "again", bake).at("times").size() == 1);
-  CHECK(bake_into(folder.path() / "quiet", bake + " --quiet").at("times").size() == 1);  // the same files
-  CHECK(std::filesystem::exists(folder.path() / "again/environment.env"));
-  CHECK(std::filesystem::exists(folder.path() / "again/preview_spheres.png"));
-  for (const std::string& name : names_in(folder.path() / "first")) {
-    INFO(name);
-    if (name != "manifest.json")
-      CHECK(file_text(folder.path() / "first" / name) == file_text(folder.path() / "again" / name));
-  }
-
-  // The same name with other contents, and another option, are other bakes.
-  const std::string before = file_text(folder.path() / "again/specular.ktx2");
-  REQUIRE(run_welkin("testmap -o " + quoted(input) + " --size 128").exit_code == 0);
-  const nlohmann::json other = bake_into(folder.path() / "other", bake);
-  CHECK(other.at("times").size() > 1);
-  CHECK(file_text(folder.path() / "other/specular.ktx2") != before);
-  CHECK(bake_into(folder.path() / "size", bake + " --size 32").at("times").size() > 1);
 }
 
 TEST_CASE("Two bakes into one folder come one after the other, and caches keep none of the other's files",
@@ -315,33 +275,6 @@ TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky
     INFO(command << result.errors);
     CHECK(contains(result.errors, "welkin: stopped (Interrupt)"));
   }
-}
-
-TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
-  const TemporaryFolder folder;
-  const CommandResult printed = run_welkin("sky --print-atmosphere");
-  REQUIRE(printed.exit_code == 0);
-  const std::filesystem::path out = folder.path() / "out";
-  std::filesystem::create_directory(out);
-  const auto in = [&](const std::string& name) { return quoted(folder.path() / name); };
-  const std::string sky = "sky --table-size 8,16,16,4 --orders 2 ";
-  const std::string sweep = " --sweep-tiles 2 --sweep-size 16 --sweep " + in("day.png");
-  const std::string bake = " --size 16 --picture-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
-  // The text beside a sweep's picture, the picture of a bake.
-  for (const auto& [name, rest] :
-       {std::pair(std::string("day.txt"), sweep), std::pair(std::string("out/sky.exr"), bake)}) {
-    write_text(folder.path() / name, printed.output);
-    const CommandResult result = run_welkin(sky + "--atmosphere " + in(name) + rest);
-    INFO(name << result.errors);
-    CHECK(result.exit_code == 1);
-    CHECK(contains(result.errors, "is read, and"));
-    CHECK(file_text(folder.path() / name) == printed.output);
-    std::filesystem::remove(folder.path() / name);
-    // Tables that are to be made there.
-    CHECK(run_welkin(sky + "--tables " + in(name) + rest).exit_code == 1);
-    CHECK_FALSE(std::filesystem::exists(folder.path() / name));
-  }
-  CHECK(run_welkin(sky + "--tables " + in("day.tables") + sweep).exit_code == 0);
 }
 
 TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
