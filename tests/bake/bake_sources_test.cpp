@@ -322,6 +322,26 @@ PassAction action(const SkyPlan& plan, const std::string& pass) { return plan.pa
 
 }  // namespace
 
+TEST_CASE("A panorama whose light alone is used is projected while it is read", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), picture.view());
+  const StoredEnvironment file = probe_environment(directory.file("sky.pfm"));
+  const BakeResult whole = bake(picture.view(), whole_bake());
+  const Plan light = plan(file, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
+  CHECK(light.streams);
+  CHECK(light.pass("read").bytes == 0);
+  CHECK(same_bytes<glm::dvec3>(bake(file, light).radiance->coefficients(), whole.radiance->coefficients()));
+  const Plan all = plan(file, {}, whole_bake());
+  CHECK(!all.streams);
+  BakeResult baked = bake(file, all);
+  baked.diagnostics.passes.erase(baked.diagnostics.passes.begin());
+  CHECK(same_bits(baked.specular->cubemap, whole.specular->cubemap));
+  CHECK(same_bits(*baked.background, *whole.background));
+  CHECK(same_bits(*baked.irradiance, *whole.irradiance));
+  CHECK(thrown_by([&] { static_cast<void>(bake(file, plan(picture.view(), {}))); }).says("plan again"));
+}
+
 TEST_CASE("What a planet has not is planned without", "[plan][sky]") {
   Atmosphere bare = without_aerosol(earth());
   bare.absorbers.clear();

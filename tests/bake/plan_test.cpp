@@ -116,6 +116,13 @@ void check_skipped(const Plan& plan, const std::string& pass, const std::string&
 
 }  // namespace
 
+TEST_CASE("A plan is for the source that it was made for", "[plan]") {
+  const TestLatLong one = make_lat_long(Content::smooth, 32, 16, 3);
+  const TestLatLong other = make_lat_long(Content::smooth, 34, 16, 3);
+  const Plan planned = plan(one.view(), {});
+  CHECK(thrown_by([&] { static_cast<void>(bake(other.view(), planned)); }).says("lat-long 32 x 16"));
+}
+
 TEST_CASE("plan: rows that are brought to fewer count in the memory", "[bake][plan]") {
   const SourceShape wide{false, 8192, 4096, PixelFormat::rgb32f};
   BakeOptions options;
@@ -157,6 +164,15 @@ TEST_CASE("Where coefficients are all, there is no cubemap", "[plan]") {
   CHECK(light.result_bytes == 0);
 }
 
+TEST_CASE("Ambient light is one colour, and of no diffuse light nothing is projected", "[plan]") {
+  const Plan ambient = plan(kPanorama, {.diffuse_bands = 1});
+  CHECK(ambient.options.bands == 1);
+  check_skipped(ambient, "irradiance", "ambient only: one colour is all of it");
+  const Plan none = plan(kPanorama, {.diffuse_bands = 0});
+  check_skipped(none, "project", "no diffuse light is used");
+  check_skipped(none, "irradiance", "no diffuse light is used");
+}
+
 TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
   struct Case {
     RoughnessRange range;
@@ -177,6 +193,15 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
     const bool says = planned.pass("specular").reason.find(left_out) != std::string::npos;
     CHECK(says == (each.sharp + each.rough > 0));
   }
+}
+
+TEST_CASE("A background keeps its size when reflections lose theirs", "[plan]") {
+  const Plan without = plan(kPanorama, {.glossy = std::nullopt}, six_mip_bake());
+  CHECK(without.options.background->size == 64);
+  const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
+  CHECK(rough.options.background->size == 64);
+  CHECK(rough.pass("background").action == PassAction::run);
+  CHECK(plan(kPanorama, {}, six_mip_bake()).pass("background").action == PassAction::reuse);
 }
 
 TEST_CASE("A plan reads as a table", "[plan]") {

@@ -274,6 +274,23 @@ TEST_CASE("cache: a file that a memory limit refuses is refused, whoever read it
   CHECK(thrown_by([&] { static_cast<void>(cache.project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
 }
 
+TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever was there before") {
+  TestCubemap cubemap = make_cubemap(Content::smooth, 16, 3, 2);
+  for (std::size_t k = 0; k < cubemap.pixels.size(); ++k) cubemap.pixels[k] = k % 2 == 0 ? 1.0F : 1e-30F;
+  cubemap.pixels[77] = 3e38F;
+  BakeOptions apart = small_bake();  // a background of another size than the chain's
+  apart.specular->size = 8;
+  apart.background->size = 16;
+  const BakeResult truth = bake(cubemap.view(), small_bake());
+  CHECK(truth.background->face(0, 0)[1] == 1e-30F);
+  ResultCache cache;
+  CHECK(same_bits(*cache.bake(cubemap.view(), small_bake()).background, *truth.background));
+  CHECK(same_bits(*cache.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
+  ResultCache the_other_way;
+  CHECK(same_bits(*the_other_way.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
+  CHECK(same_bits(*the_other_way.bake(cubemap.view(), small_bake()).background, *truth.background));
+}
+
 TEST_CASE("cache: memory stays within its bound") {
   ResultCache cache({.memory_bytes = 20'000});
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
@@ -388,6 +405,19 @@ TEST_CASE("chains: with other mips only what is missing is made, and every bit i
     check(lat_long.view(), change);
     check(cubemap.view(), change);
   }
+}
+
+TEST_CASE("chains: pixels that must be cleaned, and huge ones") {
+  const TestLatLong lat_long = make_lat_long(Content::special_values, 64, 32, 5);
+  TestCubemap huge = make_cubemap(Content::high_range, 24, 3, 5);
+  for (float& value : huge.pixels) value *= 1e28F;
+  PrefilterOptions before = chain({0.0, 0.3, 0.5});
+  before.pixels.negative = NegativePolicy::replace;
+  before.pixels.clamp = RadianceClamp{100.0F};
+  PrefilterOptions after = before;
+  after.roughness.push_back(0.9);
+  check(lat_long.view(), {"special", before, after, 1});
+  check(huge.view(), {"huge", chain({0.0, 0.3, 0.5}), chain({0.0, 0.3, 0.5, 0.9}), 1});
 }
 
 TEST_CASE("chains: mips that are gone from the folder are made again, those between them too") {

@@ -383,6 +383,17 @@ TEST_CASE("deep and multi-part files and unknown versions are refused by what th
   check_refusal(path, code, "flags 32", "save it as OpenEXR 2");
 }
 
+TEST_CASE("pictures too large for any layout are refused before they are read", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("vast.exr");
+  const std::vector<float> pixels = some_pixels(65538, 1);
+  ExrRecipe recipe{65538, 1, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  write_exr(path, recipe, pixels);
+  check_refusal(path, ErrorCode::unsupported_file, "65538 x 1", "reduce it");
+  check_text(directory.file("vast.pfm"), "PF\n70000 1\n-1\n", ErrorCode::unsupported_file, "70000", "reduce");
+}
+
 TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.pfm");

@@ -118,6 +118,29 @@ std::string only_note(const std::filesystem::path& path, const ReadOptions& opti
 
 }  // namespace
 
+TEST_CASE("luminance and chroma are read in layers and parts", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path plain = directory.file("plain.exr");
+  const std::filesystem::path path = directory.file("parts.exr");
+  const std::vector<float> pixels = some_pixels(64, 32);
+  ExrRecipe recipe = recipe_of(64, 32);
+  const auto channels = [](const std::string& prefix) {
+    return std::vector<ExrChannel>{
+        {prefix + "Y", Imf::HALF, 1, 1}, {prefix + "RY", Imf::HALF, 2, 0}, {prefix + "BY", Imf::HALF, 2, 2}};
+  };
+  recipe.channels = channels("");
+  write_exr(plain, recipe, pixels);
+  const std::vector<float> wanted = read_rgba_with_library(plain);
+  ExrRecipe layered = recipe;
+  layered.channels = channels("env.");
+  ExrRecipe mask = recipe;
+  mask.channels = {{"Y"}};
+  write_exr_parts(path, {{"mask", mask, pixels}, {"light", layered, pixels}});
+  const Environment read = read_environment(path);
+  CHECK(read.info.layers == std::vector<std::string>{"env"});
+  CHECK(std::equal(wanted.begin(), wanted.end(), read.pixels.get()));
+}
+
 TEST_CASE("stated primaries are converted, and left on request", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("wide.exr");

@@ -270,6 +270,13 @@ TEST_CASE("the level nearest to four times the target is chosen for lat-longs", 
   CHECK(!files::level_for_target(sky, target(std::nullopt)));
 }
 
+TEST_CASE("levels that are no longer six squares are not chosen", "[codec][levels]") {
+  const EnvironmentInfo odd = chain(Layout::vertical_strip, 12, 72, 7);  // 12 x 72, 6 x 36, 3 x 18, 1 x 9
+  CHECK(files::level_for_target(odd, target(3)) == 2);
+  CHECK(files::level_for_target(odd, target(1)) == 2);
+  CHECK(!files::level_for_target(chain(Layout::vertical_strip, 3, 18, 5), target(1)));
+}
+
 TEST_CASE("files choose as chains in memory do", "[codec][levels]") {
   std::vector<TestCubemap> levels;
   std::vector<CubemapView> views;

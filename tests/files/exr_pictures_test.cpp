@@ -96,6 +96,21 @@ TEST_CASE("Y alone becomes grey, scanline and tiled", "[codec]") {
   }
 }
 
+TEST_CASE("colours are found in any spelling, alone and in layers", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("layers.exr");
+  for (const std::string prefix : {"", "env.", "ViewLayer.Combined.", "..", "a b."}) {
+    for (const auto& names : {std::vector<std::string>{"R", "G", "B"},
+                              {"r", "g", "b"},
+                              {"red", "green", "blue"},
+                              {"Red", "Green", "Blue"}}) {
+      CAPTURE(prefix, names[0]);
+      CHECK(reads(path, write_channels(path, together(layer(prefix, names), {{"depth.Z"}, {"crypto.a"}}))));
+      CHECK(inspect_environment(path).layers.size() == (prefix.empty() ? 0 : 1));
+    }
+  }
+}
+
 TEST_CASE("layers are chosen by name; by default the channels without one, else the only one in colour", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("layers.exr");
@@ -389,6 +404,22 @@ void check_values(const Environment& read, const std::filesystem::path& path, co
 }
 
 }  // namespace
+
+TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("window.exr");
+  const auto message = [&](const Window& display) {
+    write_exr(path, recipe_of({5, 5, 30, 20}, display), some_pixels(30, 20));
+    const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    return error.message;
+  };
+  CHECK(message({0, 0, 65536, 32768}) == path.string() +
+                                             ": stores 30 x 20 texels of a display window of 65536 x 32768, less than "
+                                             "a 64th; save it with the display window that is meant");
+  CHECK(message({0, 0, 200000, 100000}).find("its display window of 200000 x 100000 is larger than any layout holds") !=
+        std::string::npos);
+}
 
 TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled", "[codec][slow]") {
   const TemporaryDirectory directory;

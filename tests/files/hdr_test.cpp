@@ -166,6 +166,34 @@ bool notes_say(const Environment& read, const std::string& words) {
 
 }  // namespace
 
+TEST_CASE("any magic word, comments and unknown lines are passed over", "[codec][hdr]") {
+  const Picture picture;
+  CHECK(unchanged(picture, picture.read({})));  // no FORMAT is RGBE
+  CHECK(unchanged(picture, picture.read({"#?RADIANCE", "# made by hand", "GAMMA=1", "VIEW= -vtv -vp 0 0 0",
+                                         "PIXASPECT=2.5", "SOFTWARE=none EXPOSURE=9", "rpict -vf x", "=", "EXPOSURE",
+                                         kRgbe, "PRIMARIES=0 0 0 0 0 0 0 0", "\tEXPOSURE=3", " COLORCORR=1"})));
+  for (const std::string magic : {"#?RGBE", "#?RADIANCE ", "#?", "#?rpict of 1991"}) {
+    HdrRecipe recipe{16, 8};
+    recipe.magic = magic;
+    write_bytes(picture.path(), hdr_bytes(recipe, picture.texels()));
+    CHECK(unchanged(picture, read_environment(picture.path())));
+  }
+}
+
+TEST_CASE("lines may end as on Windows, and the resolution line may have spaces", "[codec][hdr]") {
+  const Picture picture;
+  for (const std::string header :
+       {"#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 8 +X 16\r\n", "#?RADIANCE\n\n-Y8+X16\n",
+        "#?RADIANCE\nFORMAT= 32-bit_rle_rgbe \n\n  -Y   8\t+X 16  \n"}) {
+    CAPTURE(header);
+    const std::vector<char> sound = hdr_bytes({16, 8}, picture.texels());
+    std::vector<char> bytes(header.begin(), header.end());
+    bytes.insert(bytes.end(), sound.begin() + static_cast<std::ptrdiff_t>(hdr_header({16, 8}).size()), sound.end());
+    write_bytes(picture.path(), bytes);
+    CHECK(unchanged(picture, read_environment(picture.path())));
+  }
+}
+
 TEST_CASE("exposures and colour corrections are divided out, all of them", "[codec][hdr]") {
   const Picture picture;
   const Environment read =

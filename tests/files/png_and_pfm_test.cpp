@@ -104,6 +104,19 @@ TEST_CASE("every colour type and depth of PNG is read", "[codec][png]") {
   }
 }
 
+TEST_CASE("colours that a PNG's palette does not have are black", "[codec][png]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.png");
+  PngRecipe recipe{4, 2, 2, SPNG_COLOR_TYPE_INDEXED};
+  recipe.palette = {{255, 255, 255, 0}, {255, 255, 255, 0}};
+  write_bytes(path, png_bytes(recipe, {0, 1, 2, 3, 3, 2, 1, 0}));
+  const Environment read = read_environment(path);
+  const float wanted[] = {1, 1, 0, 0, 0, 0, 1, 1};
+  for (std::size_t i = 0; i < 24; ++i) {
+    CHECK(read.pixels[i] == wanted[i / 3]);
+  }
+}
+
 TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][png]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.png");
@@ -317,6 +330,21 @@ TEST_CASE("a colour PFM is read in both byte orders, whatever its scale's size",
     REQUIRE(read.info.width == 34);
     REQUIRE(read.info.height == 17);
     REQUIRE(std::equal(pixels.begin(), pixels.end(), read.pixels.get()));
+  }
+}
+
+TEST_CASE("a grey PFM gives three equal channels", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("grey.pfm");
+  for (const int height : {1, 2, 9}) {
+    const std::vector<float> colours = some_pixels(2 * height, height);
+    const std::vector<float> values(colours.begin(), colours.begin() + 2 * height * height);
+    write_bytes(path, pfm_bytes(2 * height, height, true, height == 2 ? "1" : "-1", values));
+    const Environment read = read_environment(path);
+    REQUIRE(read.info.channels.size() == 1);
+    for (std::size_t i = 0; i < 3 * values.size(); ++i) {
+      REQUIRE(read.pixels[i] == values[i / 3]);
+    }
   }
 }
 

@@ -84,6 +84,39 @@ TEST_CASE("six files are found under every family of names, by any of them and b
   }
 }
 
+TEST_CASE("names of faces may be written in capitals, and the six may differ in that", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  for (const char* name : {"Sky_PX.EXR", "Sky_nx.EXR", "Sky_Py.EXR", "Sky_NY.EXR", "Sky_pz.EXR", "Sky_nz.exr"}) {
+    touch(directory.file(name));
+  }
+  CHECK(face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
+  CHECK(face_files(directory.file("."))[5].filename() == "Sky_nz.exr");
+  touch(directory.file("sky_px.exr"));  // another prefix: not of this set
+  CHECK(face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
+}
+
+TEST_CASE("names that only resemble those of faces are none", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  for (int number = 10; number < 16; ++number) touch(directory.file("map" + std::to_string(number) + ".exr"));
+  for (const std::string& name : kFamilies[3]) touch(directory.file("thump" + name + ".exr"));
+  const std::string ends = "its name does not end as one of six faces does (px nx py ny pz nz; posx negx posy";
+  check_refusal(directory.file("map10.exr"), ErrorCode::unsupported_file, ends);
+  check_refusal(directory.file("thumpup.exr"), ErrorCode::unsupported_file, "rename the six files so");
+  check_refusal(directory.file("none.exr"), ErrorCode::file_access, "there is no such file");
+  check_refusal(directory.file("."), ErrorCode::file_access, "is a directory without six faces of a cube");
+}
+
+TEST_CASE("a numbered series of more than six is no cube", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  for (int number = 0; number < 7; ++number) touch(directory.file("frame_" + std::to_string(number) + ".exr"));
+  check_refusal(directory.file("frame_3.exr"), ErrorCode::unsupported_file,
+                "is one of a series that goes on after 5 (there is a frame_6), so no six files of a cube; name the "
+                "faces px nx py ny pz nz");
+  check_refusal(directory.file("."), ErrorCode::file_access, "is a directory without six faces");
+  std::filesystem::remove(directory.file("frame_6.exr"));
+  CHECK(face_files(directory.file("frame_3.exr"))[0].filename() == "frame_0.exr");
+}
+
 TEST_CASE("missing faces are named, in the family that is the most complete", "[codec][layout]") {
   const TemporaryDirectory directory;
   for (const char* name : {"sky_right.exr", "sky_up.exr", "sky_down.exr", "sky_front.exr", "sky_back.exr"}) {
@@ -119,6 +152,18 @@ TEST_CASE("six files are read as one cube, by any of them or their directory, as
       }
     }
   }
+}
+
+TEST_CASE("a layout that is asked for keeps a face from being taken for a sixth", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const auto paths = write_six(directory, "sky_", kFamilies[0], ".pfm", 4);
+  ReadOptions options;
+  options.layout = Layout::lat_long;
+  CHECK(inspect_environment(paths[0], options).layout == Layout::lat_long);
+  CHECK(inspect_environment(paths[0], options).faces[0].empty());
+  const ThrownError error = thrown_by([&] { (void)inspect_environment(paths[0].parent_path(), options); });
+  CHECK(error.code == ErrorCode::file_access);
+  CHECK(error.says("is a directory; name a picture in it"));
 }
 
 TEST_CASE("faces that are not square or not of one size are named", "[codec][layout]") {

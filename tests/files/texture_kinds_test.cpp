@@ -131,6 +131,25 @@ TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
   CHECK(reds(ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)}), asked) == counting(1, 3, 5));
 }
 
+TEST_CASE("KTX2 pictures of packed floats are read", "[codec][textures]") {
+  Bytes packed;
+  for (const std::uint32_t exponent : {15U, 16U}) append(packed, exponent << 6U | 15U << 17U | 15U << 27U);
+  CHECK(reds(ktx2({kB10g11r11, 4, 2, 1, 0, 1}, {packed})) == std::vector<float>{1.0F, 2.0F});
+  Bytes shared;
+  for (const std::uint32_t exponent : {16U, 17U}) append(shared, exponent << 27U | 256U);
+  CHECK(reds(ktx2({kE5b9g9r9, 4, 2, 1, 0, 1}, {shared})) == std::vector<float>{1.0F, 2.0F});
+}
+
+TEST_CASE("KTX2 formats without alpha are read", "[codec][textures]") {
+  CHECK(reds(ktx2({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)})) == counting(1, 3, 6));
+  Bytes halves;
+  for (int k = 0; k < 18; ++k) append(halves, image::half_from_float(static_cast<float>(k)));
+  CHECK(reds(ktx2({kRgb16f, 2, 1, 1, 0, 6}, {halves})) == counting(0, 3, 6));
+  Bytes bytes;
+  for (int k = 0; k < 18; ++k) bytes.push_back(static_cast<std::byte>(k % 3 == 0 ? 255 : 0));
+  CHECK(reds(ktx2({kRgb8, 1, 1, 1, 0, 6}, {bytes})) == std::vector<float>(6, 1.0F));
+}
+
 TEST_CASE("An element of a KTX2 array is read by its number", "[codec][textures]") {
   const Bytes pictures = ktx2({kRgb32f, 4, 2, 1, 3, 1}, {counted_floats(6, 3)});
   const Bytes cubes = ktx2({kRgb32f, 4, 1, 1, 2, 6}, {counted_floats(12, 3)});
@@ -167,6 +186,33 @@ TEST_CASE("KTX cubemaps of the first version are read, with their levels", "[cod
   CHECK(reds(ktx1({kFloat, kRgba, 1, 1, 2, 6}, kRgba32fInternal, {counted_floats(12, 4)}), second) ==
         counting(25, 4, 6));
   CHECK(reds(ktx1({kFloat, kRgba, 2, 1, 0, 1}, kRgba32fInternal, {counted_floats(2, 4)})) == counting(1, 4, 2));
+}
+
+TEST_CASE("KTX files of the first version that are not for us are named for what they are", "[codec][textures]") {
+  constexpr std::uint32_t kFloat = 0x1406, kRgba = 0x1908, kRgba32fInternal = 0x8814;
+  const Bytes sound = ktx1({kFloat, kRgba, 2, 2, 0, 6}, kRgba32fInternal, {counted_floats(24, 4)});
+  const auto with = [&](std::size_t offset, std::uint32_t value) {
+    Bytes bytes = sound;
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+    return refusal(bytes);
+  };
+  CHECK(with(8, 0).code == ErrorCode::corrupt_file);
+  CHECK(with(12, 0x01020304).says("other order of bytes"));
+  CHECK(with(16, 0x1400).says("glType 5120"));
+  CHECK(with(16, 0).says("glInternalFormat 34836"));
+  CHECK(with(24, 0x1903).says("glFormat 6403"));
+  CHECK(with(36, 3).says("3 x 2"));
+  CHECK(with(44, 2).says("volume"));
+  CHECK(with(48, 100000).says("array of 100000"));
+  CHECK(with(52, 5).says("has 5 faces"));
+  CHECK(with(56, 3).says("3 levels"));
+  CHECK(with(60, 0x7fffffff).says("key/value data"));
+  CHECK(with(64, 63).says("says 63 bytes"));
+  Bytes cut = sound;
+  cut.resize(cut.size() - 1);
+  CHECK(refusal(cut).says("ends too early"));
+  cut.resize(40);
+  CHECK(refusal(cut).code == ErrorCode::corrupt_file);
 }
 
 TEST_CASE("Filament's KTX environments hold the light that their own harmonics say", "[codec][textures]") {

@@ -209,6 +209,55 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
   CHECK(info.layout_reason.find("envmap") != std::string::npos);
 }
 
+TEST_CASE("levels of an OpenEXR cube that were not given are means of the last one", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(16, 2);
+  write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
+  ReadOptions options;
+  options.level = 3;
+  const Environment read = read_environment(directory.file("sky.exr"), options);
+  REQUIRE(read.face_size() == 2);
+  for (int face = 0; face < 6; ++face) {
+    double sum = 0.0;  // of the top left quarter of 8 x 8
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) sum += static_cast<double>(chain.face(1, face)[3 * (8 * j + i)]);
+    }
+    CHECK(std::abs(static_cast<double>(read.pixels[static_cast<std::size_t>(face) * 12]) - sum / 16.0) < 1e-6 * sum);
+  }
+}
+
+TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  for (const int size : {3, 7, 257}) {
+    const CubemapChain chain = half_chain(size, full_chain_levels(size));
+    write_texture(directory.file("sky.exr"), chain.views(), {});
+    const Environment read = read_environment(directory.file("sky.exr"));
+    CHECK(read.face_size() == size);
+    CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, 0)},
+                            {chain.face(0, 0), 6 * face_values(chain, 0)}));
+  }
+}
+
+TEST_CASE("views of any format and stride are written as they are seen", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  std::vector<std::uint16_t> halves;
+  for (int texel = 0; texel < 6 * 3 * 5; ++texel) {  // rows of 5 texels, of which 3 are the picture
+    for (int channel = 0; channel < 4; ++channel) {
+      halves.push_back(Imath::half(static_cast<float>(texel * 4 + channel) * 0.25F).bits());
+    }
+  }
+  CubemapView view{{}, 3, -5 * 8, PixelFormat::rgba16f};  // bottom row first
+  for (std::size_t face = 0; face < 6; ++face) view.faces[face] = halves.data() + (face * 15 + 10) * 4;
+  write_texture(directory.file("sky.ktx2"), {&view, 1}, {});
+  const CubemapTexture read = read_texture(directory.file("sky.ktx2"));
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < 3; ++row) {
+      const float wanted = static_cast<float>((face * 15 + (2 - row) * 5 + 1) * 4 + 2) * 0.25F;
+      CHECK(read.cubemap.face(0, face)[3 * (row * 3 + 1) + 2] == wanted);
+    }
+  }
+}
+
 TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textures]") {
   const TemporaryDirectory directory;
   CubemapChain chain = noisy_chain(4, 3);

@@ -205,6 +205,23 @@ TEST_CASE("Radiance pictures hold values to half a step of the largest component
   CHECK(std::string(bytes.data(), 10) == "#?RADIANCE");
 }
 
+TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]") {
+  const TemporaryDirectory directory;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const LatLongImage map{2, 1, {-1.0F, NAN, 0.5F, kInfinity, 3e38F, 0.25F}};
+  CHECK(write_environment(directory.file("a.hdr"), map.view()).values_clamped == 4);
+  const Environment hdr = read_environment(directory.file("a.hdr"));
+  CHECK(std::vector<float>(hdr.pixels.get(), hdr.pixels.get() + 6) ==
+        std::vector<float>{0.0F, 0.0F, 0.5F, 0xFFp119F, 0xFFp119F, 0.0F});
+  CHECK(write_environment(directory.file("a.png"), map.view()).values_clamped == 4);
+  const Environment png = read_environment(directory.file("a.png"));
+  CHECK(png.pixels[0] == 0.0F);
+  CHECK(png.pixels[1] == 0.0F);
+  CHECK(png.pixels[2] == Approx(0.5).margin(0.003));
+  CHECK(png.pixels[3] == 1.0F);
+  CHECK(png.pixels[4] == 1.0F);
+}
+
 TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[writers]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("ramp.png");

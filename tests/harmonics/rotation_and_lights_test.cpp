@@ -146,6 +146,17 @@ TEST_CASE("Every band's matrix is orthogonal to 1e-13", "[sh][turn]") {
   }
 }
 
+TEST_CASE("A quaternion's length does not matter, however small or large", "[sh][turn]") {
+  RandomLight light(11);
+  const SphericalHarmonics original = light.harmonics(4);
+  const glm::dquat turn = light.turn();
+  const SphericalHarmonics expected = turned(original, turn);
+  for (const double length : {0.5, 3.0, 1e-200, 1e-300, 1e200, 1e300}) {
+    const glm::dquat stretched(turn.w * length, turn.x * length, turn.y * length, turn.z * length);
+    CHECK(relative_error(turned(original, stretched), expected) < 1e-14);
+  }
+}
+
 TEST_CASE("A matrix slightly off is taken for the nearest turn; one far off is refused", "[sh][turn]") {
   RandomLight light(13);
   const SphericalHarmonics original = light.harmonics(kMaximumBands);
@@ -278,6 +289,13 @@ SphericalHarmonics integrated_cap(double solid_angle, int bands) {
 }
 
 }  // namespace
+
+TEST_CASE("A colour that comes from behind is not taken below zero", "[sh][dominant]") {
+  const auto found = dominant_light(add(point_light({0, 1, 0}, {0, 5, 0}, 3), point_light({0, -1, 0}, {0, 0, 1}, 2)));
+  REQUIRE(found);
+  CHECK(found->irradiance.b == 0.0);
+  CHECK(found->irradiance.g > 0.0);
+}
 
 TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[sh][sun]") {
   for (const double solid_angle : {1e-12, 6.8e-5, 0.01, 1.0, 2.0 * kPi, 9.0, 4.0 * kPi}) {

@@ -302,6 +302,38 @@ TEST_CASE("A product is the pointwise product", "[sh][combine]") {
   }
 }
 
+TEST_CASE("A product that is cut off has the first bands of the whole one", "[sh][combine]") {
+  RandomLight light(24);
+  const SphericalHarmonics a = light.harmonics(6);
+  const SphericalHarmonics b = light.harmonics(7);
+  const SphericalHarmonics whole = product(a, b);
+  for (const int bands : {1, 2, 3, 8, 12}) {
+    CHECK(relative_error(product(a, b, bands), with_bands(whole, bands)) < 1e-14 * norm(whole));
+  }
+  const SphericalHarmonics longer = product(a, b, 14);  // band limit 12: what lies above is zero
+  CHECK(same_bits(with_bands(longer, 12), whole));
+  CHECK(norm(longer) == norm(whole));
+  // 16 bands times 16 bands have 31, of which 16 can be held; exact all the same.
+  const SphericalHarmonics c = light.harmonics(16);
+  const SphericalHarmonics first = product(c, c);
+  CHECK(first.bands() == 16);
+  double inner = 0.0;  // Int c^2 = |c|^2, and band 0 of the product holds it
+  for (const glm::dvec3& value : c.coefficients()) inner += value.x * value.x;
+  CHECK(first.at(0, 0).x == Approx(inner / std::sqrt(4.0 * std::numbers::pi)).epsilon(1e-13));
+}
+
+TEST_CASE("Products of very large and very small light stay in range", "[sh][combine]") {
+  RandomLight light(26);
+  const SphericalHarmonics a = light.harmonics(3);
+  const SphericalHarmonics b = light.harmonics(3);
+  const SphericalHarmonics expected = product(a, b);
+  const SphericalHarmonics found = product(scale(a, glm::dvec3(0x1p100)), scale(b, glm::dvec3(0x1p-100)));
+  CHECK(same_bits(found, expected));
+  CHECK(relative_error(scale(product(scale(a, glm::dvec3(1e30)), scale(b, glm::dvec3(1e30))), glm::dvec3(1e-60)),
+                       expected) < 1e-14);
+  CHECK(norm(product(a, SphericalHarmonics(3))) == 0.0);
+}
+
 TEST_CASE("A product of too many bands is refused", "[sh][combine]") {
   for (const int bands : {-1, 17, std::numeric_limits<int>::max()}) {
     const ThrownError error = thrown_by([&] { (void)product(SphericalHarmonics(2), SphericalHarmonics(2), bands); });

@@ -178,6 +178,17 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   CHECK(infinite.says("row 99, column 250 is infinite"));
 }
 
+TEST_CASE("A NaN in alpha matters to nobody", "[sh][policy]") {
+  for (const int size : kSizes) {
+    TestCubemap cubemap = make_cubemap(Content::random, size, 4, 1);
+    const SphericalHarmonics expected = project(cubemap.view()).radiance;
+    for (std::size_t k = 3; k < cubemap.pixels.size(); k += 4) cubemap.pixels[k] = kNan;
+    const Projection found = project(cubemap.view());
+    CHECK(found.diagnostics.nans_replaced == 0);
+    CHECK(same_bits(found.radiance, expected));
+  }
+}
+
 TEST_CASE("A clamp reports what it takes away", "[sh][policy][truth]") {
   for (const bool preserve : {false, true}) {
     for (const int size : kSizes) {

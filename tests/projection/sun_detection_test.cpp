@@ -160,6 +160,7 @@ TEST_CASE("A cubemap's sun follows all 48 symmetries of the cube", "[image][sun]
 namespace {
 
 const glm::dvec3 kHere = glm::normalize(glm::dvec3(1, 2, 2));
+const glm::dvec3 kThere = glm::normalize(glm::dvec3(-2, 1, 1));
 
 template <class Image>
 void check_untouched(Image image, const SunOptions& options = {}) {
@@ -197,6 +198,28 @@ TEST_CASE("A source that is too large, too weak or too small a share is no sun",
   check_untouched(with_disc(0.9, 100.0));  // 7.7e-4 steradians of 100: 0.6 % of the light
   LatLongImage weak = with_disc(0.9, 100.0);
   CHECK(take_out_sun(weak, {0.02, 3.0, 20.0, 0.005}));
+}
+
+TEST_CASE("Glow below the threshold stays in the map", "[image][sun]") {
+  LatLongImage image = with_disc(6.0, 100.0);
+  paint_disc(image, kHere, 1.0, glm::dvec3(1e5));
+  const auto sun = take_out_sun(image);
+  REQUIRE(sun);
+  CHECK(sun->irradiance.g == Approx((1e5 - 100.0) * disc_solid_angle(1.0)).epsilon(0.01));
+  const auto middle = static_cast<std::size_t>(3 * nearest_texel(grid_of(image), kHere));
+  CHECK(image.pixels[middle] == 100.0F);
+}
+
+TEST_CASE("Of two suns the brighter is taken, then the other", "[image][sun]") {
+  LatLongImage image = with_disc(1.0, 1e5);
+  paint_disc(image, kThere, 1.0, glm::dvec3(2e5));
+  const auto first = take_out_sun(image);
+  const auto second = take_out_sun(image);
+  REQUIRE((first && second));
+  CHECK(degrees_between(first->direction, kThere) < 0.1);
+  CHECK(degrees_between(second->direction, kHere) < 0.1);
+  CHECK(first->total_radiance_after == second->total_radiance_before);
+  CHECK_FALSE(take_out_sun(image));
 }
 
 TEST_CASE("Texels without a value are passed over", "[image][sun]") {
@@ -435,6 +458,16 @@ void print_row(const std::string& name, const LatLongImage& before) {
 }
 
 }  // namespace
+
+TEST_CASE("A sun of one colour takes no other", "[image][sun]") {
+  LatLongImage image = grey_lat_long(64, 32, 1.0F);
+  add_sun(image, {0, 0.6, 0.8}, {0.25, -3.0, 15000.0});
+  const auto sun = take_out_sun(image);
+  REQUIRE(sun);
+  CHECK(sun->irradiance.r == 0.0);
+  CHECK(sun->irradiance.g == 0.0);
+  CHECK(sun->irradiance.b > 0.0);
+}
 
 TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun][shared][truth]") {
   // Largest radius in degrees and least share of the light; 0: no sun. The hotel room's spotlight is as good as a sun.

@@ -113,6 +113,20 @@ TEST_CASE("Averaging by solid angle matches the readable twin at any ratio", "[s
   }
 }
 
+TEST_CASE("A lat-long is averaged to four by two targets", "[sh][target]") {
+  const int shapes[][3] = {{64, 32, 8},   {64, 32, 5},  {65, 33, 8},  {65, 33, 1},
+                           {100, 30, 12}, {64, 32, 16}, {256, 128, 8}};
+  for (const auto& [width, height, target] : shapes) {
+    for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
+      const TestLatLong lat_long = make_lat_long(Content::random, width, height, 1);
+      const double error = relative_error(project(lat_long.view(), with_target(target, quadrature)).radiance,
+                                          reference_projection(lat_long.view(), with_target(target, quadrature)));
+      CAPTURE(width, height, target, error);
+      CHECK(error < 1e-6);
+    }
+  }
+}
+
 TEST_CASE("Averaging keeps the total radiance", "[sh][target]") {
   const TestCubemap cubemap = make_cubemap(Content::one_texel_sun, 150, 3, 1);
   const ProjectionDiagnostics whole = project(cubemap.view()).diagnostics;

@@ -178,6 +178,39 @@ ErrorCode refusal(const std::string& text) {
 
 }  // namespace
 
+TEST_CASE("report: peers do not regress, and a newer one is still the same", "[report]") {
+  Report after = made_up_report();
+  after.measurements[3].peer = "Another 1.3";
+  after.measurements[3].seconds *= 10.0;
+  after.measurements[3].error_rms *= 10.0;
+  const Comparison found = compare(made_up_report(), after);
+  CHECK_FALSE(found.regressed());
+  CHECK(found.compared == 5);
+}
+
+TEST_CASE("report: settings that are gone or new are named, within passes that both have", "[report]") {
+  Report after = made_up_report();
+  after.measurements.erase(after.measurements.begin() + 1);
+  after.measurements.push_back(test::point("another", 1e-3, 1e-3));
+  const Comparison found = compare(made_up_report(), after);
+  REQUIRE(found.gone.size() == 1);
+  CHECK(found.gone[0].setting == "fine");
+  REQUIRE(found.added.size() == 1);
+  CHECK(found.added[0].setting == "another");
+  after.measurements.erase(after.measurements.begin() + 3);  // all of the second pass
+  CHECK(compare(made_up_report(), after).gone.size() == 1);
+}
+
+TEST_CASE("report: only reports of one scale and light are compared", "[report]") {
+  Report other = made_up_report();
+  other.scale = "full";
+  CHECK_THROWS_AS(compare(made_up_report(), other), Error);
+  other = made_up_report();
+  other.environment = "another light";
+  CHECK_THROWS_AS(compare(made_up_report(), other), Error);
+  CHECK_THROWS_AS(compare(made_up_report(), made_up_report(), {.error_factor = 0.5}), Error);
+}
+
 TEST_CASE("report: JSON keeps every digit and what is no number", "[report]") {
   Report report = made_up_report();
   report.measurements[0].error_rms = 0.1 + 0.2;

@@ -53,6 +53,29 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
 }
 
+TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
+  const TemporaryFolder scratch;
+  const auto faces = scratch.path() / "faces";
+  const auto own = scratch.path() / "own";
+  std::filesystem::create_directory(faces);
+  std::filesystem::create_directory(own);
+  for (const std::string face : {"px", "nx", "py", "ny", "pz", "nz"}) {
+    write_pfm(faces / (face + ".pfm"), 8, 8, some_pixels(8, 8));
+  }
+  std::filesystem::create_symlink(faces / "nz.pfm", own / "specular.pfm");
+  const std::string before = file_text(faces / "nz.pfm");
+  const std::string options = " --formats pfm --no-previews --size 8 --mips 1 --irradiance 8 --brdf 8";
+  for (const std::string& input : {quoted(faces / "py.pfm") + " --layout six-files", quoted(faces)}) {
+    INFO(input);
+    const std::string message = failure("bake " + input + " -o " + quoted(own) + options, 1);
+    CHECK(contains(message, "nz.pfm: is read"));
+    CHECK(contains(message, "as specular.pfm"));
+    CHECK(names_in(own) == std::vector<std::string>{"specular.pfm"});
+    CHECK((file_text(faces / "nz.pfm") == before));
+  }
+  bake_into(scratch.path() / "other", quoted(faces) + options);
+}
+
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";

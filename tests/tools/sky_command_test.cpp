@@ -29,6 +29,24 @@ void require_coefficients(const nlohmann::json& list, const SphericalHarmonics& 
   }
 }
 
+SphericalHarmonics harmonics_of(const nlohmann::json& list, int bands) {
+  SphericalHarmonics harmonics(bands);
+  for (int l = 0; l < bands; ++l) {
+    for (int m = -l; m <= l; ++m) harmonics.at(l, m) = rgb_of(list.at(static_cast<std::size_t>(l * (l + 1) + m)));
+  }
+  return harmonics;
+}
+
+double relative_difference(const nlohmann::json& a, const SphericalHarmonics& b) {
+  double difference = 0.0;
+  double power = 0.0;
+  for (std::size_t i = 0; i < b.coefficients().size(); ++i) {
+    difference = std::max(difference, glm::length(rgb_of(a.at(i)) - b.coefficients()[i]));
+    power = std::max(power, glm::length(b.coefficients()[i]));
+  }
+  return difference / power;
+}
+
 }  // namespace
 
 TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]") {
@@ -63,6 +81,21 @@ TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]
     if (each.options.bands >= 3) {
       CHECK(rgb_of(json.at("babylon").at("zx")) == babylon_polynomial(radiance).zx);
     }
+  }
+}
+
+TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky]") {
+  const nlohmann::json welkin_axes = sky_json("--sun-elevation 12 --sun-azimuth 30");
+  for (const Engine engine : {Engine::unreal, Engine::unity, Engine::three}) {
+    const Convention& of = convention(engine);
+    const nlohmann::json json = sky_json("--sun-elevation 12 --sun-azimuth 30 --for " + std::string(of.name));
+    INFO(of.name);
+    CHECK(json.at("axes").at("engine") == of.name);
+    const SphericalHarmonics expected = turned(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
+    CHECK(relative_difference(json.at("radiance"), expected) < 1e-12);
+    CHECK(glm::length(rgb_of(json.at("sun").at("direction")) -
+                      of.from_welkin * rgb_of(welkin_axes.at("sun").at("direction"))) < 1e-14);
+    CHECK(json.at("engine").at("name") == of.name);
   }
 }
 

@@ -66,6 +66,16 @@ TEST_CASE("command: options may stand before their command", "[tools][posix][slo
   CHECK(contains(errors_of("--sise 4 bake --sky"), "bake: there is no option --sise; did you mean --size?"));
 }
 
+TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
+  const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
+  CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
+  const TemporaryFolder folder;
+  const std::string small = " --size 4 --irradiance 0 --no-brdf --no-previews ";
+  const auto manifest = bake_into(folder.path() / "out", "--sky --formats KTX2,Exr --roughness Unity" + small);
+  CHECK(manifest.at("options").at("roughness") == "unity");
+  CHECK(file_of(manifest, "specular.exr").at("mips") == 3);
+}
+
 TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools][slow]") {
   const TemporaryFolder folder;
   const std::string bake =

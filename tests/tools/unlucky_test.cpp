@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "places.h"
@@ -275,6 +276,33 @@ TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky
     INFO(command << result.errors);
     CHECK(contains(result.errors, "welkin: stopped (Interrupt)"));
   }
+}
+
+TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const CommandResult printed = run_welkin("sky --print-atmosphere");
+  REQUIRE(printed.exit_code == 0);
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  const auto in = [&](const std::string& name) { return quoted(folder.path() / name); };
+  const std::string sky = "sky --table-size 8,16,16,4 --orders 2 ";
+  const std::string sweep = " --sweep-tiles 2 --sweep-size 16 --sweep " + in("day.png");
+  const std::string bake = " --size 16 --picture-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
+  // The text beside a sweep's picture, the picture of a bake.
+  for (const auto& [name, rest] :
+       {std::pair(std::string("day.txt"), sweep), std::pair(std::string("out/sky.exr"), bake)}) {
+    write_text(folder.path() / name, printed.output);
+    const CommandResult result = run_welkin(sky + "--atmosphere " + in(name) + rest);
+    INFO(name << result.errors);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "is read, and"));
+    CHECK(file_text(folder.path() / name) == printed.output);
+    std::filesystem::remove(folder.path() / name);
+    // Tables that are to be made there.
+    CHECK(run_welkin(sky + "--tables " + in(name) + rest).exit_code == 1);
+    CHECK_FALSE(std::filesystem::exists(folder.path() / name));
+  }
+  CHECK(run_welkin(sky + "--tables " + in("day.tables") + sweep).exit_code == 0);
 }
 
 TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
