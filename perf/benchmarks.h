@@ -104,10 +104,6 @@ void add_result_cache();
 /// "--altitude=METRES" (0).
 [[nodiscard]] std::string sky_error_tables(const std::vector<std::filesystem::path>& options);
 
-/// Earth's sky to nine harmonics: SkyHarmonics (a projection), SkyCurve (at: ask, bake) and SkyLight (a frame's update
-/// with a sun that moves).
-void add_sky_harmonics(const std::vector<int>& thread_counts);
-
 /// Nine coefficients of singly scattered light on the ground, black ground, by every method and sun elevation: Markdown
 /// tables of errors against the truth in double (the tables' own included) and against the converged integral of the
 /// same view, then lines of tabs: method, setting, directions, microseconds, rms and worst error against the truth over
@@ -125,9 +121,6 @@ void add_sky_views(const std::vector<int>& thread_counts);
 /// page as Markdown. Of repetitions the fastest counts. Names of running benchmarks go to standard error.
 [[nodiscard]] std::string speed_page();
 
-/// TexelWeights and LatLongWeights, cold (built) and warm (from the cache).
-void add_tables();
-
 /// Tables by which path tracers pick directions, of a picture of 4096 x 2048, into memory that is there.
 void add_importance(const std::vector<int>& thread_counts);
 
@@ -136,10 +129,6 @@ void add_importance(const std::vector<int>& thread_counts);
 /// of the radiance coefficients against the double-precision projection of all texels, times the fastest of a few runs
 /// on this machine, as multiples of reading the cubemap once.
 [[nodiscard]] std::string target_size_table(const std::vector<std::filesystem::path>& files);
-
-/// Analyse/BANDS/1024x512/THREADS, Synthesise/BANDS-samples or -spline/GRID/THREADS (the grid that the bands ask for),
-/// and TransformTables/BANDS/1024x512/1: what the first call at a size costs more.
-void add_transform(const std::vector<int>& thread_counts);
 
 /// PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's thread;
 /// the worker has just finished a job (warm) or has been asleep for a while. Without a priority in the name, threads

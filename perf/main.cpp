@@ -84,7 +84,6 @@ int main(int argc, char** argv) {
   perf::add_bc6h(thread_counts);
   perf::add_prefilter(thread_counts);
   perf::add_sky_views(thread_counts);
-  perf::add_tables();
   perf::add_importance(thread_counts);
   perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
@@ -93,8 +92,6 @@ int main(int argc, char** argv) {
   perf::add_command(thread_counts);
 #endif
   perf::add_result_cache();
-  perf::add_transform(thread_counts);
-  perf::add_sky_harmonics(thread_counts);
   perf::add_worker_latency(thread_counts);
   perf::add_cancel_latency(thread_counts);
   const bool page = argc > 1 && std::string(argv[1]) == "--page";

@@ -14,7 +14,6 @@
 #include "jobs/backend.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
-#include "jobs/trace.h"
 #include "platform/float_environment.h"
 #include "welkin/core.h"
 
@@ -156,10 +155,7 @@ class TaskGraph::Run {
     if (progress_.wanted()) {
       control.progress = [this, pass](double done) { pass_progress_[pass].report(done, progress_); };
     }
-    {
-      const TracedPartScope part(pass);
-      passes_[pass].work(control);
-    }
+    passes_[pass].work(control);
     passes_[pass].milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     pass_progress_[pass].end(progress_);
@@ -202,10 +198,6 @@ void TaskGraph::run(const Control& control) {
     for (const std::size_t next : pass->next) pass->way = std::max(pass->way, pass->cost + passes_[next].way);
   }
   const ActivityScope at_work;
-  TracedRegionScope region(nullptr, passes_.size());
-  for (std::size_t pass = 0; pass < passes_.size(); ++pass) {
-    for (const std::size_t next : passes_[pass].next) region.set_waits(next, pass);
-  }
   Run run(passes_, control);
   if (OneThread::here()) {
     run.all_alone();

@@ -7,7 +7,6 @@
 
 #include "jobs/activity.h"
 #include "jobs/backend.h"
-#include "jobs/trace.h"
 #include "platform/float_environment.h"
 #include "welkin/core.h"
 
@@ -93,14 +92,8 @@ void run_tiles(std::size_t count, Placement placement, std::size_t workers, cons
                const std::function<void(std::size_t, std::size_t)>& tile) {
   throw_if_cancelled(control);
   Progress progress(control, count);
-#ifdef __cpp_rtti
-  const TracedRegionScope region(&tile.target_type(), count);
-#else
-  const TracedRegionScope region(nullptr, count);
-#endif
   const auto run_as = [&](std::size_t index, std::size_t worker) {
     const TileScope scope;
-    const TracedPartScope part(index);
     tile(index, worker);
   };
   if (placement == Placement::calling_thread || count <= 1 || OneThread::here()) {

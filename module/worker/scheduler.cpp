@@ -1,15 +1,25 @@
-// Letting jobs in: latest wins, limits hold.
+// The scheduler: letting jobs in, giving them up, what follows them, running them, waiting for them, the end.
 #include "worker/scheduler.h"
+
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <exception>
+#include <iterator>
+#include <memory>
+#include <mutex>
+#include <new>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "jobs/activity.h"
 #include "platform/file.h"
 #include "platform/spin.h"
 #include "platform/thread.h"
+#include "platform/wait.h"
 #include "welkin/worker.h"
 #include "worker/thread_executor.h"
 
@@ -49,7 +59,76 @@ void require_no_lost_locks() {
   sound_process = platform::process_number();
 }
 
+thread_local const ThreadRole* innermost_role = nullptr;
+
+/// Looks whether a job is ready for about as long as it takes the system to wake two sleeping threads, which is what
+/// going to sleep at once would cost: the worker's, and then this one. `keeping`: it keeps its processor at first, for
+/// as long as a small job takes on a thread that is awake. Where the worker's threads take all processors, one of them
+/// waits for this one.
+void look_briefly(const JobRecord& job, bool keeping) noexcept {
+  constexpr std::chrono::microseconds kKeeping{20};
+  constexpr std::chrono::microseconds kTime{150};
+  const auto ready = [&] { return job.ready.load(std::memory_order_acquire); };
+  if (keeping && spin_until(ready, kKeeping)) return;
+  const auto end = Scheduler::Clock::now() + kTime;
+  while (!ready() && Scheduler::Clock::now() < end) std::this_thread::yield();
+}
+
+/// Made by the thread that runs a computation, which also gives the memory back; empty if there is none.
+stop_source make_stop_source() noexcept {
+  try {
+    return {};
+  } catch (const std::bad_alloc&) {
+    return stop_source(nostopstate);
+  }
+}
+
+/// What an executor is given to call.
+struct LentTask : InJobMemory {
+  explicit LentTask(std::shared_ptr<Scheduler> its_scheduler) noexcept : scheduler(std::move(its_scheduler)) {}
+  std::shared_ptr<Scheduler> scheduler;
+};
+
 }  // namespace
+
+ThreadRole::ThreadRole(Scheduler& scheduler, Kind kind) noexcept
+    : scheduler_(&scheduler), kind_(kind), outer_(innermost_role) {
+  innermost_role = this;
+}
+ThreadRole::~ThreadRole() { innermost_role = outer_; }
+
+template <class Wanted>
+const ThreadRole* ThreadRole::innermost(const Wanted& wanted) noexcept {
+  const ThreadRole* role = innermost_role;
+  while (role != nullptr && !wanted(*role)) role = role->outer_;
+  return role;
+}
+
+bool ThreadRole::has_any(const Scheduler& scheduler) noexcept {
+  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler; }) != nullptr;
+}
+
+bool ThreadRole::is_worker(const Scheduler& scheduler) noexcept {
+  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler && role.kind_ == worker; }) !=
+         nullptr;
+}
+
+Scheduler* ThreadRole::scheduler() noexcept {
+  const ThreadRole* const role = innermost([](const ThreadRole&) { return true; });
+  return role != nullptr && role->kind_ == worker ? role->scheduler_ : nullptr;
+}
+
+void let_another_pass(TaskPriority priority) {
+  constexpr int kDeepest = 8;  // each is so much stack
+  thread_local int depth = 0;
+  Scheduler* const scheduler = ThreadRole::scheduler();
+  if (scheduler == nullptr || depth == kDeepest) return;
+  struct Deeper {
+    Deeper() { ++depth; }
+    ~Deeper() { --depth; }
+  } const deeper;
+  scheduler->run_next(false, priority);
+}
 
 Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
                  std::shared_ptr<JobRecord> its_parent)
@@ -238,6 +317,399 @@ void Scheduler::settle(JobRecord& job) {
   if (newest != newest_.end() && newest->second.get() == &job) newest_.erase(newest);
 }
 
+// Giving jobs up, and what follows when they are done.
+
+bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work) {
+  if (job->settled || job->withdrawn) return false;
+  // A continuation that has not started cancels the job that it follows, which nobody else hears of.
+  while (job && !job->settled && !job->withdrawn) {
+    job->withdrawn = reason;
+    const std::shared_ptr<Computation> computation = job->computation;
+    std::shared_ptr<JobRecord> next;
+    if (computation->list == &running_) {
+      stop(computation, work);
+    } else {
+      next = computation->parent;
+      settle(*job);
+      work.ended.splice(work.ended.end(), take_out(computation));
+    }
+    job = next;
+  }
+  return true;
+}
+
+void Scheduler::stop(const std::shared_ptr<Computation>& computation, DeferredWork& work) {
+  computation->stopping = true;
+  computation->next_to_stop = std::move(work.stopping);
+  work.stopping = computation;
+}
+
+/// The job is ready.
+void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
+  job.done = true;
+  news_ = true;
+  hand_on(job, job.followers, work);
+}
+
+void Scheduler::hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work) {
+  while (!followers.empty()) {
+    const std::shared_ptr<Computation> next = followers.front();
+    ComputationList node;
+    node.splice(node.begin(), followers, followers.begin());
+    next->parent = nullptr;
+    next->list = nullptr;
+    next->failure = error_of(job);
+    if (next->where == Place::at_once) {
+      work.at_once.splice(work.at_once.end(), node);
+    } else if (next->where == Place::drain) {
+      ComputationList& list = abandoned_ ? work.ended : drained_;
+      list.splice(list.end(), node);
+      undrained_.store(drained_.size(), std::memory_order_release);
+    } else {
+      enqueue(next, node, true);
+      if (closed_) {
+        end(next, nullptr, work);
+      } else {
+        ++work.startable;
+      }
+    }
+  }
+}
+
+/// Of a computation that waits, and that no thread will start: because of the error, or as the worker has ended.
+void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work) {
+  if (JobRecord* const job = computation->record.get()) {
+    job->error = error;
+    if (!error) job->withdrawn = ErrorCode::stopped;
+    settle(*job);
+  }
+  work.ended.splice(work.ended.end(), take_out(computation));
+}
+
+/// Makes the jobs of computations that will not start ready. `hand_on` adds to the list: a chain of followers may be
+/// long, and none ends inside the end of the one that it follows.
+void Scheduler::tell_jobs_of(DeferredWork& work) {
+  for (const std::shared_ptr<Computation>& computation : work.ended) {
+    if (!computation->record) continue;
+    computation->record->ready.store(true, std::memory_order_release);
+    hand_on(*computation->record, work);
+  }
+}
+
+/// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
+void Scheduler::carry_out(DeferredWork& work) {
+  // Code of the user's may throw out of a coroutine, a destructor or a stop callback, and there is nobody to throw to,
+  // as on a thread of the worker.
+  const auto go_on = [](const auto& call) {
+    try {
+      call();
+    } catch (...) {  // NOLINT(bugprone-empty-catch)
+    }
+  };
+  if (work.news) signal();
+  call_for_hands(work);
+  while (work.stopping) {
+    // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
+    const ThreadRole role(*this, ThreadRole::bystander);
+    const std::shared_ptr<Computation> computation = std::move(work.stopping);
+    work.stopping = std::move(computation->next_to_stop);
+    computation->stop.request_stop();
+  }
+  for (const std::shared_ptr<Computation>& computation : work.at_once) {
+    try {
+      computation->run({});
+    } catch (...) {
+      computation->failure = std::current_exception();
+      go_on([&] { computation->run({}); });
+    }
+  }
+  for (const std::shared_ptr<Computation>& computation : work.ended) computation->release();
+  for (const std::shared_ptr<Computation>& computation : work.ended) go_on([&] { computation->abandon(); });
+  for (const std::shared_ptr<Computation>& computation : work.ended) computation->record = nullptr;
+  work = {};
+}
+
+bool Scheduler::cancel(const std::shared_ptr<JobRecord>& job) {
+  if (is_forked()) return false;  // destructors call this
+  Books books(*this);
+  return withdraw(job, ErrorCode::cancelled, books.work);
+}
+
+bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
+                       const std::shared_ptr<JobRecord>& job) {
+  require_own_process();
+  if (job) {
+    job->scheduler = parent->scheduler;
+    job->id = next_id();
+  }
+  auto arrival = std::make_unique<Arrival>(child, job, parent);
+  if (!closed_) {
+    put_in_inbox(std::move(arrival));
+    return true;
+  }
+  Books books(*this);
+  const bool too_late = parent->done && (child->where == Place::drain ? abandoned_ : child->where == Place::worker);
+  if (too_late && !job) return false;
+  follow(*arrival, books.work);
+  return !too_late;
+}
+
+void Scheduler::follow(Arrival& arrival, DeferredWork& work) {
+  const std::shared_ptr<Computation> child = arrival.node.front();
+  child->priority = arrival.parent->computation->priority;
+  child->record = arrival.job;
+  if (arrival.parent->done) return hand_on(*arrival.parent, arrival.node, work);
+  hang(arrival.node, arrival.parent);
+}
+
+/// On a job that is not done.
+void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent) {
+  Computation& child = *node.front();
+  child.parent = parent;
+  child.list = &parent->followers;
+  child.place = node.begin();
+  parent->followers.splice(parent->followers.end(), node);
+}
+
+// Starting computations, and what they leave.
+
+ComputationList& Scheduler::waiting(TaskPriority priority) noexcept {
+  return waiting_[static_cast<std::size_t>(priority)];
+}
+
+std::size_t Scheduler::waiting_count() const noexcept {
+  return waiting_[0].size() + waiting_[1].size() + waiting_[2].size();
+}
+
+bool Scheduler::is_waiting(const Computation& computation) const noexcept {
+  return computation.list != nullptr && computation.list != &running_ && !computation.parent;
+}
+
+bool Scheduler::has_waiting() {
+  const Books books(*this);
+  return waiting_count() > 0;
+}
+
+void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front) {
+  ComputationList& list = waiting(computation->priority);
+  list.splice(in_front ? list.begin() : list.end(), from);
+  news_ = true;
+  if (computation->waiting_since == Clock::time_point{}) computation->waiting_since = Clock::now();
+  computation->list = &list;
+  computation->place = in_front ? list.begin() : std::prev(list.end());
+}
+
+ComputationList Scheduler::take_out(const std::shared_ptr<Computation>& computation) {
+  ComputationList node;
+  node.splice(node.begin(), *computation->list, computation->place);
+  news_ = true;
+  computation->list = nullptr;
+  computation->parent = nullptr;
+  bytes_ -= std::exchange(computation->bytes, 0);
+  return node;
+}
+
+TaskPriority Scheduler::priority_of(const JobRecord& job) {
+  const Books books(*this);
+  return job.computation->priority;
+}
+
+void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
+  const Books books(*this);
+  const std::shared_ptr<Computation>& computation = job.computation;
+  if (std::exchange(computation->priority, priority) == priority || !is_waiting(*computation)) return;
+  ComputationList node;
+  node.splice(node.begin(), *computation->list, computation->place);
+  enqueue(computation, node, false);
+}
+
+// Threads.
+
+/// With the mutex held: whom to call for what waits.
+void Scheduler::plan_calls(DeferredWork& work) {
+  if (own_threads_) {
+    // While something runs, threads that are parked may be inside of its tasks, and it does not show which: all are
+    // called. (What this thread itself runs has no tasks now.)
+    const std::size_t mine = ThreadRole::is_worker(*this) ? 1 : 0;
+    if (work.startable > 0 && running_.size() > mine) work.startable = threads_;
+  } else if (options_.executor && !closed_ && !work.refused) {
+    work.tasks = std::min(threads_ - lent_, static_cast<int>(waiting_count()) - unstarted_);
+    if (work.tasks <= 0) return;
+    lent_ += work.tasks;
+    unstarted_ += work.tasks;
+    ++lending_;  // until this is over, whoever ends the worker waits: the executor may go then
+  }
+}
+
+/// Without the mutex, and without any other lock: `post` comes through here.
+void Scheduler::call_for_hands(DeferredWork& work) {
+  if (own_threads_) {
+    own_threads_->call(std::exchange(work.startable, 0));
+    return;
+  }
+  int tasks = std::exchange(work.tasks, 0);
+  if (tasks <= 0) return;
+  try {
+    for (; tasks > 0; --tasks) {
+      auto task = std::make_unique<LentTask>(shared_from_this());
+      options_.executor->enqueue(run_task, task.get());
+      static_cast<void>(task.release());
+    }
+  } catch (...) {
+    Books books(*this);
+    books.work.refused = true;
+    lent_ -= tasks;
+    unstarted_ -= tasks;
+    // A task that is there yet will ask again when it ends. If there is none, nobody will.
+    for (ComputationList& list : waiting_) {
+      while (lent_ == 0 && !list.empty()) {
+        end(std::shared_ptr<Computation>(list.front()), std::current_exception(), books.work);
+      }
+    }
+  }
+  --lending_;
+  signal();
+}
+
+void Scheduler::run_task(void* task) {
+  const std::unique_ptr<LentTask> lent(static_cast<LentTask*>(task));
+  Scheduler& scheduler = *lent->scheduler;
+  if (scheduler.is_forked()) return;  // an executor that lives on in a fork of the process
+  {
+    const ThreadRole role(scheduler);
+    scheduler.run_next(true);
+  }
+  const Books books(scheduler);
+  --scheduler.lent_;
+}
+
+bool Scheduler::run_next(bool lent, TaskPriority least) {
+  const jobs::ActivityScope computing;
+  std::shared_ptr<Computation> next;
+  {
+    const Books books(*this);
+    if (lent) --unstarted_;
+    const auto end = std::prev(waiting_.rend(), static_cast<std::ptrdiff_t>(least));
+    for (auto list = waiting_.rbegin(); list != end && !next; ++list) {
+      if (!list->empty()) next = list->front();
+    }
+    if (!next) return false;
+    start_running(next);
+  }
+  run(next);
+  return true;
+}
+
+void Scheduler::start_running(const std::shared_ptr<Computation>& computation) {
+  computation->stop = make_stop_source();
+  running_.splice(running_.end(), *computation->list, computation->place);
+  computation->list = &running_;
+}
+
+void Scheduler::run(const std::shared_ptr<Computation>& computation) {
+  const Control control{computation->stop.get_token(),
+                        [running = computation.get()](double done) { running->report(done); }};
+  std::exception_ptr error;
+  const bool must_run = computation->runs_after_errors;
+  if (computation->failure && !must_run) {
+    error = computation->failure;
+  } else if (!computation->stop.stop_possible() && !must_run) {
+    error = std::make_exception_ptr(std::bad_alloc());
+  } else {
+    const ThreadRole role(*this);
+    try {
+      // Isolated: when it waits for tasks of its own, it does not pick up another job's, which may be long, or wait for
+      // this very job.
+      tbb::this_task_arena::isolate([&] { computation->run(control); });
+    } catch (...) {
+      error = std::current_exception();
+    }
+  }
+  complete(computation, std::move(error));
+}
+
+void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error) {
+  const std::shared_ptr<JobRecord> job = computation->record;
+  bool wanted = false;
+  {
+    const Books books(*this);
+    bytes_ -= std::exchange(computation->bytes, 0);
+    if (job) settle(*job);
+    wanted = job && !job->withdrawn;
+  }
+  if (!error) computation->report(1.0);
+  if (wanted) {
+    try {
+      if (!error) computation->deliver(*job);
+      job->error = error;
+    } catch (...) {
+      job->error = std::current_exception();
+    }
+  }
+  error = nullptr;
+  if (job) {
+    job->ready.store(true, std::memory_order_release);
+    signal();  // who waits for a result does not wait for the books
+    Books books(*this);
+    hand_on(*job, books.work);
+  }
+  computation->release();
+  // Both go when the books are closed.
+  ComputationList over;
+  stop_source stop(nostopstate);
+  const Books books(*this);
+  over = take_out(computation);
+  computation->record = nullptr;
+  if (!computation->stopping) std::swap(stop, computation->stop);
+}
+
+// Waiting.
+
+void Scheduler::signal() {
+  ++signals_;
+  platform::wake_all(signals_);
+}
+
+void Scheduler::wait(const JobRecord& job) {
+  const auto ready = [&] { return job.ready.load(std::memory_order_acquire); };
+  if (ready()) return;
+  require_own_process();
+  if (!ThreadRole::is_worker(*this)) {
+    look_briefly(job, callers_may_look_);
+    return wait_for(ready);
+  }
+  // Nothing must be left to another thread, because all may wait: what the job needs first is run here, and if another
+  // thread runs that, what comes next when it is done.
+  wait_for([&] {
+    while (!ready()) {
+      std::shared_ptr<Computation> next;
+      {
+        const Books books(*this);
+        next = startable_for(job);
+        if (next) start_running(next);
+      }
+      if (!next) return false;
+      run(next);
+    }
+    return true;
+  });
+}
+
+/// What must run first for the job, if no thread has started it.
+std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) const {
+  const std::shared_ptr<Computation>* first = &job.computation;
+  while ((*first)->parent) first = &(*first)->parent->computation;
+  return is_waiting(**first) ? *first : nullptr;
+}
+
+void Scheduler::wait_until_idle() {
+  if (ThreadRole::has_any(*this)) return;
+  wait_for([&] {
+    const Books books(*this);
+    return waiting_count() == 0 && running_.empty();
+  });
+}
+
 WorkerLoad Scheduler::load() {
   const Books books(*this);
   const Clock::time_point now = Clock::now();
@@ -253,40 +725,79 @@ WorkerLoad Scheduler::load() {
           .bytes = bytes_};
 }
 
-}  // namespace welkin::detail
+// Callbacks, and the end.
 
-namespace welkin {
-
-Worker::Worker(WorkerOptions options) : scheduler_(std::make_shared<detail::Scheduler>(std::move(options))) {
-  try {
-    scheduler_->start();
-  } catch (...) {
-    scheduler_->terminate();
-    throw;
+std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
+  constexpr std::chrono::microseconds kPause{20};
+  constexpr std::chrono::nanoseconds kLeast = std::chrono::microseconds(100);
+  require_own_process();
+  const auto start = Clock::now();
+  const auto spent = [&](std::chrono::nanoseconds allowed) { return Clock::now() - start >= allowed; };
+  std::size_t there = 0;
+  for (std::size_t called = 0;; ++called) {
+    // Without the mutex: most frames have nothing to drain.
+    const bool nothing = undrained_.load(std::memory_order_acquire) == 0 && inbox_.load() == nullptr;
+    if (nothing || (called > 0 && (called >= there || spent(budget)))) return called;
+    ComputationList one;
+    {
+      // The mutex may be held by a thread of ours that more important ones keep off the processor: the budget is for
+      // that too. Sleeping, and not spinning, gives it this one. A thread that merely looks for work lets go of the
+      // mutex in less than `kLeast`, and then the first callback runs whatever the budget is.
+      Lock lock(mutex_, std::try_to_lock);
+      while (!lock) {
+        if (spent(called == 0 ? std::max(budget, kLeast) : budget)) return called;
+        std::this_thread::sleep_for(kPause);
+        static_cast<void>(lock.try_lock());
+      }
+      const Books books(*this, std::move(lock));
+      if (called == 0) there = drained_.size();
+      if (drained_.empty()) return called;
+      one.splice(one.begin(), drained_, drained_.begin());
+      undrained_.store(drained_.size(), std::memory_order_release);
+    }
+    one.front()->run({});
   }
 }
 
-Worker::~Worker() {
-  scheduler_->terminate();
-  scheduler_->abandon_rest();
+void Scheduler::terminate() {
+  if (is_forked()) {
+    kept_ = shared_from_this();
+    return;
+  }
+  {
+    Books books(*this);
+    closed_ = true;
+    for (ComputationList& list : waiting_) {
+      while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, books.work);
+    }
+    for (const std::shared_ptr<Computation>& computation : running_) {
+      JobRecord* const job = computation->record.get();
+      if (job == nullptr || job->settled || computation->stopping) continue;
+      job->withdrawn = ErrorCode::stopped;
+      stop(computation, books.work);
+    }
+  }
+  if (own_threads_) own_threads_->dismiss();
+  if (ThreadRole::has_any(*this)) return;
+  wait_for([&] {
+    const Books books(*this);
+    return running_.empty() && lending_ == 0;
+  });
+  if (own_threads_) own_threads_->join();
+  std::shared_ptr<Executor> no_more_used;
+  const Books books(*this);
+  no_more_used.swap(options_.executor);
 }
 
-// What is called below may end with this worker gone, because a callback or a request may destroy it. So each call
-// holds the scheduler.
-
-void Worker::submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
-                    detail::ComputationList follower) {
-  std::shared_ptr(scheduler_)->submit(job, options, bytes, std::move(follower));
+void Scheduler::abandon_rest() {
+  if (is_forked()) return;
+  {
+    Books books(*this);
+    abandoned_ = true;
+    books.work.ended.splice(books.work.ended.end(), drained_);
+    undrained_.store(0, std::memory_order_release);
+  }
+  if (own_threads_ && ThreadRole::has_any(*this)) own_threads_->detach();
 }
 
-std::size_t Worker::drain(std::chrono::nanoseconds budget) { return std::shared_ptr(scheduler_)->drain(budget); }
-
-void Worker::terminate() { std::shared_ptr(scheduler_)->terminate(); }
-
-void Worker::wait_until_idle() { std::shared_ptr(scheduler_)->wait_until_idle(); }
-
-WorkerLoad Worker::load() const { return scheduler_->load(); }
-
-int Worker::threads() const noexcept { return scheduler_->threads(); }
-
-}  // namespace welkin
+}  // namespace welkin::detail

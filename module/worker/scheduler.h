@@ -58,6 +58,10 @@ struct InJobMemory {
 /// Gives the system back what is kept for later posts.
 void give_back_job_memory() noexcept;
 
+/// Why a job that is ready has no result, or that there was no memory to say it; null if it has one. Who gives jobs up
+/// by the hundred does not make errors that nobody may want: they are made here.
+[[nodiscard]] std::exception_ptr error_of(const JobRecord& job) noexcept;
+
 /// What comes in, with the list nodes that it needs later: a posted job, or a computation that follows a job.
 struct Arrival : InJobMemory {
   Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
@@ -134,7 +138,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void require_own_process() const;
   [[nodiscard]] Lock locked();
 
-  // Letting jobs in (scheduler.cpp). With the mutex held, but for `put_in_inbox` and `reserve`.
+  // Letting jobs in. With the mutex held, but for `put_in_inbox` and `reserve`.
   void put_in_inbox(std::unique_ptr<Arrival> arrival);
   void empty_inbox(DeferredWork& work);
   [[nodiscard]] bool inbox_has_something() noexcept;
@@ -147,7 +151,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
   void settle(JobRecord& job);
 
-  // Giving jobs up, and what follows when they are done (settling.cpp). With the mutex held, but for `carry_out`.
+  // Giving jobs up, and what follows when they are done. With the mutex held, but for `carry_out`.
   bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work);
   static void stop(const std::shared_ptr<Computation>& computation, DeferredWork& work);
   void hand_on(JobRecord& job, DeferredWork& work);
@@ -157,7 +161,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void carry_out(DeferredWork& work);
   [[nodiscard]] static std::uint64_t next_id() noexcept;
 
-  // Starting, running, waiting (running.cpp). With the mutex held: enqueue to startable_for.
+  // Starting, running, waiting. With the mutex held: enqueue to startable_for.
   void enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front);
   void start_running(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] ComputationList take_out(const std::shared_ptr<Computation>& computation);
@@ -168,7 +172,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void run(const std::shared_ptr<Computation>& computation);
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
-  // Threads (running.cpp).
+  // Threads.
   void plan_calls(DeferredWork& work);
   void call_for_hands(DeferredWork& work);
   static void run_task(void* task);

@@ -2,13 +2,8 @@
 
 #include "welkin/bake.h"
 
-#include <tbb/task_group.h>
-
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <new>
 #include <numbers>
 #include <stdexcept>
 #include <stop_token>
@@ -17,7 +12,6 @@
 #include <vector>
 
 #include "bake/baked.h"
-#include "jobs/trace.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/outcome.h"
@@ -79,16 +73,6 @@ TEST_CASE("A uniform environment bakes to itself at any size", "[bake][slow]") {
   }
 }
 
-TEST_CASE("Sources of any size are baked", "[bake][slow]") {
-  for (const int size : {1, 2, 3, 7, 64, 257}) {
-    INFO("size " << size);
-    check_white_furnace(make_lat_long(Content::uniform, 2 * size, size, 1).view(), small_bake(7));
-    check_white_furnace(make_lat_long(Content::uniform, size, 2, 1).view(), small_bake(7));
-    check_white_furnace(make_cubemap(Content::uniform, size, 4, 1).view(), small_bake(7));
-    check_white_furnace(make_cubemap_half(Content::uniform, size, 4, 1).view(), small_bake(7));
-  }
-}
-
 TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::high_range, 80, 40, 3);
   BakeOptions options = small_bake();
@@ -113,42 +97,6 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   CHECK(result.diagnostics.texels == 80 * 40);
   CHECK(result.peak_bytes > 12 * 80 * 40);
   CHECK(result.peak_bytes <= bake_bytes(picture.view(), options));
-}
-
-namespace {
-
-/// How often rows were looked through for values that are to be replaced.
-int measurements(const jobs::TracedWork& work) {
-  int count = 0;
-  for (const jobs::TracedWork::Stretch& stretch : work.stretches) {
-    for (const jobs::TracedRegion& region : stretch.region) {
-      const bool measures = region.what != nullptr &&
-                            std::string(region.what->name()).find("SanitizedSource7measure") != std::string::npos;
-      count += measures ? 1 : 0;
-      for (const jobs::TracedWork& part : region.parts) count += measurements(part);
-    }
-  }
-  return count;
-}
-
-}  // namespace
-
-TEST_CASE("A bake looks through its pixels once", "[bake]") {
-  BakeOptions options;
-  options.specular->size = 16;
-  options.background.emplace();
-  const auto lat_long = make_lat_long(Content::smooth, 64, 32, 1);
-  const auto cubemap = make_cubemap(Content::smooth, 32, 3, 1);
-  run_with_threads(1, [&] {
-    jobs::TraceRecording of_lat_long;
-    (void)bake(lat_long.view(), options);
-    CHECK(measurements(of_lat_long.finish()) == 1);
-  });
-  run_with_threads(1, [&] {
-    jobs::TraceRecording of_cubemap;
-    (void)bake(cubemap.view(), options);
-    CHECK(measurements(of_cubemap.finish()) == 1);
-  });
 }
 
 TEST_CASE("A background as large as the specular cubemap is its mip 0", "[bake]") {
@@ -283,51 +231,6 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
 
 // Promise: a bake has the same bits on any number of threads and instruction set, and in a worker.
 
-namespace {
-
-void check_bits(const EnvironmentView& view, const BakeOptions& options) {
-  const BakeResult expected = bake(view, options);
-  const InstructionSet before = active_instruction_set();
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 2, 7}) {
-      INFO(name(set) << ", " << threads << " threads");
-      run_with_threads(threads, [&] { CHECK(same_bits(bake(view, options), expected)); });
-    }
-  }
-  force_instruction_set(before);
-}
-
-}  // namespace
-
-TEST_CASE("Bakes of lat-longs and cubemaps have the same bits everywhere", "[bake][slow]") {
-  BakeOptions options = small_bake(48);
-  options.bands = 5;
-  check_bits(make_lat_long(Content::sun_disc, 400, 200, 5).view(), options);
-  check_bits(make_cubemap(Content::special_values, 97, 4, 6).view(), options);
-  options.background->size = 31;
-  check_bits(make_lat_long_half(Content::high_range, 101, 37, 7).view(), options);
-}
-
-TEST_CASE("Bakes side by side in one arena have their own bits", "[bake]") {
-  const TestLatLong first = make_lat_long(Content::high_range, 300, 150, 5);
-  const TestCubemap second = make_cubemap(Content::smooth, 64, 3, 6);
-  const BakeResult expected_first = bake(first.view(), small_bake(40));
-  const BakeResult expected_second = bake(second.view(), small_bake(24));
-  for (int round = 0; round < 5; ++round) {
-    tbb::task_group group;
-    bool right[4]{};
-    for (int k = 0; k < 4; ++k) {
-      group.run([&, k] {
-        right[k] = k % 2 == 0 ? same_bits(bake(first.view(), small_bake(40)), expected_first)
-                              : same_bits(bake(second.view(), small_bake(24)), expected_second);
-      });
-    }
-    group.wait();
-    for (const bool one : right) CHECK(one);
-  }
-}
-
 TEST_CASE("A bake's tiles allocate nothing", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::high_range, 256, 128, 5);
   static_cast<void>(bake(picture.view(), small_bake(64)));
@@ -380,34 +283,6 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
   BakeOptions sharp = small_bake(64);
   sharp.background->size = 512;
   check_memory(make_cubemap(Content::high_range, 300, 3, 3).view(), sharp);
-}
-
-namespace {
-
-/// All dim, with so many texels side by side that are very bright, and one that makes a clean copy necessary.
-TestLatLong lamps(int columns, int texels) {
-  TestLatLong picture = make_lat_long(Content::uniform, columns, columns / 2, 3);
-  const auto first = static_cast<std::ptrdiff_t>(columns) * (columns / 6) * 3;
-  std::fill_n(picture.pixels.begin() + first, 3 * texels, 5e4F);
-  picture.pixels.front() = std::numeric_limits<float>::quiet_NaN();
-  return picture;
-}
-
-BakeOptions specular_alone(const std::vector<double>& roughness) {
-  BakeOptions options;
-  options.background.reset();
-  options.irradiance.reset();
-  options.brdf.reset();
-  options.specular = PrefilterOptions{.size = 128, .roughness = roughness};
-  options.specular->mips = static_cast<int>(roughness.size());
-  return options;
-}
-
-}  // namespace
-
-TEST_CASE("A bake's memory stays below what was predicted where thousands of texels are bright", "[bake][slow]") {
-  check_memory(lamps(2048, 6000).view(), specular_alone({0.02}));
-  check_memory(lamps(2048, 50'000).view(), specular_alone({0.2}));
 }
 
 // Promise: a bake that cannot be says so before it begins; one that is stopped or fails leaves nothing behind.
@@ -502,17 +377,6 @@ TEST_CASE("A bake stops at any point of its progress", "[bake]") {
       CHECK(outcome_of([&] { static_cast<void>(bake(picture.view(), small_bake(64), late)); }) == "cancelled");
     });
   }
-}
-
-TEST_CASE("A bake's progress is one rising number", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 512, 256, 5);
-  std::vector<double> reports;
-  static_cast<void>(bake(picture.view(), small_bake(64), {{}, [&](double done) { reports.push_back(done); }}));
-  REQUIRE(reports.size() > 10);
-  CHECK(std::is_sorted(reports.begin(), reports.end()));
-  CHECK(reports.front() >= 0.0);
-  CHECK(reports.back() == 1.0);
-  CHECK(std::count(reports.begin(), reports.end(), 1.0) == 1);
 }
 
 TEST_CASE("What stops a bake comes out of it", "[bake]") {

@@ -1,6 +1,5 @@
 // Irradiance cubemaps of bakes: within their bound of the integral.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -12,7 +11,6 @@
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
-#include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/projection.h"
 #include "welkin/result_cache.h"
@@ -201,29 +199,6 @@ TEST_CASE("Irradiance keeps negative light, and huge and tiny radiance", "[irrad
   const LatLongImage most = grey(16, std::numeric_limits<float>::max());
   for (const float value : irradiance_of(most.view(), 3).pixels)
     REQUIRE(value == std::numeric_limits<float>::max());  // pi times that is no float
-}
-
-TEST_CASE("A narrower bound of irradiance is met, at last by the integral itself", "[irradiance_bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 5);
-  CHECK(error_of(picture.view(), 8, 1e-4).rms < 1e-5);
-  CHECK(irradiance_of(picture.view(), 8, 1e-6).pixels == direct_irradiance_cubemap(picture.view(), 8).pixels);
-  for (const double wrong : {0.0, -1.0, 1e-7, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
-    const ThrownError error = thrown_by([&] { static_cast<void>(irradiance_of(picture.view(), 8, wrong)); });
-    CHECK(error.code == ErrorCode::invalid_argument);
-    CHECK(error.says("irradiance.rms_error"));
-  }
-}
-
-TEST_CASE("Irradiance does not depend on bands, unless it is asked for from them", "[irradiance_bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 5);
-  BakeOptions options = irradiance_alone(5);
-  const BakeResult none = bake(picture.view(), options);
-  options.bands = 4;
-  const BakeResult four = bake(picture.view(), options);
-  CHECK(same_bits(*none.irradiance, *four.irradiance));
-  options.irradiance->method = IrradianceMethod::harmonics;
-  CHECK(same_bits(*bake(picture.view(), options).irradiance,
-                  irradiance_cubemap(irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance), 5)));
 }
 
 namespace {

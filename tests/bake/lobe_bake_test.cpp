@@ -1,6 +1,5 @@
 // Lobes other than GGX in bakes: the bits of the direct calls, whichever way a bake is asked for.
 
-#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -133,14 +132,6 @@ TEST_CASE("lobes: bakes into targets and of many probes have the bits of the dir
   }
 }
 
-TEST_CASE("lobes: worker requests have the bits of the direct call", "[worker][lobes]") {
-  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
-  Worker worker;
-  const Family family = all_families().front();
-  const auto result = worker.post(Bake{EnvironmentSource{cube.view(), nullptr}, bake_of(family.options)}).get();
-  CHECK(same_bits(result->specular->cubemap, direct(cube.view(), family).cubemap));
-}
-
 TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][cache][lobes][slow]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
   std::vector<PrefilterOptions> all;
@@ -169,24 +160,6 @@ TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][c
       CHECK(same_bits(cache.prefilter_specular(cube.view(), all[k]).cubemap, found.specular->cubemap));
       for (std::size_t other = 0; other < k; ++other) CHECK(hash_options(all[k]) != hash_options(all[other]));
     }
-  }
-}
-
-TEST_CASE("lobes: a plan that leaves mips out has a chain by the lobes of the others", "[plan][lobes]") {
-  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
-  const std::vector<double> roughness{0.3, 0.5, 0.7, 1.0};
-  const std::vector<std::vector<double>> spectra{{1.0, 0.9, 0.8}, {1.0, 0.7, 0.3}, {1.0, 0.5}, {1.0}};
-  const SceneNeeds needs{.glossy = RoughnessRange{0.55, 0.6}};
-  for (const LobeFamily lobe : {LobeFamily::charlie, LobeFamily::phong, LobeFamily::spectra}) {
-    INFO(name(lobe));
-    PrefilterOptions specular{.size = 16, .roughness = roughness, .lobe = lobe};
-    if (lobe == LobeFamily::spectra) specular.spectra = spectra;
-    const Plan rest = plan(cube.view(), needs, bake_of(specular));
-    CHECK(rest.options.specular->size == 8);
-    CHECK(rest.options.specular->roughness == std::vector<double>{0.5, 0.7});
-    if (lobe == LobeFamily::spectra)
-      CHECK(rest.options.specular->spectra == std::vector<std::vector<double>>{spectra[1], spectra[2]});
-    CHECK(bake(cube.view(), rest).specular->cubemap.levels() == 2);
   }
 }
 

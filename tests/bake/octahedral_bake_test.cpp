@@ -71,14 +71,6 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
   }
 }
 
-TEST_CASE("octahedral: worker requests have the bits of the direct call", "[worker][octahedral]") {
-  const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
-  const Bake request{EnvironmentSource{cube.view(), nullptr}, bake_of({.size = 32, .levels = 2})};
-  Worker worker;
-  const auto result = worker.post(Bake(request)).get();
-  CHECK(same_map(result->octahedral, to_octahedral(result->specular->cubemap, *request.options.octahedral)));
-}
-
 TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, and no other",
           "[bake][cache][octahedral][slow]") {
   const TemporaryDirectory directory;
@@ -107,20 +99,6 @@ TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, an
   none.octahedral.reset();
   CHECK_FALSE(cache.bake(cube.view(), none).octahedral.has_value());
   CHECK(hash_options(none) != hash_options(all[0]));
-}
-
-TEST_CASE("octahedral: a plan that leaves mips out has the map of those that are left", "[plan][octahedral]") {
-  const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
-  const BakeOptions whole = bake_of({.size = 64, .levels = 4});
-  const Plan rest = plan(cube.view(), {.glossy = RoughnessRange{0.5, 0.6}}, whole);
-  ResultCache cache;
-  for (const BakeResult& result : {bake(cube.view(), rest), cache.bake(cube.view(), rest)}) {
-    REQUIRE(result.specular->cubemap.levels() == 2);
-    CHECK(same_map(result.octahedral, to_octahedral(result.specular->cubemap, {.size = 64, .levels = 2})));
-  }
-  const Plan matte = plan(cube.view(), {.glossy = std::nullopt}, whole);
-  CHECK_FALSE(matte.options.octahedral.has_value());
-  CHECK_FALSE(bake(cube.view(), matte).octahedral.has_value());
 }
 
 TEST_CASE("octahedral: a bake's memory stays below what was predicted", "[bake][octahedral]") {

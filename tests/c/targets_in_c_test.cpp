@@ -116,20 +116,6 @@ TEST_CASE("C: levels are written to the caller's memory in every format, row pit
   welkin_bake_result_destroy(result);
 }
 
-TEST_CASE("texels that halves cannot hold are written as the nearest they can, and counted", "[c_interface]") {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  const std::array<float, 9> values{
-      1.0F, -2.0F, std::numeric_limits<float>::quiet_NaN(), infinity, -infinity, 65504.0F, 65505.0F, 1e-8F, 3e-8F};
-  std::array<std::uint16_t, 12> halves{};
-  REQUIRE(image::encode_texels(values.data(), 3, 3, {4, true}, halves.data()) == 4);
-  const std::array<std::uint16_t, 12> expected{0x3C00, 0xC000, 0,      0x3C00, 0x7BFF, 0xFBFF,
-                                               0x7BFF, 0x3C00, 0x7BFF, 0,      0x0001, 0x3C00};
-  REQUIRE(halves == expected);
-  std::array<float, 9> floats{};
-  REQUIRE(image::encode_texels(values.data(), 3, 3, {3, false}, floats.data()) == 0);
-  REQUIRE(std::memcmp(floats.data(), values.data(), sizeof floats) == 0);
-}
-
 TEST_CASE("C: targets that nothing can be written to are refused before anything is written", "[c_interface]") {
   const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
   const welkin_environment view = c_view(cube.view());

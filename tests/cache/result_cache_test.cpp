@@ -2,11 +2,9 @@
 
 #include "welkin/result_cache.h"
 
-#include <cmath>
 #include <functional>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 #include "support/catch.h"
@@ -274,24 +272,6 @@ TEST_CASE("cache: a file that a memory limit refuses is refused, whoever read it
   tight.memory_limit_bytes = 100;
   CHECK(thrown_by([&] { static_cast<void>(project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
   CHECK(thrown_by([&] { static_cast<void>(cache.project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
-}
-
-TEST_CASE("cache: a change that is none is refused before anything is computed") {
-  const TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
-  ResultCache cache;
-  for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.turn = glm::dmat3(0.0)}}) {
-    CHECK_THROWS_AS(cache.project(cubemap.view(), {}, change), Error);
-    CHECK(cache.statistics().misses == 0);
-  }
-}
-
-TEST_CASE("cache: what was found on the way to a projection is not told again when the projection is found") {
-  TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
-  ResultCache cache;
-  static_cast<void>(cache.project(cubemap.view(), {}, {.keep_faces = true}));
-  cubemap.pixels[0] += 1.0F;
-  CHECK(action(cache.project(cubemap.view(), {}, {.keep_faces = true}).diagnostics, "faces") == "reuse");
-  CHECK(action(cache.project(cubemap.view()).diagnostics, "faces") == "none");
 }
 
 TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever was there before") {

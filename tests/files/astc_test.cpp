@@ -182,27 +182,6 @@ TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[co
   }
 }
 
-TEST_CASE("rows are decoded from anywhere in a row of blocks", "[codec][textures][astc]") {
-  for (const files::TexelKind kind : {files::TexelKind::astc_4x4_hdr, files::TexelKind::astc_6x6_hdr}) {
-    constexpr int size = 13;  // three or four rows of blocks
-    const CubemapChain chain = noisy_chain(size, 1, 2);
-    const std::vector<std::vector<LatLongView>> face{{{chain.face(0, 0), size, size, 0, PixelFormat::rgb32f}}};
-    const files::BlockLevels blocks = files::encode_astc(face, kind, AstcEffort::fastest, {});
-    const auto decoder = files::make_astc_decoder(kind, "face");
-    constexpr std::size_t row_values = std::size_t{3} * size;
-    std::vector<float> whole(size * row_values);
-    decoder->decode_rows(blocks.levels[0].data(), size, 0, size, whole.data());
-    for (int first = 0; first < size; ++first) {
-      for (int rows = 1; first + rows <= size; ++rows) {
-        const std::uint64_t at = files::place_of_rows(kind, size, first, rows).first_byte;
-        std::vector<float> some(static_cast<std::size_t>(rows) * row_values);
-        decoder->decode_rows(blocks.levels[0].data() + at, size, first, rows, some.data());
-        CHECK(std::equal(some.begin(), some.end(), whole.begin() + first * static_cast<std::ptrdiff_t>(row_values)));
-      }
-    }
-  }
-}
-
 TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "[codec][textures][astc]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("sky.ktx2");
@@ -214,37 +193,6 @@ TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "
   CHECK(std::isnan(read.cubemap.face(0, 0)[0]));
   CHECK(read.cubemap.face(0, 0)[12] > 0.0F);
   CHECK(measure_environment(path).nans == 3 * 16);
-}
-
-TEST_CASE("ASTC's bytes do not depend on the number of threads", "[codec][textures][astc][slow]") {
-  const CubemapChain chain = noisy_chain(70, full_chain_levels(70), 3);
-  for (const auto& [format, edge] : kFormats) {
-    std::vector<std::vector<std::byte>> files;
-    for (const int threads : {1, 4}) {
-      run_with_threads(threads, [&, format = format] {
-        std::vector<std::byte> bytes;
-        write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(format));
-        files.push_back(std::move(bytes));
-      });
-    }
-    CHECK(files[0] == files[1]);
-  }
-}
-
-TEST_CASE("more effort for ASTC gives smaller errors", "[codec][textures][astc]") {
-  const CubemapChain chain = noisy_chain(24, 1, 2);
-  double before = std::numeric_limits<double>::max();
-  for (const AstcEffort effort : {AstcEffort::fastest, AstcEffort::medium, AstcEffort::thorough}) {
-    std::vector<std::byte> bytes;
-    write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(TexelFormat::astc_4x4_hdr, effort));
-    const CubemapTexture read = read_texture({std::as_const(bytes), "sky.ktx2"});
-    double squares = 0.0;
-    for (std::size_t k = 0; k < level_values(chain, 0).size(); ++k) {
-      squares += std::pow(std::log(level_values(read.cubemap, 0)[k] / level_values(chain, 0)[k]), 2);
-    }
-    CHECK(squares < before);
-    before = squares;
-  }
 }
 
 TEST_CASE("ASTC keeps the mean of each channel where a sun has most of the light", "[codec][textures][astc]") {
@@ -275,45 +223,6 @@ TEST_CASE("what ASTC cannot hold is clamped and counted", "[codec][textures][ast
   std::vector<std::byte> bytes;
   CHECK(write_texture({bytes, "sky.ktx2"}, bright.views(), in_astc(TexelFormat::astc_4x4_hdr)).values_clamped == 288);
   CHECK(read_texture({std::as_const(bytes), "sky.ktx2"}).cubemap.face(0, 0)[0] == 65504.0F);
-}
-
-TEST_CASE("pictures are written in ASTC and are environments", "[codec][textures][astc]") {
-  const CubemapChain chain = smooth_chain(20, 1);
-  for (const auto& [format, edge] : kFormats) {
-    for (const Supercompression packing : {Supercompression::none, Supercompression::zlib}) {
-      TextureOptions options = in_astc(format);
-      options.supercompression = packing;
-      std::vector<std::byte> bytes;
-      write_texture_2d({bytes, "sky.ktx2"}, 50, 25, chain.face(0, 0), options);
-      const Environment read = read_environment({std::as_const(bytes), "sky.ktx2"});
-      CHECK(read.info.layout == Layout::lat_long);
-      CHECK(read.info.width == 50);
-      CHECK(read.info.height == 25);
-      bool near = true;
-      for (std::size_t k = 0; k < 3 * 50 * 25; ++k)
-        near = near && std::abs(read.pixels[k] / chain.face(0, 0)[k] - 1.0F) < 0.5F;
-      CHECK(near);
-    }
-  }
-}
-
-TEST_CASE("ASTC is refused where it cannot be", "[codec][textures][astc]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = smooth_chain(8, 1);
-  const TextureOptions options = in_astc(TexelFormat::astc_6x6_hdr);
-  for (const char* const name : {"sky.dds", "sky.exr"}) {
-    const ThrownError error = thrown_by([&] { write_texture(directory.file(name), chain.views(), options); });
-    CHECK(error.code == ErrorCode::invalid_argument);
-    CHECK(error.says("blocks of ASTC"));
-  }
-  for (const int number : {-1, 4, 99}) {
-    const TextureOptions wrong = in_astc(TexelFormat::astc_4x4_hdr, static_cast<AstcEffort>(number));
-    const auto write = [&] { write_texture(directory.file("sky.ktx2"), chain.views(), wrong); };
-    CHECK(thrown_by(write).code == ErrorCode::invalid_argument);
-  }
-  CubemapTarget target{{}, 4, 0, TexelFormat::astc_4x4_hdr};
-  CHECK(thrown_by([&] { store_texels(chain.view(0), target); }).code == ErrorCode::invalid_argument);
-  CHECK(std::filesystem::is_empty(directory.file("").parent_path()));
 }
 
 TEST_CASE("a cut ASTC file is refused, and a stopped write leaves none", "[codec][textures][astc]") {

@@ -227,57 +227,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The solid angle between the face's centre and (u, v), seen from the cube's: the textbook's closed form.
-double corner_solid_angle(double u, double v) { return std::atan2(u * v, std::sqrt(1.0 + u * u + v * v)); }
-
-bool same(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {
-  return a.texels == b.texels && a.minimum == b.minimum && a.maximum == b.maximum && a.mean == b.mean &&
-         a.total_radiance == b.total_radiance && a.nans == b.nans && a.infinities == b.infinities &&
-         a.negatives == b.negatives && a.brightest_column == b.brightest_column && a.brightest_row == b.brightest_row &&
-         a.brightest == b.brightest && a.brightest_direction == b.brightest_direction;
-}
-
 }  // namespace
-
-TEST_CASE("solid angles of a cube face's texels equal their closed form and make up a sixth of the sphere",
-          "[codec][slow]") {
-  for (const int size : {1, 2, 3, 5, 8, 31, 32, 33, 64, 256, 1024}) {
-    CAPTURE(size);
-    std::vector<double> angles(static_cast<std::size_t>(size));
-    double sum = 0.0;
-    double worst = 0.0;
-    for (int row = 0; row < size; ++row) {
-      image::cubemap_row_solid_angles(row, angles);
-      const double v0 = 2.0 * row / size - 1.0;
-      const double v1 = 2.0 * (row + 1) / size - 1.0;
-      for (int column = 0; column < size; ++column) {
-        const double u0 = 2.0 * column / size - 1.0;
-        const double u1 = 2.0 * (column + 1) / size - 1.0;
-        const double exact = corner_solid_angle(u1, v1) - corner_solid_angle(u0, v1) - corner_solid_angle(u1, v0) +
-                             corner_solid_angle(u0, v0);
-        const double angle = angles[static_cast<std::size_t>(column)];
-        worst = std::max(worst, std::abs(angle - exact) * size * size);  // the closed form's own rounding is absolute
-        sum += angle;
-      }
-    }
-    CHECK(std::abs(sum / (4.0 * kPi / 6.0) - 1.0) < 1e-11);
-    CHECK(worst < 4e-16 * size * size + 1e-11);
-  }
-}
-
-TEST_CASE("solid angles of a lat-long's texels make up the sphere", "[codec]") {
-  for (const int height : {1, 2, 3, 17, 512}) {
-    double sum = 0.0;
-    for (int row = 0; row < height; ++row) {
-      const double top = kPi / 2.0 - kPi * row / height;
-      const double bottom = kPi / 2.0 - kPi * (row + 1) / height;
-      const double angle = image::lat_long_texel_solid_angle(5, height, row);
-      CHECK(close(angle, 2.0 * kPi / 5.0 * (std::sin(top) - std::sin(bottom)), 1e-9));
-      sum += 5.0 * angle;
-    }
-    CHECK(std::abs(sum / (4.0 * kPi) - 1.0) < 1e-13);
-  }
-}
 
 TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
   const TemporaryDirectory directory;
@@ -341,33 +291,6 @@ TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
   CHECK(found.minimum == glm::dvec3(0.0));
   CHECK(found.maximum == glm::dvec3(0.0));
   CHECK(found.total_radiance == glm::dvec3(0.0));
-}
-
-TEST_CASE("statistics are the same bits on any number of threads and however the file is cut", "[codec][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cut.exr");
-  const std::vector<float> pixels = some_pixels(64, 384);
-  const std::vector<float> wide = some_pixels(512, 256);
-  for (const bool cube : {false, true}) {
-    std::vector<EnvironmentStatistics> all;
-    for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
-      for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(48, 40)}}) {
-        ExrRecipe recipe{512, 256, 0, 0, compression, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-        recipe.channels = rgb_channels(Imf::FLOAT);
-        if (cube) {
-          recipe.width = 64;
-          recipe.height = 384;
-        }
-        write_exr(path, recipe, cube ? pixels : wide);
-        for (const int threads : {1, 2, 5}) {
-          run_with_threads(threads, [&] { all.push_back(measure_environment(path)); });
-        }
-      }
-    }
-    for (const EnvironmentStatistics& one : all) {
-      CHECK(same(one, all.front()));
-    }
-  }
 }
 
 // Promises: what is not read is refused by a code and a message with the file's name, what was found, what would do.
@@ -539,18 +462,6 @@ TEST_CASE("a PNG that has become another one is not read", "[codec][png]") {
     write_png(path, first);
     (void)source->open_reader();
   }
-}
-
-TEST_CASE("a PNG that changes before a reader turns back is not read", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
-  write_png(path, {8, 4});
-  const auto source = files::open_row_source(path, {Layout::lat_long});
-  const auto reader = source->open_reader();
-  std::vector<float> rgb(std::size_t{3} * 8 * 4);
-  reader->read(0, 4, rgb.data());
-  write_png(path, {64, 4});
-  CHECK(thrown_by([&] { reader->read(0, 4, rgb.data()); }).code == ErrorCode::file_access);
 }
 
 TEST_CASE("an OpenEXR file that has got other tiles is not read", "[codec][exr]") {

@@ -85,114 +85,6 @@ TEST_CASE("any rows of luminance and chroma are those of the whole", "[codec]") 
   }
 }
 
-TEST_CASE("luminance and chroma are read in layers and parts", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path plain = directory.file("plain.exr");
-  const std::filesystem::path path = directory.file("parts.exr");
-  const std::vector<float> pixels = some_pixels(64, 32);
-  ExrRecipe recipe = recipe_of(64, 32);
-  const auto channels = [](const std::string& prefix) {
-    return std::vector<ExrChannel>{
-        {prefix + "Y", Imf::HALF, 1, 1}, {prefix + "RY", Imf::HALF, 2, 0}, {prefix + "BY", Imf::HALF, 2, 2}};
-  };
-  recipe.channels = channels("");
-  write_exr(plain, recipe, pixels);
-  const std::vector<float> wanted = read_rgba_with_library(plain);
-  ExrRecipe layered = recipe;
-  layered.channels = channels("env.");
-  ExrRecipe mask = recipe;
-  mask.channels = {{"Y"}};
-  write_exr_parts(path, {{"mask", mask, pixels}, {"light", layered, pixels}});
-  const Environment read = read_environment(path);
-  CHECK(read.info.layers == std::vector<std::string>{"env"});
-  CHECK(std::equal(wanted.begin(), wanted.end(), read.pixels.get()));
-}
-
-// Promises: colours in other primaries become the Rec. 709 colours that look the same, grey stays grey, and primaries
-// that make no colours are told apart.
-
-namespace {
-
-constexpr files::Chromaticities kRec2020{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}};
-constexpr files::Chromaticities kAp0{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}, {0.32168, 0.33767}};
-
-void check_close(const glm::dvec3& found, const glm::dvec3& wanted, double tolerance) {
-  CAPTURE(found.x, found.y, found.z, wanted.x, wanted.y, wanted.z);
-  for (int i = 0; i < 3; ++i) {
-    CHECK(std::abs(found[i] - wanted[i]) <= tolerance);
-  }
-}
-
-}  // namespace
-
-TEST_CASE("Rec. 709's own matrix is the published one", "[codec]") {
-  const glm::dmat3 matrix = files::rgb_to_xyz(files::kRec709).value();
-  // IEC 61966-2-1, to its four digits.
-  check_close(matrix[0], {0.4124, 0.2126, 0.0193}, 6e-5);
-  check_close(matrix[1], {0.3576, 0.7152, 0.1192}, 6e-5);
-  check_close(matrix[2], {0.1805, 0.0722, 0.9505}, 6e-5);
-  const glm::dmat3 nothing = files::to_rec709(files::kRec709).value();
-  for (int i = 0; i < 3; ++i) {
-    check_close(nothing[i], glm::dmat3(1.0)[i], 1e-14);
-  }
-}
-
-TEST_CASE("Rec. 2020 becomes Rec. 709 as ITU-R BT.2407 says", "[codec]") {
-  const glm::dmat3 matrix = files::to_rec709(kRec2020).value();
-  check_close(matrix[0], {1.6605, -0.1246, -0.0182}, 6e-5);
-  check_close(matrix[1], {-0.5876, 1.1329, -0.1006}, 6e-5);
-  check_close(matrix[2], {-0.0728, -0.0083, 1.1187}, 6e-5);
-}
-
-TEST_CASE("grey stays grey whatever the white", "[codec]") {
-  for (const files::Chromaticities& primaries :
-       {kRec2020, kAp0,
-        files::Chromaticities{files::kRec709.red, files::kRec709.green, files::kRec709.blue, {0.3457, 0.3585}}}) {
-    check_close(files::to_rec709(primaries).value() * glm::dvec3(1.0), glm::dvec3(1.0), 1e-12);
-  }
-}
-
-TEST_CASE("the neutral that is stated becomes grey instead of the white", "[codec]") {
-  const glm::dvec2 neutral(0.3457, 0.3585);
-  const glm::dmat3 xyz_to_rgb = glm::inverse(files::rgb_to_xyz(kRec2020).value());
-  const glm::dvec3 colour = xyz_to_rgb * (glm::dvec3(neutral, 1.0 - neutral.x - neutral.y) / neutral.y);
-  check_close(files::to_rec709(kRec2020, neutral).value() * colour, glm::dvec3(1.0), 1e-12);
-}
-
-TEST_CASE("X, Y, Z are colours themselves and are not adapted", "[codec]") {
-  const glm::dvec3 colour(0.2, 3.0, 0.7);
-  check_close(files::to_rec709(files::kCieXyz).value() * (files::rgb_to_xyz(files::kRec709).value() * colour), colour,
-              1e-12);
-  check_close(files::to_rec709(files::kCieXyz, files::kCieXyz.white).value() * glm::dvec3(1.0), glm::dvec3(1.0), 1e-12);
-}
-
-TEST_CASE("primaries that make no colours are none", "[codec]") {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
-  CHECK_FALSE(files::to_rec709({}));
-  CHECK_FALSE(files::to_rec709({{0.1, 0.1}, {0.2, 0.2}, {0.3, 0.3}, {0.3127, 0.3290}}));
-  CHECK_FALSE(files::to_rec709({files::kRec709.red, files::kRec709.green, files::kRec709.blue, {0.3, 0.0}}));
-  CHECK_FALSE(files::to_rec709({files::kRec709.red, files::kRec709.green, files::kRec709.blue, files::kRec709.red}));
-  for (const double bad : {nan, infinity, -infinity, 1e300, std::numeric_limits<double>::denorm_min()}) {
-    CHECK_FALSE(files::to_rec709({{bad, 0.33}, files::kRec709.green, {bad, 0.06}, {0.3127, bad}}));
-    CHECK_FALSE(files::to_rec709(kRec2020, glm::dvec2(0.3, bad)));
-  }
-}
-
-TEST_CASE("what differs by a rounding is the same", "[codec]") {
-  CHECK(files::nearly_same(files::kRec709, {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.313, 0.329}}));
-  CHECK_FALSE(files::nearly_same(files::kRec709, {{0.64, 0.33}, {0.29, 0.6}, {0.15, 0.06}, {0.3333, 0.3333}}));
-  CHECK(files::describe(files::kCieXyz) == "CIE XYZ");
-  CHECK(files::describe({{0.64, 0.33}, {0.29, 0.6}, {0.15, 0.06}, {0.3333, 0.3333}}) ==
-        "red (0.64 0.33) green (0.29 0.6) blue (0.15 0.06) white (0.3333 0.3333)");
-}
-
-TEST_CASE("a matrix is applied to every texel", "[codec]") {
-  std::vector<float> rgb{1, 2, 3, 4, 5, 6, 7, 8, 9};
-  files::apply(glm::dmat3({0, 0, 1}, {2, 0, 0}, {0, 4, 0}), rgb.data(), 2);
-  CHECK(rgb == std::vector<float>{4, 12, 1, 10, 24, 4, 7, 8, 9});
-}
-
 // Promises: an OpenEXR file that states its primaries is handed out in Rec. 709, unless it is wanted as it is, and says
 // so.
 
@@ -225,6 +117,29 @@ std::string only_note(const std::filesystem::path& path, const ReadOptions& opti
 }
 
 }  // namespace
+
+TEST_CASE("luminance and chroma are read in layers and parts", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path plain = directory.file("plain.exr");
+  const std::filesystem::path path = directory.file("parts.exr");
+  const std::vector<float> pixels = some_pixels(64, 32);
+  ExrRecipe recipe = recipe_of(64, 32);
+  const auto channels = [](const std::string& prefix) {
+    return std::vector<ExrChannel>{
+        {prefix + "Y", Imf::HALF, 1, 1}, {prefix + "RY", Imf::HALF, 2, 0}, {prefix + "BY", Imf::HALF, 2, 2}};
+  };
+  recipe.channels = channels("");
+  write_exr(plain, recipe, pixels);
+  const std::vector<float> wanted = read_rgba_with_library(plain);
+  ExrRecipe layered = recipe;
+  layered.channels = channels("env.");
+  ExrRecipe mask = recipe;
+  mask.channels = {{"Y"}};
+  write_exr_parts(path, {{"mask", mask, pixels}, {"light", layered, pixels}});
+  const Environment read = read_environment(path);
+  CHECK(read.info.layers == std::vector<std::string>{"env"});
+  CHECK(std::equal(wanted.begin(), wanted.end(), read.pixels.get()));
+}
 
 TEST_CASE("stated primaries are converted, and left on request", "[codec]") {
   const TemporaryDirectory directory;
@@ -408,30 +323,6 @@ TEST_CASE("a cube of OpenEXR's has the same light and statistics as its faces in
       CHECK(std::equal(again.pixels.get(), again.pixels.get() + count, cube.pixels.get()));
     });
   }
-}
-
-TEST_CASE("another layout that is asked for is taken as it is, whatever the attribute says", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.exr");
-  const std::vector<float> pixels = some_pixels(5, 30);
-  ExrRecipe recipe{5, 30, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, Imf::ENVMAP_CUBE, {}};
-  recipe.channels = rgb_channels(Imf::FLOAT);
-  write_exr(path, recipe, pixels);
-  ReadOptions options;
-  options.layout = Layout::lat_long;
-  const Environment picture = read_environment(path, options);
-  CHECK(std::equal(pixels.begin(), pixels.end(), picture.pixels.get()));
-}
-
-TEST_CASE("a strip without the attribute is taken as it is", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("strip.exr");
-  const std::vector<float> pixels = some_pixels(5, 30);
-  ExrRecipe recipe{5, 30, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  recipe.channels = rgb_channels(Imf::FLOAT);
-  write_exr(path, recipe, pixels);
-  const Environment strip = read_environment(path);
-  CHECK(std::equal(pixels.begin(), pixels.end(), strip.pixels.get()));
 }
 
 }  // namespace welkin::test

@@ -186,16 +186,6 @@ TEST_CASE("every level is read as the library reads it", "[codec]") {
   }
 }
 
-TEST_CASE("a file without a chain has one level", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("levels.exr");
-  write_exr(path, recipe_of(64, 32, Imf::TileDescription(8, 8)), some_pixels(64, 32));
-  const EnvironmentInfo info = inspect_environment(path);
-  REQUIRE(info.levels.size() == 1);
-  CHECK(info.levels[0].width == 64);
-  CHECK(info.storage == "tiled 8 x 8");
-}
-
 TEST_CASE("a level that is not there is an error that says how many there are", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("levels.exr");

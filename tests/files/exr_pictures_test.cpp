@@ -349,22 +349,6 @@ TEST_CASE("the data window is the picture where the display window is no frame",
   CHECK(says(inspect_environment(path, as_lat_long), "the data window of 61 x 45 is the picture"));
 }
 
-TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("window.exr");
-  const auto message = [&](const Window& display) {
-    write_exr(path, recipe_of({5, 5, 30, 20}, display), some_pixels(30, 20));
-    const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
-    CHECK(error.code == ErrorCode::unsupported_file);
-    return error.message;
-  };
-  CHECK(message({0, 0, 65536, 32768}) == path.string() +
-                                             ": stores 30 x 20 texels of a display window of 65536 x 32768, less than "
-                                             "a 64th; save it with the display window that is meant");
-  CHECK(message({0, 0, 200000, 100000}).find("its display window of 200000 x 100000 is larger than any layout holds") !=
-        std::string::npos);
-}
-
 // Promises: every OpenEXR compression is read, half and float, scanline and tiled, to the values that the OpenEXR
 // library itself gives; lossless ones to the very values that were written.
 
@@ -420,6 +404,22 @@ void check_values(const Environment& read, const std::filesystem::path& path, co
 }
 
 }  // namespace
+
+TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("window.exr");
+  const auto message = [&](const Window& display) {
+    write_exr(path, recipe_of({5, 5, 30, 20}, display), some_pixels(30, 20));
+    const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    return error.message;
+  };
+  CHECK(message({0, 0, 65536, 32768}) == path.string() +
+                                             ": stores 30 x 20 texels of a display window of 65536 x 32768, less than "
+                                             "a 64th; save it with the display window that is meant");
+  CHECK(message({0, 0, 200000, 100000}).find("its display window of 200000 x 100000 is larger than any layout holds") !=
+        std::string::npos);
+}
 
 TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled", "[codec][slow]") {
   const TemporaryDirectory directory;

@@ -127,65 +127,6 @@ TEST_CASE("codes of no texels are passed over", "[codec][hdr]") {
   CHECK(same_bits(decoded(texels), read_environment(path, kLatLong).pixels.get()));
 }
 
-TEST_CASE("a Radiance picture's rows can be read in any pieces", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
-  constexpr int kWidth = 90;
-  constexpr int kHeight = 45;
-  const std::vector<Rgbe> texels = some_rgbe(kWidth, kHeight);
-  const std::vector<float> wanted = decoded(texels);
-  for (int orientation = 0; orientation < 8; ++orientation) {
-    CAPTURE(orientation);
-    write_bytes(
-        path, hdr_bytes({kWidth, kHeight, HdrForm::mixed, orientation >= 4, orientation % 4 >= 2, orientation % 2 == 1},
-                        texels));
-    const auto source = files::open_row_source(path, {});
-    const auto check_piece = [&](files::RowReader& reader, int first, int count) {
-      std::vector<float> rows(static_cast<std::size_t>(count) * 3 * kWidth);
-      reader.read(first, count, rows.data());
-      REQUIRE(std::equal(rows.begin(), rows.end(), wanted.begin() + first * 3 * kWidth));
-    };
-    for (const int rows : {1, 2, 3, 7, 44, 45}) {
-      const auto downwards = source->open_reader();
-      for (int first = 0; first < kHeight; first += rows) {
-        check_piece(*downwards, first, std::min(rows, kHeight - first));
-      }
-      const auto upwards = source->open_reader();
-      for (int first = kHeight - 1; first >= 0; first -= rows) {
-        check_piece(*upwards, first, std::min(rows, kHeight - first));
-      }
-    }
-  }
-}
-
-TEST_CASE("a Radiance picture has the same bits on any number of threads, streamed or whole", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
-  constexpr int kWidth = 700;
-  constexpr int kHeight = 350;  // enough texels for several tasks
-  std::vector<Rgbe> texels = some_rgbe(kWidth, kHeight);
-  for (Rgbe& texel : texels) {
-    texel[3] = std::min(texel[3], std::uint8_t{140});  // for sums that stay finite
-  }
-  const std::vector<float> wanted = decoded(texels);
-  for (const bool columns : {false, true}) {
-    for (const bool bottom_first : {false, true}) {
-      CAPTURE(columns, bottom_first);
-      write_bytes(path, hdr_bytes({kWidth, kHeight, HdrForm::mixed, columns, bottom_first}, texels));
-      const LatLongView view{wanted.data(), kWidth, kHeight, 0, PixelFormat::rgb32f};
-      const Projection reference = project(view);
-      for (const int threads : {1, 4}) {
-        run_with_threads(threads, [&] {
-          CHECK(same_bits(wanted, read_environment(path).pixels.get()));
-          const Projection streamed = project_file(path);
-          const auto found = streamed.radiance.coefficients();
-          CHECK(std::equal(found.begin(), found.end(), reference.radiance.coefficients().begin()));
-        });
-      }
-    }
-  }
-}
-
 // Promises: what a Radiance header says about the numbers is done to them, and said; what says nothing changes nothing.
 
 namespace {
@@ -224,28 +165,6 @@ bool notes_say(const Environment& read, const std::string& words) {
 }
 
 }  // namespace
-
-TEST_CASE("what is in a Radiance file is told", "[codec][hdr]") {
-  const Picture picture;
-  const Environment read = picture.read({kRgbe});
-  CHECK(unchanged(picture, read));
-  CHECK(read.info.format == FileFormat::radiance);
-  CHECK(read.info.compression == "rle");
-  CHECK(read.info.storage == "scanline");
-  CHECK(read.info.layout == Layout::lat_long);
-  CHECK(read.info.notes.empty());
-  REQUIRE(read.info.channels.size() == 3);
-  CHECK(read.info.channels[0].name == "R");
-  CHECK(read.info.channels[0].type == ChannelType::rgbe);
-
-  const auto compression = [&](HdrForm form, bool columns) {
-    write_bytes(picture.path(), hdr_bytes({16, 8, form, columns}, picture.texels()));
-    return inspect_environment(picture.path());
-  };
-  CHECK(compression(HdrForm::flat, false).compression == "none");
-  CHECK(compression(HdrForm::old_rle, false).compression == "old rle");
-  CHECK(compression(HdrForm::new_rle, true).storage == "columns");
-}
 
 TEST_CASE("any magic word, comments and unknown lines are passed over", "[codec][hdr]") {
   const Picture picture;
@@ -289,13 +208,6 @@ TEST_CASE("exposures and colour corrections are divided out, all of them", "[cod
   const Environment cancelled = picture.read({"EXPOSURE=4", "EXPOSURE=0.25"});
   CHECK(unchanged(picture, cancelled));
   CHECK(cancelled.info.notes.empty());
-}
-
-TEST_CASE("a gamma is ignored, and said to be", "[codec][hdr]") {
-  const Picture picture;
-  const Environment read = picture.read({"GAMMA=2.2"});
-  CHECK(unchanged(picture, read));
-  CHECK(notes_say(read, "GAMMA=2.2 is ignored"));
 }
 
 TEST_CASE("XYZE becomes Rec. 709, or stays as stored", "[codec][hdr]") {

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <set>
-#include <tuple>
 
 #include "files/layout.h"
 #include "files/row_source.h"
@@ -47,16 +45,6 @@ ReadOptions as(Layout layout) {
 }
 
 }  // namespace
-
-TEST_CASE("layouts have names", "[codec]") {
-  CHECK(std::string(name(Layout::automatic)) == "automatic");
-  CHECK(std::string(name(Layout::lat_long)) == "lat-long");
-  CHECK(std::string(name(Layout::vertical_strip)) == "vertical-strip");
-  CHECK(std::string(name(Layout::horizontal_strip)) == "horizontal-strip");
-  CHECK(std::string(name(Layout::horizontal_cross)) == "horizontal-cross");
-  CHECK(std::string(name(Layout::vertical_cross)) == "vertical-cross");
-  CHECK(std::string(name(Layout::six_files)) == "six-files");
-}
 
 TEST_CASE("the shape tells the layout", "[codec]") {
   const TemporaryDirectory directory;
@@ -105,23 +93,6 @@ TEST_CASE("a square that is none of six files is refused, saying why it is not",
   const ThrownError asked = thrown_by([&] { (void)inspect_environment(face, as(Layout::six_files)); });
   CHECK(asked.code == ErrorCode::file_access);
   CHECK(asked.says("-X (sky_nx.exr)"));
-}
-
-TEST_CASE("strips and crosses that are asked for must have their shape", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = write_picture(directory, 100, 31);
-  const std::vector<std::pair<Layout, std::string>> cases{
-      {Layout::vertical_strip, "1:6 vertical strip"},
-      {Layout::horizontal_strip, "6:1 horizontal strip"},
-      {Layout::horizontal_cross, "4:3 horizontal cross"},
-      {Layout::vertical_cross, "3:4 vertical cross"},
-  };
-  for (const auto& [layout, words] : cases) {
-    const ThrownError error = thrown_by([&, layout = layout] { (void)inspect_environment(path, as(layout)); });
-    CHECK(error.code == ErrorCode::unsupported_file);
-    CHECK(error.message == path.string() + ": 100 x 31 is not a " + words + " of six square faces (" + name(layout) +
-                               " was asked for); pass --layout lat-long if it is one, or export the faces anew");
-  }
 }
 
 TEST_CASE("the header tells before the shape", "[codec]") {
@@ -180,14 +151,6 @@ void write_pfm(const std::filesystem::path& path, const CubePicture& picture) {
   write_bytes(path, pfm_bytes(picture.width, picture.height, false, "-1", picture.pixels));
 }
 
-void write_float_exr(const std::filesystem::path& path, const CubePicture& picture,
-                     const std::optional<Imf::TileDescription>& tiles) {
-  ExrRecipe recipe{picture.width, picture.height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y,
-                   tiles,         std::nullopt,   {}};
-  recipe.channels = rgb_channels(Imf::FLOAT);
-  write_exr(path, recipe, picture.pixels);
-}
-
 bool holds(const Environment& environment, const std::vector<float>& faces) {
   return std::equal(faces.begin(), faces.end(), environment.pixels.get());
 }
@@ -211,23 +174,6 @@ TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
       for (std::size_t face = 0; face < 6; ++face) {
         const auto edge = static_cast<std::size_t>(size);
         CHECK(*static_cast<const float*>(view.faces[face]) == faces[face * edge * edge * 3]);
-      }
-    }
-  }
-}
-
-TEST_CASE("layouts are read alike from blocks and tiles, on any number of threads", "[codec][layout][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.exr");
-  const int size = 133;
-  const std::vector<float> faces = unlike_texels(size);
-  for (const Layout layout : one_file_cube_layouts()) {
-    CAPTURE(name(layout));
-    const CubePicture picture = cube_picture(layout, size, faces, kNaN);
-    for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(60, 50)}}) {
-      write_float_exr(path, picture, tiles);
-      for (const int threads : {1, 2, 5}) {
-        run_with_threads(threads, [&] { CHECK(holds(read_environment(path), faces)); });
       }
     }
   }
@@ -351,49 +297,6 @@ TEST_CASE("neighbouring texels of a cross are neighbours on the sphere, across f
   }
 }
 
-TEST_CASE("each texel of each face lies once in each layout", "[codec][layout]") {
-  for (const Layout layout : one_file_cube_layouts()) {
-    const int size = 3;
-    const files::CubePlacement& placement = files::cube_placement(layout);
-    std::set<std::tuple<int, int, int>> seen;
-    for (int row = 0; row < placement.rows * size; ++row) {
-      int column = -1;
-      for (const files::FaceSegment& segment : files::row_segments(placement, size, row)) {
-        CHECK(segment.first_column > column);
-        column = segment.first_column + size - 1;
-        CHECK(column < placement.columns * size);
-        for (int i = 0; i < size; ++i) {
-          CHECK(seen.insert({segment.face, segment.face_row, segment.mirrored ? size - 1 - i : i}).second);
-        }
-      }
-    }
-    CHECK(seen.size() == 54);
-  }
-}
-
-TEST_CASE("six files are taken as a strip, a lat-long has no faces", "[codec][layout]") {
-  CHECK(&files::cube_placement(Layout::six_files) == &files::cube_placement(Layout::vertical_strip));
-  const ThrownError error = thrown_by([] { (void)files::cube_placement(Layout::lat_long); });
-  CHECK(error.code == ErrorCode::invalid_argument);
-  CHECK(error.message == "the layout lat-long has no faces; strips, crosses and six files have them");
-}
-
-TEST_CASE("a segment copied there and back is as it was", "[codec][layout]") {
-  for (const int size : {1, 2, 3, 64}) {
-    std::vector<float> texels;
-    for (int i = 0; i < 3 * size; ++i) texels.push_back(static_cast<float>(i));
-    for (const bool mirrored : {false, true}) {
-      std::vector<float> there(texels.size());
-      std::vector<float> back(texels.size());
-      files::copy_segment(texels.data(), there.data(), size, mirrored);
-      files::copy_segment(there.data(), back.data(), size, mirrored);
-      CHECK(back == texels);
-      CHECK(there[0] == (mirrored ? static_cast<float>(3 * size - 3) : 0.0F));
-      CHECK(there[1] == there[0] + 1.0F);
-    }
-  }
-}
-
 // Promise: the labelled map shows which way is which, the same on a lat-long and on a cube.
 
 namespace {
@@ -469,15 +372,6 @@ TEST_CASE("From inside, letters read from left to right and arrows point up", "[
   }
 }
 
-TEST_CASE("Maps of every size are drawn; others are refused", "[testmap]") {
-  for (const int size : {1, 2, 3, 7, 65}) {
-    CHECK(test_map_cubemap(size).pixels.size() == static_cast<std::size_t>(18 * size * size));
-    CHECK(test_map_lat_long(size, 2 * size).pixels.size() == static_cast<std::size_t>(6 * size * size));
-  }
-  CHECK(thrown_by([] { return test_map_cubemap(0); }).code == ErrorCode::invalid_argument);
-  CHECK(thrown_by([] { return test_map_lat_long(4, 40000); }).says("height"));
-}
-
 // Promise: a labelled map goes through every layout, format and orientation and back, and no texel moves.
 
 namespace {
@@ -501,21 +395,6 @@ TEST_CASE("The labelled map goes through every layout and back without a moved t
         REQUIRE(read.face_size() == size);
         CHECK(same_bits(map.pixels, read.pixels.get()));
       }
-    }
-  }
-}
-
-TEST_CASE("In 8 bits and in RGBE the same texels are in the same places", "[writers][layouts]") {
-  const int size = 16;
-  const CubemapImage map = test_map_cubemap(size);
-  for (const auto& [extension, off] : {std::pair{".png", 0.006F}, {".hdr", 0.003F}}) {
-    for (const Layout layout : kCubeLayouts) {
-      const TemporaryDirectory directory;
-      const WriteReport report =
-          write_environment(directory.file(std::string("map") + extension), map.view(), {layout});
-      const Environment read = read_environment(report.files.front());
-      REQUIRE(read.face_size() == size);
-      for (std::size_t i = 0; i < map.pixels.size(); ++i) REQUIRE(std::abs(read.pixels[i] - map.pixels[i]) < off);
     }
   }
 }

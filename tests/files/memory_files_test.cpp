@@ -1,10 +1,8 @@
 // Files in memory: read from bytes and written to them.
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -135,37 +133,6 @@ TEST_CASE("a picture in memory is read as the file on disk is", "[codec][memory]
   }
 }
 
-TEST_CASE("a large picture in memory streams to the same bits", "[codec][memory][slow]") {
-  const TemporaryDirectory directory;
-  const LatLongImage picture{1024, 512, some_pixels(1024, 512)};
-  for (const char* name : {"large.exr", "large.hdr", "large.pfm", "large.png"}) {
-    const std::filesystem::path path = directory.file(name);
-    write_environment(path, picture.view());
-    check_environment(path, bytes_of(path));
-  }
-}
-
-TEST_CASE("a texture in memory is read as the file on disk is", "[codec][textures][memory]") {
-  const TemporaryDirectory directory;
-  for (const std::filesystem::path& path : write_textures(directory)) {
-    const Bytes bytes = bytes_of(path);
-    check_texture(path, bytes);
-    for (const int level : {0, 2}) check_environment(path, bytes, {.level = level});
-  }
-}
-
-TEST_CASE("deep OpenEXR in memory is refused as on disk", "[codec][memory]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("deep.exr");
-  ExrPartRecipe smoke{"smoke", {8, 4, 0, 0, Imf::ZIPS_COMPRESSION, Imf::INCREASING_Y, {}, {}, {}}, some_pixels(8, 4)};
-  smoke.recipe.channels = rgb_channels(Imf::FLOAT);
-  smoke.deep = true;
-  write_exr_parts(path, {smoke});
-  const Bytes bytes = bytes_of(path);
-  CHECK(thrown_by([&] { (void)read_environment({bytes, "deep.exr"}); }).says("deep OpenEXR picture; flatten it"));
-  check_environment(path, bytes);
-}
-
 TEST_CASE("a file in memory that is cut off is refused with the words of the file on disk", "[codec][memory][damage]") {
   const TemporaryDirectory directory;
   std::vector<SoundFile> files = sound_files(directory.file(""));
@@ -195,29 +162,6 @@ TEST_CASE("bytes without a name, and none at all, are refused with words", "[cod
   const ThrownError none = thrown_by([] { (void)read_environment(FileInput()); });
   CHECK(none.code == ErrorCode::file_access);
   CHECK(thrown_by([] { (void)read_texture({std::span<const std::byte>(), "a.ktx2"}); }).says("a.ktx2: "));
-}
-
-TEST_CASE("the name of bytes is no path", "[codec][memory]") {
-  const TemporaryDirectory directory;
-  write_environment(directory.file("sky.pfm"), LatLongImage{8, 4, some_pixels(8, 4)}.view());
-  const Bytes bytes = bytes_of(directory.file("sky.pfm"));
-  // The name of a directory that is there.
-  CHECK(read_environment({bytes, directory.file("").string()}).info.width == 8);
-}
-
-TEST_CASE("real pictures in memory are read as their files are", "[codec][memory][shared][slow]") {
-  if (!shared_pictures_are_here()) return;
-  for (const char* folder : {"variants", "exr_conformance", "cube", "env"}) {
-    for (const auto& entry : std::filesystem::directory_iterator(kPictures / folder)) {
-      const Bytes bytes = bytes_of(entry.path());
-      CAPTURE(entry.path());
-      const auto read = [](const FileInput& input) { return read_environment(input); };
-      check_same_outcome(entry.path(), bytes, read, same_results);
-      const auto project = [](const FileInput& input) { return project_file(input); };
-      check_same_outcome(entry.path(), bytes, project, same_results);
-      if (std::string(folder) == "cube") check_texture(entry.path(), bytes);
-    }
-  }
 }
 
 // Promises: a bake takes from bytes in memory what it takes from a file: pixels, levels, a polynomial.
@@ -300,27 +244,6 @@ TEST_CASE("six faces in memory are read as six files are", "[codec][memory]") {
                   bake_file(six.paths[0], {}, options).background.value()));
 }
 
-TEST_CASE("six faces in memory are refused where they do not fit", "[codec][memory]") {
-  const TemporaryDirectory directory;
-  const SixFaces six(directory);
-  const ThrownError layout =
-      thrown_by([&] { (void)read_environment(six.input(), {.layout = Layout::vertical_strip}); });
-  CHECK(layout.code == ErrorCode::invalid_argument);
-  CHECK(layout.says("sky_px.pfm: was given with five others as the faces of a cubemap"));
-  CHECK(thrown_by([&] { (void)read_texture(six.input()); }).code == ErrorCode::invalid_argument);
-  CHECK(thrown_by([&] { (void)load_sky_tables(six.input()); }).code == ErrorCode::invalid_argument);
-  const ThrownError alone = thrown_by([&] { (void)read_environment({six.bytes[0], "sky_px.pfm"}); });
-  CHECK(alone.code == ErrorCode::unsupported_file);
-  CHECK(alone.says("sky_px.pfm: 8 x 8 is square, so it would be a face among six files, but sky_px.pfm: is in memory"));
-  CHECK(thrown_by([&] {
-          (void)read_environment({six.bytes[0], "sky_px.pfm"}, {.layout = Layout::six_files});
-        }).code == ErrorCode::invalid_argument);
-  // Files of these names on disk do not count.
-  CHECK(thrown_by([&] { (void)read_environment({six.bytes[0], six.paths[0].string()}); }).says("is in memory"));
-  // As a picture of its own it is read.
-  CHECK(read_environment({six.bytes[0], "sky_px.pfm"}, {.layout = Layout::lat_long}).info.width == 8);
-}
-
 // Promises: what is written to memory has the bytes of the file; after an error the vector is as it was.
 
 TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory]") {
@@ -358,20 +281,6 @@ TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory
   check("sky.env", [&](const FileOutput& output) { return write_babylon_environment(output, environment); });
 }
 
-TEST_CASE("sky tables go to memory and back", "[sky][memory]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("earth.sky");
-  const SkyTables tables = precompute_sky(earth(), tiny_tables());
-  Bytes bytes;
-  save_sky_tables(tables, {bytes, "earth.sky"});
-  save_sky_tables(tables, path);
-  CHECK(bytes == bytes_of(path));
-  CHECK(load_sky_tables({bytes, "earth.sky"}).scattering == tables.scattering);
-  bytes.resize(bytes.size() / 2);
-  write_bytes(path, std::vector<char>(bytes.size()));
-  CHECK(thrown_by([&] { (void)load_sky_tables({bytes, "earth.sky"}); }).says("earth.sky: states"));
-}
-
 TEST_CASE("after an error the bytes that were to be written are as they were", "[codec][memory]") {
   const LatLongImage picture{64, 32, some_pixels(64, 32)};
   const CubemapChain chain = noisy_chain(8, 1);
@@ -399,53 +308,6 @@ TEST_CASE("after an error the bytes that were to be written are as they were", "
   CHECK(bytes == before);
   // The folder of a name need not be there.
   check_write_options({bytes, "no such folder/sky.exr"}, {}, false);
-}
-
-TEST_CASE("what a callback throws at the end leaves the bytes, and the file, as they were", "[codec][memory]") {
-  const LatLongImage picture{64, 32, some_pixels(64, 32)};
-  const CubemapChain chain = noisy_chain(8, 1);
-  const Bytes before(5, std::byte{9});
-  const TemporaryDirectory directory;
-  const Control control{{}, [](double done) {
-                          if (done == 1.0) throw std::runtime_error("no");
-                        }};
-  const auto check = [&](const char* name, const auto& write) {
-    CAPTURE(name);
-    Bytes bytes = before;
-    CHECK_THROWS_AS(write(FileOutput(bytes, name)), std::runtime_error);
-    CHECK(bytes == before);
-    CHECK_THROWS_AS(write(FileOutput(directory.file(name))), std::runtime_error);
-    CHECK_FALSE(std::filesystem::exists(directory.file(name)));
-  };
-  for (const char* name : {"sky.exr", "sky.hdr", "sky.pfm", "sky.png"}) {
-    check(name, [&](const FileOutput& output) { write_environment(output, picture.view(), {}, control); });
-  }
-  for (const char* name : {"sky.ktx2", "sky.dds"}) {
-    check(name, [&](const FileOutput& output) { write_texture(output, chain.views(), {}, control); });
-  }
-}
-
-// Promises: a request to a worker owns its bytes; they count against the worker's limit.
-
-TEST_CASE("a worker's requests read bytes that they share", "[worker][memory]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
-  write_environment(path, LatLongImage{64, 32, some_pixels(64, 32)}.view());
-  auto memory = std::make_shared<const Bytes>(bytes_of(path));
-  std::filesystem::rename(path, directory.file("elsewhere.hdr"));
-  const ProjectFile project{path, {}, {}, memory};
-  const BakeFile bake{path, {}, {.specular = std::nullopt, .brdf = std::nullopt}, memory};
-  const MeasureFile measure{path, {}, memory};
-  const ReadFile read{path, {}, memory};
-  CHECK(project.bytes() == memory->size());
-  CHECK(ProjectFile{path}.bytes() == 0);
-  memory.reset();
-  const std::filesystem::path file = directory.file("elsewhere.hdr");
-  Worker worker;
-  CHECK(same_bits(worker.post(project).get(), project_file(file)));
-  CHECK(same_bits(worker.post(bake).get()->background.value(), bake_file(file, {}, bake.options).background.value()));
-  CHECK(same_bits(worker.post(measure).get(), measure_environment(file)));
-  CHECK(same_bits(worker.post(read).get(), read_environment(file)));
 }
 
 }  // namespace welkin::test

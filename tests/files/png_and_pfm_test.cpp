@@ -117,34 +117,6 @@ TEST_CASE("colours that a PNG's palette does not have are black", "[codec][png]"
   }
 }
 
-TEST_CASE("what is in a PNG is told", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
-  const auto info_of = [&](const Kind& kind, bool interlaced) {
-    const PngRecipe recipe = recipe_of(kind, 4, 2, interlaced);
-    write_bytes(path, png_bytes(recipe, some_samples(recipe)));
-    return inspect_environment(path);
-  };
-  const EnvironmentInfo colour = info_of({SPNG_COLOR_TYPE_TRUECOLOR, 16}, false);
-  CHECK(colour.format == FileFormat::png);
-  CHECK(colour.compression == "deflate");
-  CHECK(colour.storage == "scanline");
-  CHECK(colour.layout == Layout::lat_long);
-  REQUIRE(colour.channels.size() == 3);
-  CHECK(colour.channels[0].name == "R");
-  CHECK(colour.channels[0].type == ChannelType::uint16);
-  const EnvironmentInfo grey = info_of({SPNG_COLOR_TYPE_GRAYSCALE_ALPHA, 8}, true);
-  CHECK(grey.storage == "interlaced");
-  REQUIRE(grey.channels.size() == 2);
-  CHECK(grey.channels[0].name == "Y");
-  CHECK(grey.channels[1].name == "A");
-  CHECK(grey.channels[1].type == ChannelType::uint8);
-  CHECK(notes_say(grey, "alpha is ignored: colours are taken as they are"));
-  CHECK(info_of({SPNG_COLOR_TYPE_GRAYSCALE, 4}, false).channels[0].type == ChannelType::uint4);
-  CHECK(info_of({SPNG_COLOR_TYPE_INDEXED, 2}, false).channels.size() == 3);
-  CHECK(info_of({SPNG_COLOR_TYPE_INDEXED, 2}, false).channels[0].type == ChannelType::uint8);
-}
-
 TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][png]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.png");
@@ -168,20 +140,6 @@ TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][pn
       check_piece(20, 3);
       check_piece(0, 5);
     }
-  }
-}
-
-TEST_CASE("a PNG has the same bits on any number of threads", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
-  const PngRecipe recipe = recipe_of({SPNG_COLOR_TYPE_TRUECOLOR, 8}, 128, 64, false);
-  write_bytes(path, png_bytes(recipe, some_samples(recipe)));
-  const Environment whole = read_environment(path);
-  for (const int threads : {1, 4}) {
-    run_with_threads(threads, [&] {
-      const Environment again = read_environment(path);
-      CHECK(std::equal(whole.pixels.get(), whole.pixels.get() + 128 * 64 * 3, again.pixels.get()));
-    });
   }
 }
 
@@ -325,14 +283,6 @@ TEST_CASE("damaged PNGs are refused by what is wrong with them", "[codec][png]")
   check_refusal(with_png_chunk(sound, "WHAT", "is this"), corrupt, "libspng says \"", "");
 }
 
-TEST_CASE("PNGs too large for any layout are refused before they are read", "[codec][png]") {
-  const std::vector<char> sound = sound_png();
-  check_refusal(with_png_size(sound, 65537, 4), ErrorCode::unsupported_file,
-                "its 65537 x 4 texels are more than 65536 x 98304", "reduce the picture first");
-  check_refusal(with_png_size(sound, 8, 0x7fffffff), ErrorCode::unsupported_file, "its 8 x 2147483647 texels",
-                "reduce the picture first");
-}
-
 TEST_CASE("what a PNG's header claims costs no memory", "[codec][png]") {
   for (const bool interlaced : {false, true}) {
     check_refusal(with_png_size(sound_png(8, 4, interlaced), 65536, 32768), ErrorCode::corrupt_file,
@@ -411,23 +361,6 @@ TEST_CASE("a PFM's header may end with two bytes, as lines do on Windows", "[cod
   bytes.pop_back();
   write_bytes(path, bytes);
   CHECK(read_environment(path).pixels[12] != pixels[12]);
-}
-
-TEST_CASE("a PFM's rows can be read in any pieces", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("strip.pfm");
-  const std::vector<float> pixels = some_pixels(4, 24);
-  write_bytes(path, pfm_bytes(4, 24, false, "-1", pixels));
-  const auto source = files::open_row_source(path, {});
-  CHECK(source->info().layout == Layout::vertical_strip);
-  const auto reader = source->open_reader();
-  for (int first = 0; first < 24; ++first) {
-    for (int count = 1; first + count <= 24; ++count) {
-      std::vector<float> rows(static_cast<std::size_t>(count) * 12);
-      reader->read(first, count, rows.data());
-      REQUIRE(std::equal(rows.begin(), rows.end(), pixels.begin() + first * 12));
-    }
-  }
 }
 
 }  // namespace welkin::test

@@ -95,27 +95,6 @@ TEST_CASE("names of faces may be written in capitals, and the six may differ in 
   CHECK(face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
 }
 
-TEST_CASE("of several extensions, that of the named file counts", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  for (const std::string& name : kFamilies[0]) {
-    touch(directory.file("sky_" + name + ".exr"));
-    touch(directory.file("sky_" + name + ".png"));
-    touch(directory.file("sky_" + name + ".txt"));
-  }
-  for (const auto& path : face_files(directory.file("sky_nz.png"))) CHECK(path.extension() == ".png");
-  for (const auto& path : face_files(directory.file("sky_nz.exr"))) CHECK(path.extension() == ".exr");
-  check_refusal(directory.file("."), ErrorCode::unsupported_file,
-                "holds more than one cube of six files, such as sky_px.exr and sky_px.png with their others; name one "
-                "file of the one that is meant");
-  std::filesystem::remove(directory.file("sky_px.exr"));
-  CHECK(face_files(directory.file("sky_nz.exr"))[0].filename() == "sky_px.png");
-  touch(directory.file("sky_px.pfm"));
-  const ThrownError error = thrown_by([&] { (void)face_files(directory.file("sky_nz.exr")); });
-  CHECK(error.code == ErrorCode::unsupported_file);
-  CHECK(error.message == directory.file("sky_px.pfm").string() +
-                             ": could be the face +X, and so could sky_px.png; keep one of them there");
-}
-
 TEST_CASE("names that only resemble those of faces are none", "[codec][layout]") {
   const TemporaryDirectory directory;
   for (int number = 10; number < 16; ++number) touch(directory.file("map" + std::to_string(number) + ".exr"));
@@ -173,51 +152,6 @@ TEST_CASE("six files are read as one cube, by any of them or their directory, as
       }
     }
   }
-}
-
-TEST_CASE("six files are described as the strip that they make up", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  auto paths = write_six(directory, "", kFamilies[1], ".pfm", 8);
-  std::filesystem::remove(paths[3]);
-  paths[3].replace_extension(".exr");
-  write_face(paths[3], 8, unlike_texels(8), 3);
-  const EnvironmentInfo info = inspect_environment(paths[2]);
-  CHECK(info.path == paths[2]);
-  CHECK(info.layout == Layout::six_files);
-  CHECK(info.layout_reason == "8 x 8 is square, and its name and five others are those of six faces");
-  CHECK(info.format_words() == "PFM, OpenEXR");
-  CHECK(info.compression == "none, zip");
-  CHECK(info.storage == "scanline");
-  CHECK(info.width == 8);
-  CHECK(info.height == 48);
-  CHECK(std::equal(info.faces.begin(), info.faces.end(), paths.begin()));
-  CHECK(inspect_environment(paths[2], as_six_files()).layout_reason == "six-files was asked for");
-  CHECK(inspect_environment(paths[2].parent_path()).layout_reason == "the directory holds the six faces of one cube");
-
-  const Environment cube = read_environment(paths[3]);
-  const std::vector<float> faces = unlike_texels(8);
-  CHECK(std::equal(faces.begin(), faces.end(), cube.pixels.get()));
-}
-
-TEST_CASE("six files have the light and the statistics of their strip", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  const int size = 40;
-  const std::vector<float> faces = some_pixels(size, 6 * size);
-  const std::filesystem::path strip = directory.file("strip.pfm");
-  write_bytes(strip, pfm_bytes(size, 6 * size, false, "-1", faces));
-  for (std::size_t face = 0; face < 6; ++face) {
-    write_face(directory.file("sky_" + kFamilies[0][face] + ".exr"), size, faces, face);
-  }
-  const std::filesystem::path sky = directory.file("sky_nx.exr");
-  CHECK(same_bits(project_file(sky).radiance, project_file(strip).radiance));
-  const EnvironmentStatistics found = measure_environment(sky);
-  const EnvironmentStatistics wanted = measure_environment(strip);
-  CHECK(found.texels == wanted.texels);
-  CHECK(found.mean == wanted.mean);
-  CHECK(found.total_radiance == wanted.total_radiance);
-  CHECK(found.brightest_row == wanted.brightest_row);
-  CHECK(found.brightest_column == wanted.brightest_column);
-  CHECK(found.brightest_direction == wanted.brightest_direction);
 }
 
 TEST_CASE("a layout that is asked for keeps a face from being taken for a sixth", "[codec][layout]") {

@@ -5,10 +5,8 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
-#include <stdexcept>
 #include <stop_token>
 #include <thread>
-#include <tuple>
 
 #include "files/environment.h"
 #include "files/row_source.h"
@@ -225,29 +223,6 @@ TEST_CASE("what a task throws ends the reading", "[codec][streaming]") {
   }
 }
 
-TEST_CASE("after a stop request no further group is read", "[codec][streaming]") {
-  for (const int threads : {1, 2, 5}) {
-    CAPTURE(threads);
-    std::stop_source stop;
-    Kind kind;
-    kind.before_row_96 = [&] {
-      stop.request_stop();
-      let_others_come();
-    };
-    const FakeSource source(kind);
-    Control control;
-    control.stop = stop.get_token();
-    run_with_threads(threads, [&] {
-      const ThrownError error = thrown_by([&] {
-        files::for_each_row_group(source, {8, kPlenty}, control, [](const files::RowGroup&) {});
-      });
-      CHECK(error.code == ErrorCode::cancelled);
-    });
-    CHECK(source.log.rows_read == 96 + 8);
-    check_order(source);
-  }
-}
-
 TEST_CASE("a sequential source is read whole, straight or scattered to faces", "[codec][streaming]") {
   Kind kind;
   kind.width = 384;
@@ -316,13 +291,6 @@ bool same_coefficients(const Projection& a, const Projection& b) {
   return std::equal(left.begin(), left.end(), right.begin(), right.end());
 }
 
-const PassRecord* find_pass(const Projection& projection, const std::string& pass) {
-  const std::vector<PassRecord>& passes = projection.diagnostics.passes;
-  const auto found =
-      std::find_if(passes.begin(), passes.end(), [&](const PassRecord& record) { return record.name == pass; });
-  return found == passes.end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec][slow]") {
@@ -343,39 +311,6 @@ TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec]
       }
     }
   }
-}
-
-TEST_CASE("a strip from a file is projected as its cubemap", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("strip.pfm");
-  write_bytes(path, pfm_bytes(48, 288, false, "-1", some_pixels(48, 288)));
-  const Environment whole = read_environment(path);
-  const Projection found = project_file(path);
-  CHECK(same_coefficients(found, project(whole.cubemap())));
-  const PassRecord* read = find_pass(found, "read");
-  REQUIRE(read != nullptr);
-  CHECK(read->action == PassAction::run);
-  CHECK(read->reason == "PFM, scanline, none; a cubemap is held whole");
-}
-
-TEST_CASE("the passes of a streamed projection are on record", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
-  write_exr(path, lat_long_recipe(64, 32, Imf::ZIP_COMPRESSION, std::nullopt), some_pixels(64, 32));
-  const Projection found = project_file(path);
-  const PassRecord* read = find_pass(found, "read");
-  REQUIRE(read != nullptr);
-  CHECK(read->action == PassAction::run);
-  CHECK(read->reason.find("OpenEXR, scanline, zip") == 0);
-  CHECK(read->reason.find("overlapped") != std::string::npos);
-  CHECK(read->milliseconds > 0.0);
-  const PassRecord* projected = find_pass(found, "project");
-  REQUIRE(projected != nullptr);
-  CHECK(projected->action == PassAction::run);
-  const PassRecord* cubemap = find_pass(found, "cubemap");
-  REQUIRE(cubemap != nullptr);
-  CHECK(cubemap->action == PassAction::skip);
-  CHECK(cubemap->reason == "a lat-long is projected directly");
 }
 
 TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
@@ -403,22 +338,6 @@ TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
     CHECK(thrown_by([&] { (void)measure_environment(path, {}, control); }).code == ErrorCode::cancelled);
     CHECK(read_environment(path).pixels != nullptr);
   }
-}
-
-TEST_CASE("a rejected pixel is reported with its file", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("broken.pfm");
-  std::vector<float> pixels = some_pixels(64, 32);
-  pixels[3 * (64 * 20 + 7) + 1] = -1.0F;
-  write_bytes(path, pfm_bytes(64, 32, false, "-1", pixels));
-  ProjectionOptions options;
-  options.pixels.negative = NegativePolicy::reject;
-  const ThrownError error = thrown_by([&] { (void)project_file(path, {}, options); });
-  INFO(error.message);
-  CHECK(error.code == ErrorCode::rejected_pixel);
-  CHECK(error.says(path.string() + ": "));
-  CHECK(error.says("7"));
-  CHECK(error.says("20"));
 }
 
 TEST_CASE("damage in the middle of a file is an error, not a half result", "[codec]") {

@@ -147,26 +147,6 @@ TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[
   }
 }
 
-TEST_CASE("the light that an .env stores is cancelled and reported like any other", "[codec][env]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.env");
-  write_babylon_environment(path, to_babylon(noisy_chain(4, 3), RandomLight(5).harmonics(3)));
-  std::vector<double> shares;
-  std::stop_source source;
-  const Control control{source.get_token(), [&](double done) { shares.push_back(done); }};
-  (void)project_file(path, {}, {}, control);
-  CHECK(shares == std::vector<double>{1.0});
-  source.request_stop();
-  CHECK(thrown_by([&] { (void)project_file(path, {}, {}, control); }).code == ErrorCode::cancelled);
-}
-
-TEST_CASE("radiance comes back from Babylon.js's polynomial", "[codec][env]") {
-  for (unsigned seed = 1; seed < 20; ++seed) {
-    const SphericalHarmonics radiance = RandomLight(seed).harmonics(3);
-    CHECK(distance(harmonics::radiance_of(babylon_polynomial(radiance)), radiance) < 1e-14);
-  }
-}
-
 TEST_CASE("an .env is an environment in Welkin's axes, with the light that it stores", "[codec][env]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("sky.env");
@@ -408,17 +388,6 @@ TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
     CHECK(error.code == ErrorCode::invalid_argument);
   }
   CHECK(entries(directory) == 0);
-}
-
-TEST_CASE("other files are neither textures nor .env files", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  write_bytes(directory.file("some.bin"), {'n', 'o', 'n', 'e'});
-  write_bytes(directory.file("empty.bin"), {});
-  for (const char* file : {"some.bin", "empty.bin"}) {
-    CHECK(thrown_by([&] { (void)read_texture(directory.file(file)); }).says("is no KTX2, KTX or DDS texture"));
-    CHECK(thrown_by([&] { (void)read_babylon_environment(directory.file(file)); }).says("no Babylon.js .env"));
-  }
-  CHECK(thrown_by([&] { (void)read_texture(directory.file("none")); }).code == ErrorCode::file_access);
 }
 
 TEST_CASE("flaws in an .env's manifest are named", "[codec][env]") {

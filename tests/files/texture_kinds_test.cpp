@@ -1,6 +1,5 @@
 // Textures that are no single cubemap of ours: pictures, arrays, formats without alpha, and KTX of the first version.
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -157,18 +157,6 @@ TEST_CASE("a KTX2 file has its parts where the specification wants them", "[code
   }
 }
 
-TEST_CASE("plain KTX2 levels start at multiples of a texel, however long the metadata is", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(2, 2);
-  for (std::size_t length = 0; length < 16; length += 4) {
-    const TextureOptions options{TexelFormat::rgba32f, Supercompression::none, {{"k", std::string(length, 'x')}}};
-    write_texture(directory.file("sky.ktx2"), chain.views(), options);
-    const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    CHECK(number(bytes, 80, 8) % 16 == 0);
-    CHECK(number(bytes, 104, 8) % 16 == 0);
-  }
-}
-
 TEST_CASE("a DDS file has face after face, with its levels from the largest to the smallest", "[codec][textures]") {
   const TemporaryDirectory directory;
   const CubemapChain chain = half_chain(4, 3);
@@ -247,28 +235,6 @@ TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]")
     CHECK(read.face_size() == size);
     CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, 0)},
                             {chain.face(0, 0), 6 * face_values(chain, 0)}));
-  }
-}
-
-TEST_CASE("a texture's bytes do not depend on the number of threads", "[codec][textures][slow]") {
-  const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(128, 8);
-  for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
-    for (const Supercompression packing : kPackings) {
-      if (packing != Supercompression::none && std::string(file) != "sky.ktx2") continue;
-      std::vector<char> first;
-      for (const int threads : {1, 2, 5}) {
-        CubemapChain read;
-        run_with_threads(threads, [&] {
-          write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
-          if (std::string(file) != "sky.exr") read = read_texture(directory.file(file)).cubemap;
-        });
-        const std::vector<char> bytes = read_bytes(directory.file(file));
-        if (threads == 1) first = bytes;
-        CHECK(bytes == first);
-        if (std::string(file) != "sky.exr") CHECK(is_rounded(chain, read, TexelFormat::rgba16f));
-      }
-    }
   }
 }
 
@@ -510,22 +476,6 @@ TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textur
   CHECK(error.says("cancelled"));
 }
 
-TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env][slow]") {
-  constexpr int size = 2048;
-  const Bytes rgba = noise(std::size_t{4} * size * size);
-  const ThrownError written =
-      stopped_while([&](const std::stop_token& stop) { (void)files::encode_png_rgba(rgba, size, stop); });
-  CHECK(written.says("cancelled"));
-  const Bytes png = files::encode_png_rgba(rgba, size);
-  Bytes back(rgba.size());
-  files::decode_rgba({png, size, "sky.env", "its face"}, back.data());
-  CHECK(back == rgba);
-  const ThrownError read = stopped_while([&](const std::stop_token& stop) {
-    files::decode_rgba({png, size, "sky.env", "its face"}, back.data(), stop);
-  });
-  CHECK(read.says("cancelled"));
-}
-
 TEST_CASE("the checksum of sky tables is zlib's, in pieces too", "[codec]") {
   CHECK(files::crc32(0, "123456789", 9) == 0xCBF43926U);
   const Bytes bytes = noise(100);
@@ -536,25 +486,6 @@ TEST_CASE("the checksum of sky tables is zlib's, in pieces too", "[codec]") {
       const std::uint32_t before = files::crc32(0, bytes.data(), first);
       REQUIRE(files::crc32(before, bytes.data() + first, count) == files::crc32(0, bytes.data(), first + count));
     }
-  }
-}
-
-TEST_CASE("a two-dimensional texture that is stopped before it is packed leaves no file", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const std::vector<float> rgb(std::size_t{3} * 64 * 64, 0.5F);
-  for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    std::stop_source source;
-    double last = 0.0;
-    const Control control{source.get_token(), [&](double done) {
-                            last = done;
-                            source.request_stop();
-                          }};
-    const ThrownError error = thrown_by([&] {
-      write_texture_2d(directory.file("brdf.ktx2"), 64, 64, rgb.data(), {TexelFormat::rgba16f, packing, {}}, control);
-    });
-    CHECK(error.code == ErrorCode::cancelled);
-    CHECK(last < 1.0);
-    CHECK(std::filesystem::is_empty(directory.file("").parent_path()));
   }
 }
 

@@ -17,7 +17,6 @@
 #include "support/catch.h"
 #include "support/exr_files.h"
 #include "support/temporary_directory.h"
-#include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
@@ -206,13 +205,6 @@ TEST_CASE("Radiance pictures hold values to half a step of the largest component
   CHECK(std::string(bytes.data(), 10) == "#?RADIANCE");
 }
 
-TEST_CASE("Radiance pictures are shorter where texels repeat", "[writers]") {
-  const TemporaryDirectory directory;
-  const LatLongImage grey{1024, 512, std::vector<float>(std::size_t{3} * 1024 * 512, 0.5F)};
-  write_environment(directory.file("grey.hdr"), grey.view());
-  CHECK(std::filesystem::file_size(directory.file("grey.hdr")) < 512 * 80);
-}
-
 TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]") {
   const TemporaryDirectory directory;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -248,45 +240,6 @@ TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[wr
       worst = std::max(worst, std::abs(code - srgb_from_linear(ramp.pixels[i]) * largest));
     }
     CHECK(worst < 0.51);
-  }
-}
-
-TEST_CASE("PFM keeps every bit", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.pfm");
-  LatLongImage map = some_lat_long(34, 17);
-  map.pixels[3] = NAN;
-  map.pixels[4] = -INFINITY;
-  map.pixels[5] = -0.0F;
-  CHECK(write_environment(path, map.view()).values_clamped == 0);
-  const Environment read = read_environment(path);
-  CHECK(std::memcmp(read.pixels.get(), map.pixels.data(), map.pixels.size() * sizeof(float)) == 0);
-}
-
-TEST_CASE("Views of every format and stride are written", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.pfm");
-  const TestLatLong floats = make_lat_long(Content::random, 12, 6, 9, 4);
-  const TestLatLongHalf halves = make_lat_long_half(Content::random, 12, 6, 9, 4);
-  const TestLatLongBytes bytes = make_lat_long_bytes(Content::random, 12, 6, 9, 3);
-  const auto written = [&](const LatLongView& view) {
-    write_environment(path, view);
-    const Environment read = read_environment(path);
-    return std::vector<float>(read.pixels.get(), read.pixels.get() + 12 * 6 * 3);
-  };
-  const std::vector<float> from_float = written(floats.view());
-  const std::vector<float> from_half = written(halves.view());
-  const std::vector<float> from_bytes = written(bytes.view());
-  LatLongView upside_down = floats.view();
-  upside_down.pixels = floats.pixels.data() + 12 * 4 * 5;
-  upside_down.row_stride_bytes = -12 * 16;
-  const std::vector<float> turned = written(upside_down);
-  for (std::size_t i = 0; i < from_float.size(); ++i) {
-    REQUIRE(from_float[i] == floats.pixels[i / 3 * 4 + i % 3]);
-    REQUIRE(from_half[i] == as_half(from_float[i]));
-    REQUIRE(from_bytes[i] == Approx(from_float[i]).margin(0.004));
-    const std::size_t row = i / 36;
-    REQUIRE(turned[i] == from_float[(5 - row) * 36 + i % 36]);
   }
 }
 

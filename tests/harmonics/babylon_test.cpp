@@ -110,44 +110,6 @@ TEST_CASE("each term of the polynomial answers to its own monomial of radiance",
   }
 }
 
-TEST_CASE("a uniform radiance of 1 gives Babylon.js's 1.0000565, its slip of the sixth digit included",
-          "[babylon][sh]") {
-  const BabylonPolynomial polynomial = babylon_polynomial(constant_radiance({1.0, 2.0, 0.5}));
-  for (const glm::dvec3& square : {polynomial.xx, polynomial.yy, polynomial.zz}) {
-    CHECK(std::abs(square.x - 1.0000565) <= 1e-7);
-    CHECK(square.y == 2.0 * square.x);
-    CHECK(square.z == 0.5 * square.x);
-  }
-  for (const glm::dvec3& other :
-       {polynomial.x, polynomial.y, polynomial.z, polynomial.yz, polynomial.zx, polynomial.xy}) {
-    for (int channel = 0; channel < 3; ++channel) {
-      CHECK(other[channel] == 0.0);
-      CHECK_FALSE(std::signbit(other[channel]));  // a report would show -0
-    }
-  }
-}
-
-TEST_CASE("Babylon.js's way back from the polynomial returns the harmonics", "[babylon][sh]") {
-  // SphericalHarmonics.FromPolynomial's constants (CONVENTIONS: "Back"), signs left out on both sides.
-  const SphericalHarmonics radiance = any_radiance(3);
-  const BabylonPolynomial p = babylon_polynomial(radiance);
-  const SphericalHarmonics lambertian = lambertian_from_irradiance(irradiance_from_radiance(radiance));
-  const PolynomialTerms back{
-      kPi * (0.376127 * (p.xx + p.yy) + 0.376126 * p.zz),
-      kPi * 0.977204 * p.y,
-      kPi * 0.977204 * p.z,
-      kPi * 0.977204 * p.x,
-      kPi * 1.16538 * p.xy,
-      kPi * 1.16538 * p.yz,
-      kPi * (1.34567 * p.zz - 0.672834 * (p.xx + p.yy)),
-      kPi * 1.16538 * p.zx,
-      kPi * 1.16538 * (p.xx - p.yy),
-  };
-  PolynomialTerms expected{};
-  for (std::size_t i = 0; i < expected.size(); ++i) expected[i] = lambertian.coefficients()[i];
-  CHECK(relative_deviation(back, expected) <= 1e-4);
-}
-
 TEST_CASE("a unit normal's value is the radiance with the cosine lobe carried twice", "[babylon][sh]") {
   const SphericalHarmonics radiance = any_radiance(3);
   const auto reflect = [](const SphericalHarmonics& light) {
@@ -162,48 +124,6 @@ TEST_CASE("a unit normal's value is the radiance with the cosine lobe carried tw
     const glm::dvec3 found = evaluate(polynomial, normal);
     const glm::dvec3 expected = evaluate(twice, normal);
     for (int channel = 0; channel < 3; ++channel) CHECK(std::abs(found[channel] - expected[channel]) <= 1e-4);
-  }
-}
-
-TEST_CASE("bands above the third are left out, missing ones are zero", "[babylon][sh]") {
-  const SphericalHarmonics nine = any_radiance(3);
-  const auto first_bands = [&nine](int bands) {
-    SphericalHarmonics fewer(bands);
-    for (std::size_t i = 0; i < fewer.coefficients().size(); ++i) fewer.coefficients()[i] = nine.coefficients()[i];
-    return fewer;
-  };
-  CHECK(terms(babylon_polynomial(any_radiance(10))) == terms(babylon_polynomial(nine)));
-  for (const int bands : {1, 2}) {
-    SphericalHarmonics padded = nine;
-    for (std::size_t i = static_cast<std::size_t>(bands * bands); i < 9; ++i)
-      padded.coefficients()[i] = glm::dvec3(0.0);
-    CHECK(terms(babylon_polynomial(first_bands(bands))) == terms(babylon_polynomial(padded)));
-  }
-}
-
-TEST_CASE("the constant polynomial is its colour for every normal", "[babylon][sh]") {
-  const glm::dvec3 colour{0.25, 1.5, 3000.0};
-  const PolynomialTerms found = terms(babylon_constant_polynomial(colour));
-  const glm::dvec3 none(0.0);
-  CHECK(found == PolynomialTerms{none, none, none, colour, colour, colour, none, none, none});
-  const std::array<glm::dvec3, 3> normals{{{0, 1, 0}, {2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0}, {-0.6, 0, 0.8}}};
-  for (const glm::dvec3& normal : normals) {
-    const glm::dvec3 value = evaluate(babylon_constant_polynomial(colour), normal);
-    for (int channel = 0; channel < 3; ++channel) {
-      CHECK(std::abs(value[channel] - colour[channel]) <= 1e-15 * colour[channel]);
-    }
-  }
-}
-
-TEST_CASE("a polynomial is evaluated term by term", "[babylon][sh]") {
-  const glm::dvec3 normal{2.0, 3.0, 6.0};  // of length 7; no two terms have the same value
-  const std::array<double, 9> values{14.0, 21.0, 42.0, 4.0, 9.0, 36.0, 18.0, 12.0, 6.0};  // times 49
-  for (std::size_t term = 0; term < values.size(); ++term) {
-    std::array<glm::dvec3, 9> list{};
-    list[term] = {1.0, -2.0, 0.5};
-    const BabylonPolynomial polynomial{list[0], list[1], list[2], list[3], list[4], list[5], list[6], list[7], list[8]};
-    const glm::dvec3 wanted = values[term] / 49.0 * list[term];
-    CHECK(glm::length(evaluate(polynomial, normal) - wanted) < 1e-15);
   }
 }
 

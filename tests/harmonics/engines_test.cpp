@@ -134,16 +134,6 @@ bool is_signed_permutation(const glm::dmat3& matrix) {
   return matrix * glm::transpose(matrix) == glm::dmat3(1.0);
 }
 
-// "centre +z, right -x" to the two directions.
-glm::dvec3 axis_behind(const std::string& text, const std::string& word) {
-  const std::size_t place = text.find(word + ' ');
-  REQUIRE(place != std::string::npos);
-  const char sign = text.at(place + word.size() + 1);
-  glm::dvec3 axis{};
-  axis[text.at(place + word.size() + 2) - 'x'] = sign == '+' ? 1.0 : -1.0;
-  return axis;
-}
-
 }  // namespace
 
 TEST_CASE("a lat-long lies in an engine's axes where the engine's own formula puts it", "[engine]") {
@@ -172,14 +162,6 @@ TEST_CASE("axes are signed permutations, mirrored for left-handed engines alone"
     const glm::dvec3 up =
         std::string(engine.axes).find("z up") != std::string::npos ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
     CHECK(engine.from_welkin * glm::dvec3(0, 1, 0) == up);
-  }
-}
-
-TEST_CASE("the words about a lat-long are those of the matrix", "[engine]") {
-  for (const Convention& engine : conventions()) {
-    INFO(engine.name);
-    CHECK(engine.from_welkin * glm::dvec3(0, 0, 1) == axis_behind(engine.lat_long, "centre"));
-    CHECK(engine.from_welkin * glm::dvec3(-1, 0, 0) == axis_behind(engine.lat_long, "right"));
   }
 }
 
@@ -465,21 +447,6 @@ TEST_CASE("the same surroundings light the same side in every engine", "[engine]
     for (const glm::dvec3& other : {glm::dvec3(1, 0, 0), {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}) {
       CHECK(at_centre > 2.0 * each.shader(form, axes * other).x);
     }
-  }
-}
-
-TEST_CASE("forms without the turn are those of light that is turned already", "[engine]") {
-  const SphericalHarmonics light = some_light(3, 5);
-  for (const ShaderCase& each : kCases) {
-    INFO(convention(each.engine).name);
-    const EngineLight made = engine_light(light, each.engine);
-    const EngineLight in_place = engine_light_in_place(turned(light, convention(each.engine).from_welkin), each.engine);
-    CHECK(made.engine == each.engine);
-    CHECK(made.form == in_place.form);
-    REQUIRE(made.terms.size() == in_place.terms.size());
-    for (std::size_t i = 0; i < made.terms.size(); ++i) CHECK(made.terms[i].rgb == in_place.terms[i].rgb);
-    REQUIRE(made.vectors.size() == in_place.vectors.size());
-    for (std::size_t i = 0; i < made.vectors.size(); ++i) CHECK(made.vectors[i].value == in_place.vectors[i].value);
   }
 }
 

@@ -147,16 +147,6 @@ TEST_CASE("Bilinear filtering of an octahedral map has no step at its edge", "[o
   }
 }
 
-TEST_CASE("A constant stays one in an octahedral map", "[octahedral]") {
-  const OctahedralMap map = to_octahedral(chain_of(Content::uniform, 17), {.size = 48, .levels = 3});
-  for (const std::vector<float>& level : map.levels) {
-    for (std::size_t k = 0; k < level.size(); k += 3) {
-      REQUIRE(std::abs(level[k] - 0.5F) < 1e-7F);
-      REQUIRE(std::abs(level[k + 2] - 2.0F) < 4e-7F);
-    }
-  }
-}
-
 TEST_CASE("Octahedral maps show what the cubemap shows", "[octahedral]") {
   const CubemapChain chain = chain_of(Content::smooth, 64);
   const OctahedralMap map = to_octahedral(chain, {.size = 256, .levels = 4});

@@ -210,22 +210,6 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
   }
 }
 
-TEST_CASE("Three bands of a sun are negative behind it, by a known amount", "[sh][window]") {
-  // E(c) = 1/4 + c/2 + (5/16) (3 c^2 - 1) / 2 times the sun's irradiance, least at c = -8/15: -19/480.
-  const SphericalHarmonics sun = point_light(glm::normalize(glm::dvec3(1, 2, 3)), {1, 10, 1e6}, 3);
-  const glm::dvec3 least = apply_window(sun, Window::none).minimum_before;
-  CHECK(glm::length(least / glm::dvec3(1, 10, 1e6) + 19.0 / 480.0) < 1e-13);
-  // Two bands: 1/4 - 1/2 opposite the sun.
-  CHECK(apply_window(with_bands(sun, 2), Window::none).minimum_before.x == Approx(-0.25).epsilon(1e-13));
-}
-
-TEST_CASE("The minimum-Laplacian window of a lone sun in two bands is known", "[sh][window]") {
-  // 1/4 - w/2 >= 0: w = 1/2 = 1 / (1 + 4 lambda), lambda = 1/4.
-  const Windowed found = apply_window(point_light({0, 0, 1}, {1, 2, 3}, 2), Window::min_laplacian);
-  CHECK(found.parameter == Approx(0.25).epsilon(1e-8));
-  CHECK(found.factors[1] == Approx(0.5).epsilon(1e-8));
-}
-
 TEST_CASE("The minimum-Laplacian window is found where the minimum falls before it rises", "[sh][window]") {
   // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: least at z = -1, where the window takes band 2's help away first.
   const auto light = [](double constant) {
@@ -269,49 +253,6 @@ TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser on
       }
     }
   }
-}
-
-TEST_CASE("The minimum-Laplacian window is the same for the turned light", "[sh][window]") {
-  RandomLight light(42);
-  for (const int bands : {3, 5}) {
-    const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, bands);
-    const double lambda = apply_window(radiance, Window::min_laplacian).parameter;
-    for (int k = 0; k < 5; ++k) {
-      CHECK(apply_window(turned(radiance, light.turn()), Window::min_laplacian).parameter ==
-            Approx(lambda).epsilon(1e-7));
-    }
-  }
-}
-
-TEST_CASE("The minimum-Laplacian window does not depend on the light's unit, and is 0 where nothing is negative",
-          "[sh][window][truth]") {
-  RandomLight light(43);
-  const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, 3);
-  const double lambda = apply_window(radiance, Window::min_laplacian).parameter;
-  for (const double size : {0x1p100, 0x1p-100}) {
-    CHECK(apply_window(scale(radiance, glm::dvec3(size)), Window::min_laplacian).parameter == lambda);
-  }
-  CHECK(apply_window(sunny({1, 0, 0}, {1, 1, 1}, 3), Window::min_laplacian).parameter == 0.0);
-  CHECK(apply_window(SphericalHarmonics(16), Window::min_laplacian).parameter == 0.0);
-  CHECK(apply_window(constant_radiance({1, 0, 2}, 16), Window::min_laplacian).parameter == 0.0);
-}
-
-TEST_CASE("One channel that is dark does not hinder the others", "[sh][window]") {
-  const Windowed found = apply_window(point_light({0, 1, 0}, {5, 0, 1}, 3), Window::min_laplacian);
-  CHECK(found.parameter > 0.0);
-  CHECK(found.minimum_after.g == 0.0);
-}
-
-TEST_CASE("Wider windows keep more, and each lifts the minimum behind a sun", "[sh][window]") {
-  const SphericalHarmonics sun = sunny({0, 1, 0}, {1000, 900, 800}, 3);
-  const Windowed least = apply_window(sun, Window::min_laplacian);
-  for (const Window window : {Window::hanning, Window::lanczos}) {
-    const Windowed narrow = apply_window(sun, window, 1.5);
-    CHECK(narrow.minimum_after.r > narrow.minimum_before.r);
-    CHECK(norm(narrow.radiance) < norm(apply_window(sun, window, 5.0).radiance));
-  }
-  CHECK(std::string(name(Window::min_laplacian)) == "min-laplacian");
-  CHECK(least.minimum_before.r < 0.0);
 }
 
 TEST_CASE("Windows that cannot be are refused, with what would do", "[sh][window]") {

@@ -4,12 +4,10 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
 #include "image/pixels.h"
-#include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/shared_pictures.h"
@@ -33,14 +31,6 @@ constexpr std::array kEfforts{Bc6hEffort::fast, Bc6hEffort::normal, Bc6hEffort::
 
 CubemapChain sky(int size, Content content = Content::high_range) {
   return build_mips(make_cubemap(content, size, 3, 5).view());
-}
-
-bool same_blocks(const Bc6hCubemap& a, const Bc6hCubemap& b) {
-  return std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), b.levels.end(),
-                    [](const Bc6hLevel& x, const Bc6hLevel& y) {
-                      return x.blocks == y.blocks && x.estimated_error == y.estimated_error;
-                    }) &&
-         a.values_clamped == b.values_clamped;
 }
 
 /// 16 blocks of a picture, as `load` puts them.
@@ -187,17 +177,6 @@ TEST_CASE("BC6H kernels try ends as the decoder reads them", "[image][bc6h]") {
   }
 }
 
-TEST_CASE("BC6H bytes do not depend on the number of threads", "[image][bc6h]") {
-  const CubemapChain chain = sky(257);
-  for (const Bc6hEffort effort : kEfforts) {
-    Bc6hCubemap one;
-    run_with_threads(1, [&] { one = encode_bc6h(chain.views(), {effort}); });
-    for (const int threads : {2, 5}) {
-      run_with_threads(threads, [&] { CHECK(same_blocks(encode_bc6h(chain.views(), {effort}), one)); });
-    }
-  }
-}
-
 TEST_CASE("one colour is exact in BC6H at every size, and negatives where there is a sign", "[image][bc6h]") {
   for (const int size : {1, 2, 3, 4, 7, 64, 257}) {
     CubemapChain chain(size, full_chain_levels(size));
@@ -237,21 +216,6 @@ TEST_CASE("BC6H clamps what halves cannot hold, and counts texels once", "[image
     const CubemapChain decoded = decode_bc6h(encode_bc6h(chain.views()));
     CHECK(all_values(decoded, chain, [](float a, float) { return a >= 0.0F && a <= 65504.0F; }));
   }
-}
-
-TEST_CASE("views of halves give the BC6H blocks of the same floats", "[image][bc6h]") {
-  const TestCubemapHalf halves = make_cubemap_half(Content::smooth, 33, 4, 3);
-  std::vector<float> floats;
-  for (int face = 0; face < 6; ++face) {
-    std::vector<float> rgb(std::size_t{3} * 33 * 33);
-    image::decode_texels(PixelFormat::rgba16f, halves.view().faces[static_cast<std::size_t>(face)], 33 * 33,
-                         rgb.data());
-    floats.insert(floats.end(), rgb.begin(), rgb.end());
-  }
-  const CubemapImage picture{33, floats};
-  const CubemapView of_halves = halves.view();
-  const CubemapView of_floats = picture.view();
-  CHECK(same_blocks(encode_bc6h({&of_halves, 1}), encode_bc6h({&of_floats, 1})));
 }
 
 TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image][bc6h]") {

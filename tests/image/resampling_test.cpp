@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -108,31 +107,6 @@ TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
   CHECK(relative_difference(project(to_lat_long(cube.view(), 64, 32).view()).radiance, wanted) < 2e-3);
 }
 
-TEST_CASE("Reducing noise keeps its total radiance", "[resampling]") {
-  // Every texel of the source enters with about its solid angle: what is left is the error of evenly spaced samples.
-  const LatLongImage noise{256, 128, some_pixels(256, 128)};
-  const glm::dvec3 wanted = project(noise.view()).radiance.coefficients()[0];
-  for (const int size : {1, 2, 3, 7, 16, 64}) {
-    const glm::dvec3 found = project(to_cubemap(noise.view(), size, kAskew).view()).radiance.coefficients()[0];
-    CAPTURE(size);
-    for (int c = 0; c < 3; ++c) CHECK(found[c] == Approx(wanted[c]).epsilon(4e-3));
-  }
-}
-
-TEST_CASE("A uniform environment stays what it is at every size", "[resampling]") {
-  for (const int size : {1, 2, 3, 7, 64}) {
-    CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
-    for (const int result : {1, 3, 64}) {
-      for (const float value : to_cubemap(cube.view(), result, kAskew).pixels) REQUIRE(value == 0.1F);
-      for (const float value : to_lat_long(cube.view(), 2 * result + 1, result, kAskew).pixels) REQUIRE(value == 0.1F);
-    }
-  }
-  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {257, 128}}) {
-    const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
-    for (const float value : to_lat_long(map.view(), 9, 5, kAskew).pixels) REQUIRE(value == 0.1F);
-  }
-}
-
 TEST_CASE("Faces are interpolated across their edges without a seam", "[resampling]") {
   // Interpolated much finer, neighbours on either side of an edge differ by no more than those inside a face do.
   const CubemapImage coarse = smooth_cubemap(8);
@@ -161,22 +135,6 @@ TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]"
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels, smooth_cubemap(64, kAskew).pixels) < 0.01);
     // By area a texel next to the pole goes on to the pole as it is.
     CHECK(worst_difference(to_cubemap(coarse.view(), 64).pixels, wanted.pixels) < 0.02);
-  }
-}
-
-TEST_CASE("Two turns one after the other are their product", "[resampling]") {
-  const CubemapImage map = smooth_cubemap(64);
-  const glm::dmat3 second = turn_about_y(-71.0);
-  const CubemapImage twice = to_cubemap(to_cubemap(map.view(), 64, kAskew).view(), 64, second);
-  CHECK(worst_difference(twice.pixels, to_cubemap(map.view(), 64, second * kAskew).pixels) < 2e-3);
-}
-
-TEST_CASE("Resampling gives the same bits on any number of threads", "[resampling]") {
-  const LatLongImage noise{257, 129, some_pixels(257, 129)};
-  std::vector<float> alone;
-  run_with_threads(1, [&] { alone = to_cubemap(noise.view(), 67, kAskew).pixels; });
-  for (const int threads : {2, 7}) {
-    run_with_threads(threads, [&] { CHECK(to_cubemap(noise.view(), 67, kAskew).pixels == alone); });
   }
 }
 
@@ -249,29 +207,6 @@ double lone_texel_error(int width, int height, int column, int row, int size) {
 }
 
 }  // namespace
-
-TEST_CASE("A lone bright texel keeps its total radiance wherever it lies", "[area][slow]") {
-  struct Shape {
-    int width, height;
-  };
-  for (const auto& [width, height] :
-       {Shape{1, 1}, {2, 1}, {3, 2}, {5, 3}, {8, 4}, {7, 9}, {32, 16}, {33, 17}, {34, 15}, {64, 32}, {200, 20}}) {
-    for (const int size : {1, 2, 3, 4, 7, 16, 17, 40}) {
-      double worst = 0.0;
-      int worst_texel = -1;
-      const int step = std::max(1, width * height / 40);
-      for (int texel = 0; texel < width * height; texel += texel < 2 * width ? 1 : step) {
-        const double error = lone_texel_error(width, height, texel % width, texel / width, size);
-        if (error > worst) {
-          worst = error;
-          worst_texel = texel;
-        }
-      }
-      CAPTURE(width, height, size, worst_texel);
-      CHECK(worst < 1e-6);
-    }
-  }
-}
 
 TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes and at all seams", "[area][slow]") {
   std::mt19937 generator(11);

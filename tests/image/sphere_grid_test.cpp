@@ -13,8 +13,6 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
-#include "support/heap.h"
-#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/direct_transform.h"
@@ -344,38 +342,6 @@ TEST_CASE("Neighbours across a face's edge agree as those inside one do", "[face
       REQUIRE(step < 2.1 * distance + 2e-3);
     });
   });
-}
-
-TEST_CASE("Values below zero are kept, or made zero if asked", "[faces]") {
-  const SphereGrid grid = noise_grid(20, 40, GridContent::spline_coefficients, 9);
-  const CubemapImage kept = sampled(grid, 33);
-  CubemapImage clamped = sampled(grid, 33, {.not_negative = true});
-  int negative = 0;
-  for (std::size_t i = 0; i < kept.pixels.size(); ++i) {
-    negative += kept.pixels[i] < 0.0F ? 1 : 0;
-    REQUIRE(clamped.pixels[i] == std::max(0.0F, kept.pixels[i]));
-  }
-  CHECK(negative > 100);
-}
-
-TEST_CASE("Sampling a grid gives the same bits everywhere and allocates nothing in its tiles", "[faces]") {
-  const InstructionSet before = active_instruction_set();
-  const SphereGrid grid = noise_grid(101, 202, GridContent::spline_coefficients, 3);
-  for (const int size : {3, 61, 130}) {
-    CubemapImage expected;
-    force_instruction_set(available_instruction_sets().front());
-    run_with_threads(1, [&] { expected = sampled(grid, size); });
-    for (const InstructionSet set : available_instruction_sets()) {
-      force_instruction_set(set);
-      for (const int threads : {1, 2, 7}) {
-        CAPTURE(name(set), threads, size);
-        forget_allocations_in_tiles();
-        run_with_threads(threads, [&] { CHECK(same_bits(sampled(grid, size), expected)); });
-        CHECK(allocations_in_tiles() == 0);
-      }
-    }
-  }
-  force_instruction_set(before);
 }
 
 TEST_CASE("Sampling a grid can be stopped", "[faces]") {

@@ -1,11 +1,8 @@
 // Promise: a cubemap goes into the caller's memory in the format, the pitch and the order that were asked for, the same
 // texels as in a file; nothing is written beside them.
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
-#include <set>
 #include <vector>
 
 #include "image/pixels.h"
@@ -82,23 +79,6 @@ TEST_CASE("upload: every texel is where the layout says, and nothing else is tou
       }
     }
   }
-}
-
-TEST_CASE("upload: the orders are those of KTX2 and of D3D12's subresources") {
-  const UploadLayout layout{TexelFormat::rgba32f, 2, 2, UploadOrder::level_by_level};
-  std::vector<std::byte> memory(upload_bytes(layout));
-  const auto offset = [&](const CubemapTarget& target, std::size_t face) {
-    return static_cast<const std::byte*>(target.faces[face]) - memory.data();
-  };
-  CHECK(upload_bytes(layout) == 6 * (4 + 1) * 16);
-  const std::vector<CubemapTarget> levels = upload_targets(layout, memory);
-  CHECK(offset(levels[0], 1) == 64);
-  CHECK(offset(levels[1], 0) == 6 * 64);
-  UploadLayout other = layout;
-  other.order = UploadOrder::face_by_face;
-  const std::vector<CubemapTarget> faces = upload_targets(other, memory);
-  CHECK(offset(faces[1], 0) == 64);
-  CHECK(offset(faces[0], 1) == 64 + 16);
 }
 
 TEST_CASE("upload: bottom-up rows, pixels of every kind, and the same bytes on any number of threads") {

@@ -1,8 +1,6 @@
 // Tables by which directions are picked in proportion to light.
 #include "welkin/importance.h"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -214,21 +212,6 @@ TEST_CASE("importance: within a texel directions are even by solid angle", "[imp
   CHECK(mean.z == Approx(0.0).margin(1e-4));
 }
 
-TEST_CASE("importance: a sun of one texel is found at once", "[importance]") {
-  LatLongImage image = even(512, 256, 0.001F);
-  set_texel(image, 300, 40, 1e5F);
-  const ImportanceTable table = importance_table(image.view());
-  int sun = 0;
-  for (const Numbers& number : stratified(64, 64, 2)) {
-    const ImportanceSample sample = table.sample(number.across, number.down);
-    if (sample.column == 300 && sample.row == 40) ++sun;
-  }
-  CHECK(sun >= 4090 * 99 / 100);
-  const ImportanceVariance variance = importance_variance(image.view(), table);
-  CHECK(variance.uniform > 1e4);
-  CHECK(variance.table < 1e-9);
-}
-
 TEST_CASE("importance: estimates agree with the integral and vary as predicted", "[importance]") {
   LatLongImage image = noise(64, 32, 21);
   for (int k = 0; k < 20; ++k) set_texel(image, 3 * k, k, 30.0F);
@@ -260,37 +243,6 @@ TEST_CASE("importance: estimates agree with the integral and vary as predicted",
     CHECK(sum == Approx(1.0).margin(5.0 * std::sqrt(variance.table / samples)));
     CHECK(squares - sum * sum == Approx(variance.table).epsilon(0.05));
     CHECK(variance.table < variance.uniform);
-  }
-}
-
-TEST_CASE("importance: a coarser table has the light of the finer one, wherever it is cut", "[importance]") {
-  const LatLongImage image = noise(60, 30, 4);
-  const ImportanceTable fine = importance_table(image.view());
-  for (const auto& [width, height] : {std::array{30, 15}, std::array{20, 10}, std::array{1, 1}, std::array{60, 1}}) {
-    const ImportanceTable coarse = importance_table(image.view(), {.width = width, .height = height});
-    bool right = true;
-    for (int row = 0; row < height; ++row) {
-      for (int column = 0; column < width; ++column) {
-        double sum = 0.0;
-        for (int j = row * 30 / height; j < (row + 1) * 30 / height; ++j) {
-          for (int k = column * 60 / width; k < (column + 1) * 60 / width; ++k) {
-            sum += static_cast<double>(fine.function[static_cast<std::size_t>(60 * j + k)]);
-          }
-        }
-        const double is = static_cast<double>(coarse.function[static_cast<std::size_t>(row * width + column)]);
-        right = right && std::abs(is / sum - 1.0) < 1e-6;
-      }
-    }
-    CAPTURE(width, height);
-    CHECK(right);
-  }
-  // Of sizes that divide nothing, an even picture's cells have their solid angles.
-  const ImportanceTable cut = importance_table(even(11, 9, 2.0F).view(), {.width = 7, .height = 4});
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 7; ++column) {
-      CHECK(static_cast<double>(cut.function[static_cast<std::size_t>(7 * row + column)]) ==
-            Approx(2.0 * image::lat_long_texel_solid_angle(7, 4, row)).epsilon(1e-6));
-    }
   }
 }
 
@@ -360,43 +312,6 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
   }
 }
 
-TEST_CASE("importance: walking down a pyramid picks by the density", "[importance]") {
-  LatLongImage image = noise(21, 13, 2);
-  set_texel(image, 20, 12, 25.0F);
-  const ImportanceTable table = importance_table(image.view());
-  const ImportancePyramid pyramid = importance_pyramid(table);
-  const int samples = 200'000;
-  std::vector<double> counts(table.function.size(), 0.0);
-  for (Numbers number : independent(samples, 31)) {
-    int column = 0;
-    int row = 0;
-    for (std::size_t n = pyramid.levels.size() - 1; n-- > 0;) {
-      const ImportancePyramid::Level& level = pyramid.levels[n];
-      const auto at = [&](int x, int y) {
-        if (x >= level.width || y >= level.height) return 0.0;
-        return static_cast<double>(level.probabilities[static_cast<std::size_t>(y * level.width + x)]);
-      };
-      column *= 2;
-      row *= 2;
-      const double upper = at(column, row) + at(column + 1, row);
-      const double share = upper / (upper + at(column, row + 1) + at(column + 1, row + 1));
-      const bool lower = number.down >= share;
-      number.down = lower ? (number.down - share) / (1.0 - share) : number.down / share;
-      if (lower) ++row;
-      const double left = at(column, row) / (at(column, row) + at(column + 1, row));
-      const bool right = number.across >= left;
-      number.across = right ? (number.across - left) / (1.0 - left) : number.across / left;
-      if (right) ++column;
-    }
-    ++counts[static_cast<std::size_t>(row * 21 + column)];
-  }
-  ChiSquare test;
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    test.add(counts[k], samples * static_cast<double>(table.function[k]) / table.integral);
-  }
-  CHECK(test.plausible());
-}
-
 TEST_CASE("importance: weights are luminance, mean or the largest channel, and never negative", "[importance]") {
   LatLongImage image = even(2, 1, 1.0F);
   image.pixels = {-1.0F, 2.0F, 4.0F, -3.0F, -1.0F, -2.0F};
@@ -436,25 +351,6 @@ TEST_CASE("importance: what no distribution can hold does no harm", "[importance
     CHECK(sample.column >= 0);
     CHECK(sample.column < 4);
   }
-}
-
-TEST_CASE("importance: the same bits on any number of threads, and from every format of pixels that is exact",
-          "[importance][determinism]") {
-  const LatLongImage image = noise(1024, 512, 6);
-  const ImportanceTable one = importance_table(image.view());
-  for (const int threads : {1, 2, 5}) {
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
-      CHECK(same(importance_table(image.view()), one));
-      CHECK(importance_pyramid(importance_table(image.view())).levels.back().probabilities ==
-            importance_pyramid(one).levels.back().probabilities);
-    });
-  }
-  std::vector<float> rgba;
-  for (std::size_t k = 0; k < image.pixels.size(); k += 3) {
-    rgba.insert(rgba.end(), {image.pixels[k], image.pixels[k + 1], image.pixels[k + 2], 0.5F});
-  }
-  CHECK(same(importance_table(LatLongView{rgba.data(), 1024, 512, 0, PixelFormat::rgba32f}), one));
 }
 
 TEST_CASE("importance: bad requests are told", "[importance]") {

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <memory>
 #include <set>
 #include <stdexcept>
 #include <stop_token>
@@ -178,14 +177,6 @@ TEST_CASE("A progress callback may use TBB", "[jobs]") {
   });
 }
 
-TEST_CASE("What a progress callback throws comes out", "[jobs]") {
-  Control control;
-  control.progress = [](double) { throw std::runtime_error("enough"); };
-  for (const Placement placement : kBoth) {
-    CHECK_THROWS_AS(run(10, placement, control, [](std::size_t, std::size_t) {}), std::runtime_error);
-  }
-}
-
 TEST_CASE("Tiles see the default floating-point environment and leave the caller's alone", "[jobs]") {
   const FloatEnvironment callers = flushing(mode_named("upward"));
   std::atomic<bool> all_default{true};
@@ -238,8 +229,6 @@ TEST_CASE("Work beside a OneThread stays in its thread, in order", "[jobs]") {
     CHECK(std::ranges::is_sorted(order));
   });
 }
-
-// Hot loops allocate nothing: not by operator new, not by malloc, on no thread.
 
 // Sanitizers bring a heap of their own; there is nothing to count under them.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -12,9 +12,7 @@
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/same_bits.h"
-#include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/probes.h"
@@ -324,18 +322,6 @@ TEST_CASE("probes: the same bits on any number of threads and instruction set, a
   CHECK(updated.passes[3] == 0);
   CHECK(updated.passes[50] != 0);
   CHECK(same_bits(bake_probes(grid, cubes, depths, options), updated));
-}
-
-TEST_CASE("probes: nothing is taken from the heap for a probe", "[probes]") {
-  const ProbeGrid grid{.counts = {400, 1, 1}};
-  const Captures captures(1, 16, grey, 16,
-                          [](std::size_t, const dvec3& d) { return static_cast<float>(1.0 + d.x * d.x); });
-  const std::vector<CubemapView> cubes(grid.size(), captures.cubes[0]);
-  const std::vector<DepthView> depths(grid.size(), captures.depths[0]);
-  static_cast<void>(bake_probes(grid, cubes, depths));  // tables
-  forget_allocations_in_tiles();
-  static_cast<void>(bake_probes(grid, cubes, depths));
-  CHECK(allocations_in_tiles() == 0);
 }
 
 TEST_CASE("probes: what cannot be baked is refused, and the message says what", "[probes]") {

@@ -3,26 +3,20 @@
 #include "welkin/projection.h"
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <thread>
 #include <vector>
 
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
-#include "support/golden.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -231,31 +225,6 @@ double smooth_function(const glm::dvec3& d) { return 1.0 + 0.5 * d.x + 0.25 * d.
 
 }  // namespace
 
-TEST_CASE("Projection is linear", "[sh][property]") {
-  for (const int size : {1, 3, 64, 130}) {
-    const TestCubemap a = make_cubemap(Content::random, size, 3, 1);
-    const TestCubemap b = make_cubemap(Content::high_range, size, 3, 2);
-    TestCubemap sum = a;
-    for (std::size_t k = 0; k < sum.pixels.size(); ++k) sum.pixels[k] = 2.0F * a.pixels[k] + b.pixels[k];
-    const SphericalHarmonics pa = project(a.view()).radiance;
-    const SphericalHarmonics pb = project(b.view()).radiance;
-    SphericalHarmonics expected(3);
-    for (std::size_t k = 0; k < 9; ++k) {
-      expected.coefficients()[k] = 2.0 * pa.coefficients()[k] + pb.coefficients()[k];
-    }
-    CHECK(relative_error(project(sum.view()).radiance, expected) < 5e-7);
-  }
-}
-
-TEST_CASE("Scaling by a power of two scales every bit", "[sh][property]") {
-  const TestCubemap a = make_cubemap(Content::random, 65, 3, 4);
-  TestCubemap scaled = a;
-  for (float& value : scaled.pixels) value *= 1024.0F;
-  SphericalHarmonics expected = project(a.view()).radiance;
-  for (glm::dvec3& value : expected.coefficients()) value *= 1024.0;
-  CHECK(same_bits(project(scaled.view()).radiance, expected));
-}
-
 TEST_CASE("Turning a cubemap by 90 degrees permutes coefficients", "[sh][property]") {
   // About y: (x, y, z) -> (z, y, -x); about x: (x, z, -y); about z: (y, -x, z). Band 1 is (y, z, x).
   const glm::dmat3 turns[] = {
@@ -308,36 +277,12 @@ TEST_CASE("Turning by any angle turns the coefficients within the texels' error"
   }
 }
 
-TEST_CASE("A mirror image flips the signs of odd coefficients", "[sh][property]") {
-  const int size = 33;
-  const TestCubemap original = make_cubemap(Content::random, size, 3, 8);
-  const TestCubemap mirrored = sample(size, [&](const glm::dvec3& d) { return lookup(original, {-d.x, d.y, d.z}); });
-  const SphericalHarmonics a = project(original.view()).radiance;
-  const SphericalHarmonics b = project(mirrored.view()).radiance;
-  // Odd in x: x, xy, xz.
-  const double signs[9] = {1, 1, 1, -1, -1, 1, 1, -1, 1};
-  for (std::size_t k = 0; k < 9; ++k) {
-    CHECK(glm::length(b.coefficients()[k] - signs[k] * a.coefficients()[k]) < 5e-7 * norm(a));
-  }
-}
-
 TEST_CASE("The total radiance is the sum of radiance times solid angle", "[sh][property]") {
   const TestCubemap uniform = make_cubemap(Content::uniform, 50, 3, 0);
   const ProjectionDiagnostics diagnostics = project(uniform.view()).diagnostics;
   CHECK(diagnostics.total_radiance.x == Approx(0.5 * 4.0 * std::numbers::pi).epsilon(1e-7));
   CHECK(diagnostics.total_radiance.z == Approx(2.0 * 4.0 * std::numbers::pi).epsilon(1e-7));
   CHECK(diagnostics.total_radiance_before_clamp == diagnostics.total_radiance);
-}
-
-TEST_CASE("Low-order radiance comes back from its own projection", "[sh][property]") {
-  const auto radiance = [](const glm::dvec3& d) {
-    return glm::dvec3(1.0 + d.x, 2.0 + d.y * d.z, 1.5 + 3.0 * d.z * d.z - d.x * d.y);
-  };
-  const SphericalHarmonics c = project(sample(256, radiance).view()).radiance;
-  for (int k = 0; k < 100; ++k) {
-    const glm::dvec3 d = glm::normalize(glm::dvec3(std::sin(k * 1.7), std::cos(k * 0.9), std::sin(k * 0.37 + 0.5)));
-    CHECK(glm::length(evaluate(c, d) - radiance(d)) < 1e-4);
-  }
 }
 
 TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]") {
@@ -442,118 +387,5 @@ TEST_CASE("faces: what cannot be is refused, and leaves the sums as they were") 
 }
 
 }  // namespace
-
-// Same input, same options: same bits, on any number of threads, in any arena, under load, on every
-// instruction set, today and tomorrow.
-
-namespace {
-
-/// Sizes on both sides of the inline threshold and of every table's, formats with kernels of their own.
-struct Cases {
-  TestCubemap small = make_cubemap(Content::high_range, 64, 3, 21);
-  TestCubemap odd = make_cubemap(Content::random, 201, 4, 22);
-  TestCubemap large = make_cubemap(Content::one_texel_sun, 320, 3, 23);
-  TestCubemapHalf half = make_cubemap_half(Content::random, 160, 4, 24);
-  TestCubemap special = make_cubemap(Content::special_values, 200, 3, 25);
-  TestLatLong lat_long = make_lat_long(Content::high_range, 640, 320, 26);
-  TestLatLong odd_lat_long = make_lat_long(Content::special_values, 333, 301, 27);
-
-  [[nodiscard]] std::vector<SphericalHarmonics> project_all() const {
-    ProjectionOptions ten;
-    ten.bands = 10;
-    ProjectionOptions babylon;
-    babylon.quadrature = Quadrature::midpoint;
-    babylon.pixels.clamp = RadianceClamp{};
-    babylon.target_size = 64;
-    ProjectionOptions reduced;
-    reduced.target_size = 48;
-    ProjectionOptions gamma;
-    gamma.pixels.gamma = true;
-    return {project(small.view()).radiance,
-            project(odd.view()).radiance,
-            project(large.view()).radiance,
-            project(half.view()).radiance,
-            project(special.view()).radiance,
-            project(lat_long.view()).radiance,
-            project(odd_lat_long.view()).radiance,
-            project(odd.view(), ten).radiance,
-            project(large.view(), babylon).radiance,
-            project(large.view(), reduced).radiance,
-            project(lat_long.view(), reduced).radiance,
-            project(odd.view(), gamma).radiance};
-  }
-};
-
-const Cases& cases() {
-  static const Cases all;
-  return all;
-}
-
-void require_same(const std::vector<SphericalHarmonics>& a, const std::vector<SphericalHarmonics>& b) {
-  REQUIRE(a.size() == b.size());
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    CAPTURE(k);
-    CHECK(same_bits(a[k], b[k]));
-  }
-}
-
-}  // namespace
-
-TEST_CASE("Any number of threads gives the same bits", "[sh][determinism]") {
-  std::vector<SphericalHarmonics> expected;
-  run_with_threads(1, [&] { expected = cases().project_all(); });
-  for (const int threads : {2, 3, 5, 8, 16}) {
-    CAPTURE(threads);
-    run_with_threads(threads, [&] { require_same(cases().project_all(), expected); });
-  }
-}
-
-TEST_CASE("A hundred repetitions under load in a foreign arena give the same bits", "[sh][determinism][truth]") {
-  const TestCubemap cubemap = make_cubemap(Content::high_range, 256, 3, 31);
-  const SphericalHarmonics expected = project(cubemap.view()).radiance;
-  std::atomic<bool> done{false};
-  std::vector<std::thread> load;
-  for (int k = 0; k < 3; ++k) {
-    load.emplace_back([&] {
-      while (!done) tbb::parallel_for(0, 1000, [](int) { std::this_thread::yield(); });
-    });
-  }
-  const tbb::global_control allowance(tbb::global_control::max_allowed_parallelism, 8);
-  tbb::task_arena foreign(3);
-  int different = 0;
-  for (int repetition = 0; repetition < 100; ++repetition) {
-    SphericalHarmonics result;
-    foreign.execute([&] { result = project(cubemap.view()).radiance; });
-    different += same_bits(result, expected) ? 0 : 1;
-  }
-  done = true;
-  for (std::thread& thread : load) thread.join();
-  CHECK(different == 0);
-}
-
-TEST_CASE("Several threads that project at the same time get the same bits", "[sh][determinism]") {
-  const std::vector<SphericalHarmonics> expected = cases().project_all();
-  std::vector<std::vector<SphericalHarmonics>> results(4);
-  std::vector<std::thread> threads;
-  for (auto& result : results) threads.emplace_back([&result] { result = cases().project_all(); });
-  for (std::thread& thread : threads) thread.join();
-  for (const auto& result : results) require_same(result, expected);
-}
-
-TEST_CASE("Every instruction set gives the same bits", "[sh][determinism]") {
-  const InstructionSet before = active_instruction_set();
-  force_instruction_set(available_instruction_sets().front());
-  const std::vector<SphericalHarmonics> expected = cases().project_all();
-  for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(name(set));
-    force_instruction_set(set);
-    require_same(cases().project_all(), expected);
-  }
-  force_instruction_set(before);
-}
-
-TEST_CASE("The coefficients are those on record", "[sh][determinism][golden]") {
-  require_golden("projection", cases().project_all());
-}
 
 }  // namespace welkin::test

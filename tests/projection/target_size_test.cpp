@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -72,59 +71,6 @@ TEST_CASE("Every texel has its own solid angle", "[tables]") {
       CHECK(worst < 4e-7);
     }
   }
-}
-
-TEST_CASE("Solid angles add up to the sphere", "[tables]") {
-  for (const int size : {1, 2, 3, 64, 257, 1000, 2048}) {
-    const projection::TexelWeights weights({size, 3, false, size});
-    double total = 0.0;
-    for_each_weight(weights, [&](int column, int row, double found) {
-      // Images under the mirrors; a middle row or column is its own.
-      const int copies = (2 * column + 1 == size ? 1 : 2) * (2 * row + 1 == size ? 1 : 2);
-      total += 6.0 * copies * found;
-    });
-    CHECK(total == Approx(4.0 * std::numbers::pi).epsilon(5e-8));
-  }
-}
-
-TEST_CASE("A reduced face's solid angles are the full one's", "[tables]") {
-  const int shapes[][2] = {{64, 8}, {100, 64}, {101, 64}, {64, 63},   {7, 3},
-                           {7, 2},  {3, 1},    {300, 7},  {300, 128}, {512, 300}};
-  for (const auto& [size, target] : shapes) {
-    const projection::TexelWeights weights({size, 3, false, target});
-    double worst = 0.0;
-    for_each_weight(weights, [&](int column, int row, double found) {
-      worst = std::max(worst, std::abs(found / static_cast<double>(solid_angle(size, column, row)) - 1.0));
-    });
-    CAPTURE(size, target, worst);
-    CHECK(worst < 6e-7);
-  }
-}
-
-TEST_CASE("A lat-long's solid angles add up to the sphere", "[tables]") {
-  const int shapes[][3] = {{1, 1, 0},      {2, 1, 0},    {7, 5, 0},    {64, 32, 0},
-                           {1024, 512, 0}, {100, 50, 8}, {101, 51, 8}, {64, 32, 100}};
-  for (const auto& [width, height, target] : shapes) {
-    for (const bool midpoint : {false, true}) {
-      const projection::LatLongWeights weights({width, height, 3, midpoint, target});
-      double columns = 0.0;
-      for (int column = 0; column < weights.column_count(); ++column) {
-        columns += static_cast<double>(weights.chunk_weights(column / projection::kChunk)[column % projection::kChunk]);
-      }
-      double rows = 0.0;
-      for (int row = 0; row < height; ++row) rows += weights.row_weights(row)[0];
-      const double both = weights.paired() ? 2.0 : 1.0;
-      CHECK(both * columns * rows * 2.0 * std::sqrt(std::numbers::pi) == Approx(4.0 * std::numbers::pi).epsilon(1e-7));
-    }
-  }
-}
-
-TEST_CASE("Tables come from one cache", "[tables]") {
-  const projection::TexelWeightsKey key{48, 3, false, 48};
-  CHECK(projection::TexelWeights::get(key) == projection::TexelWeights::get(key));
-  CHECK(projection::TexelWeights::get(key) != projection::TexelWeights::get({48, 3, true, 48}));
-  const projection::LatLongWeightsKey lat_long{48, 24, 3, false, 0};
-  CHECK(projection::LatLongWeights::get(lat_long) == projection::LatLongWeights::get(lat_long));
 }
 
 // A target size per call: from the mip chain, or by averaging while reading.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -18,7 +17,6 @@
 #include "projection/projection_kernels.h"
 #include "simd/dispatch.h"
 #include "support/catch.h"
-#include "support/thrown_error.h"
 #include "welkin/core.h"
 
 namespace welkin::test {
@@ -341,15 +339,6 @@ TEST_CASE("The range check finds what is outside, NaN included", "[simd]") {
         }
       }
     }
-  }
-}
-
-TEST_CASE("The bandwidth yardstick reads everything", "[simd][perf]") {
-  const std::vector<float> values = noise(16 * 11, 9);
-  double expected = 0.0;
-  for (const float value : values) expected += static_cast<double>(value);
-  for (const InstructionSet set : available_instruction_sets()) {
-    CHECK(static_cast<double>(image::image_kernels(set).read_all(values.data(), 11)) == Approx(expected).margin(1e-3));
   }
 }
 

@@ -13,9 +13,7 @@
 #include "reference/sky_reference.h"
 #include "sky/air.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/random_atmospheres.h"
-#include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -150,40 +148,6 @@ TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][a
   CHECK(std::abs(sum - all.radiance[2][0]) < 4.0 * std::sqrt(variance));
 }
 
-TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air][truth]") {
-  std::vector<double> values;
-  double claimed = 0.0;
-  constexpr int repetitions = 60;
-  for (int i = 0; i < repetitions; ++i) {
-    const TracedHarmonics traced = trace_sky_harmonics(earth_bruneton(), 0.0, sun_direction(20.0, 0.0), 1,
-                                                       {.paths = 4000, .seed = static_cast<std::uint64_t>(1000 + i)});
-    values.push_back(traced.radiance[1][0]);
-    claimed += traced.standard_error[1][0] * traced.standard_error[1][0] / repetitions;
-  }
-  double mean = 0.0;
-  for (const double value : values) mean += value / repetitions;
-  double variance = 0.0;
-  for (const double value : values) variance += (value - mean) * (value - mean) / (repetitions - 1);
-  CHECK(std::sqrt(claimed / variance) == Approx(1.0).margin(0.35));
-}
-
-TEST_CASE("sky paths: the same bits on any number of threads, without allocation, and others for another seed",
-          "[sky][air][truth]") {
-  TracedHarmonics one;
-  TracedHarmonics many;
-  const auto trace = [](std::uint64_t seed) {
-    return trace_sky_harmonics(mars(), 50.0, sun_direction(5.0, 12.0), 4,
-                               {.lowest_order = 1, .highest_order = 6, .paths = 20'001, .seed = seed});
-  };
-  forget_allocations_in_tiles();
-  run_with_threads(1, [&] { one = trace(3); });
-  run_with_threads(5, [&] { many = trace(3); });
-  CHECK(allocations_in_tiles() == 0);
-  CHECK(one.radiance == many.radiance);
-  CHECK(one.standard_error == many.standard_error);
-  CHECK(trace(4).radiance != one.radiance);
-}
-
 TEST_CASE("sky paths: shells hold what they say, and their sums are the quadrature's", "[sky][air]") {
   RandomAtmospheres random(23);
   for (int i = 0; i < trials(60); ++i) {
@@ -213,107 +177,6 @@ TEST_CASE("sky paths: shells hold what they say, and their sums are the quadratu
   }
 }
 
-TEST_CASE("sky paths: a density that turns inside of its layer is bounded at its top", "[sky][air]") {
-  // 0.05 + h / 200 m - 0.05 exp(h / 100 m): 0 on the ground, 0.70 at 230 m, 0.55 at 300 m.
-  Atmosphere air = earth_bruneton();
-  air.top_radius_m = air.bottom_radius_m + 300.0;
-  air.rayleigh.density = {
-      {.exponential_term = -0.05, .exponential_scale_per_m = 0.01, .linear_term_per_m = 0.005, .constant_term = 0.05}};
-  air.rayleigh.scattering_per_m = {0.01, 0.01, 0.01};
-  air.aerosol = {};
-  air.absorbers.clear();
-  const sky::ReferenceAir truth(air);
-  const sky::PathShells shells(truth);
-  const double top = truth.square_of(100.0 * std::log(10.0));
-  sky::PathShells::Columns densities{};
-  shells.densities(shells.find(top), top, densities);
-  CHECK(densities[0] == Approx(0.05 + 0.5 * std::log(10.0) - 0.5).epsilon(1e-9));
-  for (const double square : {0.9999 * top, top, 1.0001 * top}) {
-    shells.densities(shells.find(square), square, densities);
-    CHECK(truth.optical_depth(densities, 0) <= shells.majorant(shells.find(square)));
-  }
-}
-
-TEST_CASE("sky paths: drawn angles have their distributions", "[sky][air]") {
-  sky::PathRandom random(1, 2);
-  constexpr int draws = 200'000;
-  const auto mean_of = [&](const auto& draw) {
-    double sum = 0.0;
-    double squares = 0.0;
-    for (int i = 0; i < draws; ++i) {
-      const double c = draw();
-      sum += c / draws;
-      squares += c * c / draws;
-    }
-    return std::array<double, 2>{sum, squares};
-  };
-  const auto rayleigh = mean_of([&] { return sky::draw_rayleigh(random); });
-  CHECK(rayleigh[0] == Approx(0.0).margin(0.006));
-  CHECK(rayleigh[1] == Approx(0.4).epsilon(0.01));
-  for (const double g : {-0.7, 0.0, 0.3, 0.8, 0.99}) {
-    INFO("g = " << g);
-    const auto henyey = mean_of([&] { return sky::draw_aerosol(AerosolPhase::henyey_greenstein, g, random); });
-    CHECK(henyey[0] == Approx(g).margin(0.006));
-    CHECK(henyey[1] == Approx((1.0 + 2.0 * g * g) / 3.0).margin(0.006));
-    const auto cornette = mean_of([&] { return sky::draw_aerosol(AerosolPhase::cornette_shanks, g, random); });
-    CHECK(cornette[0] == Approx(3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g))).margin(0.006));
-  }
-  for (int i = 0; i < 1000; ++i) {
-    const glm::dvec3 axis = sun_direction(180.0 * random.number() - 90.0, 360.0 * random.number());
-    const double cosine = 2.0 * random.number() - 1.0;
-    const glm::dvec3 turned = sky::turned(axis, cosine, random);
-    REQUIRE(glm::length(turned) == Approx(1.0).epsilon(1e-14));
-    REQUIRE(glm::dot(turned, axis) == Approx(cosine).margin(1e-14));
-  }
-}
-
-TEST_CASE("sky paths: random atmospheres give finite light that is not negative", "[sky][air][truth]") {
-  RandomAtmospheres random(29);
-  for (int i = 0; i < trials(120); ++i) {
-    const Atmosphere air = random.next(random.chance(0.1) ? 96 : 3);
-    const double altitude =
-        std::min(1e9, random.chance(0.3) ? 0.0 : random.between(0.0, 1.3) * (air.top_radius_m - air.bottom_radius_m));
-    const TracedHarmonics traced = trace_sky_harmonics(air, altitude, sun_direction(random.between(-20.0, 90.0), 0.0),
-                                                       2, {.lowest_order = 1, .highest_order = 8, .paths = 400});
-    INFO("atmosphere " << i << ", altitude " << altitude);
-    for (std::size_t w = 0; w < traced.radiance.size(); ++w) {
-      CHECK(traced.radiance[w][0] >= 0.0);
-      for (std::size_t k = 0; k < 4; ++k) {
-        CHECK(std::isfinite(traced.radiance[w][k]));
-        CHECK((std::isfinite(traced.standard_error[w][k]) && traced.standard_error[w][k] >= 0.0));
-      }
-    }
-  }
-}
-
-TEST_CASE("sky paths: what is asked for is checked, and the call stops and tells how far it is", "[sky][air]") {
-  const glm::dvec3 up(0.0, 1.0, 0.0);
-  const auto refused = [&](int bands, const PathTracingOptions& options, const std::string& words) {
-    const ThrownError error = thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, up, bands, options); });
-    INFO(error.message);
-    CHECK(error.code == ErrorCode::invalid_argument);
-    CHECK(error.says(words));
-  };
-  refused(0, {}, "bands is 0");
-  refused(17, {}, "bands is 17");
-  refused(3, {.lowest_order = 0}, "lowest order is 0");
-  refused(3, {.lowest_order = 3, .highest_order = 2}, "highest order is 2");
-  refused(3, {.highest_order = 65}, "65");
-  refused(3, {.paths = 1}, "paths is 1");
-  CHECK(thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), -1.0, up, 3); }).says("altitude"));
-  CHECK(thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, 3.0 * up, 3); }).says("sun"));
-  std::stop_source stop;
-  double told = 0.0;
-  const Control control{.stop = stop.get_token(), .progress = [&](double share) {
-                          told = share;
-                          if (share > 0.05) stop.request_stop();
-                        }};
-  const ThrownError error =
-      thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, up, 1, {.paths = 4'000'000}, control); });
-  CHECK(error.code == ErrorCode::cancelled);
-  CHECK(told < 0.5);
-}
-
 // The truth about single scattering is what can be written down, where it can.
 
 namespace {
@@ -333,27 +196,6 @@ Atmosphere slab(double thickness, std::vector<double> scattering, std::vector<do
 }
 
 }  // namespace
-
-TEST_CASE("sky reference: without air all is black but the ground and the sun", "[sky][air]") {
-  Atmosphere nothing = earth_bruneton();
-  nothing.rayleigh = {};
-  nothing.aerosol = {};
-  nothing.absorbers.clear();
-  for (const double altitude : {0.0, 1000.0, 1e7}) {
-    for (const glm::dvec3& up : {glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.6, 0.8, 0.0)}) {
-      CHECK(reference_sky_radiance(nothing, altitude, up, sun_direction(30.0, 0.0)) == std::vector<double>(3, 0.0));
-    }
-    const glm::dvec3 down(0.0, -1.0, 0.0);
-    const std::vector<double> ground = reference_sky_radiance(nothing, altitude, down, sun_direction(30.0, 0.0));
-    CHECK(reference_sky_radiance(nothing, altitude, down, sun_direction(30.0, 0.0), {.ground = false})[0] == 0.0);
-    for (std::size_t i = 0; i < 3; ++i) {
-      CHECK(ground[i] == Approx(0.1 / std::numbers::pi * 0.5 * nothing.solar_irradiance[i]).epsilon(1e-12));
-    }
-    CHECK(reference_transmittance(nothing, altitude, 0.3) == std::vector<double>(3, 1.0));
-    CHECK(reference_transmittance(nothing, altitude, -1.0) == std::vector<double>(3, 0.0));
-    CHECK(reference_sun_irradiance(nothing, altitude, sun_direction(30.0, 7.0)) == nothing.solar_irradiance);
-  }
-}
 
 TEST_CASE("sky reference: a homogeneous slab is the integral of its exponentials", "[sky][air]") {
   constexpr double thickness = 10.0;
@@ -439,22 +281,6 @@ TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
         Approx(1e-2 * 2.0 * across).epsilon(1e-4));
 }
 
-TEST_CASE("sky reference: a thin shell of scale height 10 m is not missed in ten radii of air", "[sky][air]") {
-  Atmosphere air = without_aerosol(earth_bruneton());
-  air.bottom_radius_m = 1e9;
-  air.top_radius_m = 1.1e10;
-  air.absorbers.clear();
-  for (const double scale_height : {10.0, 1e5}) {
-    air.rayleigh.density = exponential_profile(scale_height);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double expected = scale_height * air.rayleigh.scattering_per_m[i];
-      CHECK(-std::log(reference_transmittance(air, 0.0, 1.0)[i]) == Approx(expected).epsilon(1e-9));
-      const double across = expected * std::sqrt(0.5 * std::numbers::pi * 1e9 / scale_height);
-      CHECK(-std::log(reference_transmittance(air, 0.0, 0.0)[i]) == Approx(across).epsilon(1e-4));
-    }
-  }
-}
-
 TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air][truth]") {
   for (const Atmosphere& air : {earth_bruneton(), mars()}) {
     for (const double sun_elevation : {40.0, 1.0, -4.0}) {
@@ -500,83 +326,6 @@ TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air][truth
         const std::vector<double> truth = reference_sky_radiance(air, 0.0, view, sun);
         for (std::size_t i = 0; i < 3; ++i) CHECK(truth[i] == Approx(sum[i]).epsilon(3e-4));
       }
-    }
-  }
-}
-
-TEST_CASE("sky reference: refining changes it by no more than was asked", "[sky][air]") {
-  const Atmosphere air = earth_bruneton();
-  for (const double altitude : {0.0, 8000.0, 500'000.0}) {
-    for (const double elevation : {-75.0, -8.0, -1.0, 0.0, 0.05, 30.0}) {
-      for (const double sun : {60.0, 0.1, -3.0, -12.0}) {
-        INFO("altitude " << altitude << ", view " << elevation << ", sun " << sun);
-        const auto at = [&](double error) {
-          return reference_sky_radiance(air, altitude, sun_direction(elevation, 5.0), sun_direction(sun, 0.0),
-                                        {.relative_error = error});
-        };
-        const std::vector<double> fine = at(1e-9);
-        const std::vector<double> rough = at(1e-4);
-        for (std::size_t i = 0; i < 3; ++i) CHECK(rough[i] == Approx(fine[i]).epsilon(1e-4).margin(1e-200));
-      }
-    }
-  }
-}
-
-TEST_CASE("sky reference: the sun sets softly, and at once if it is a point", "[sky][air]") {
-  const Atmosphere air = earth_bruneton();
-  const double radius = air.sun_angular_radius_degrees;
-  const auto level = reference_transmittance(air, 0.0, 0.0);
-  const auto light = [&](const Atmosphere& a, double elevation) {
-    return reference_sun_irradiance(a, 0.0, sun_direction(elevation, 0.0))[0];
-  };
-  CHECK(light(air, 0.0) == Approx(0.5 * level[0] * air.solar_irradiance[0]).epsilon(1e-9));
-  CHECK(light(air, -1.01 * radius) == 0.0);
-  CHECK(light(air, -0.5 * radius) == Approx(level[0] * 0.15625 * air.solar_irradiance[0]).epsilon(1e-4));
-  CHECK(light(air, 3.0 * radius) ==
-        Approx(reference_transmittance(air, 0.0, sun_direction(3.0 * radius, 0.0).y)[0] * air.solar_irradiance[0]));
-  Atmosphere point = air;
-  point.sun_angular_radius_degrees = 0.0;
-  CHECK(light(point, 1e-9) == Approx(level[0] * air.solar_irradiance[0]).epsilon(1e-6));
-  CHECK(light(point, -1e-9) == 0.0);
-  // From space: past the air whole, behind the planet dark.
-  CHECK(reference_sun_irradiance(air, 1e7, sun_direction(-40.0, 0.0)) == air.solar_irradiance);
-  CHECK(reference_sun_irradiance(air, 1e7, sun_direction(-80.0, 0.0))[1] == 0.0);
-}
-
-TEST_CASE("sky reference: what is asked for is checked", "[sky][air]") {
-  const glm::dvec3 up(0.0, 1.0, 0.0);
-  Atmosphere wrong = earth_bruneton();
-  wrong.aerosol_asymmetry = 2.0;
-  CHECK(thrown_by([&] { return reference_sky_radiance(wrong, 0.0, up, up); }).says("aerosol_asymmetry"));
-  CHECK(thrown_by([&] { return reference_transmittance(wrong, 0.0, 1.0); }).says("aerosol_asymmetry"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), -1.0, up, up); }).says("altitude is -1"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), NAN, up, up); }).says("altitude"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), 0.0, 2.0 * up, up); }).says("direction"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), 0.0, up, {NAN, 0, 0}); }).says("sun"));
-  CHECK(thrown_by([&] {
-          return reference_sky_radiance(earth_bruneton(), 0.0, up, up, {.relative_error = 0.0});
-        }).says("relative error"));
-  CHECK(thrown_by([&] { return reference_transmittance(earth_bruneton(), 0.0, 1.1); }).says("zenith cosine"));
-  CHECK(thrown_by([&] { return reference_sun_irradiance(earth_bruneton(), 2e9, up); }).says("altitude"));
-}
-
-TEST_CASE("sky reference: random atmospheres give finite light that is not negative", "[sky][air]") {
-  RandomAtmospheres random(3);
-  for (int i = 0; i < trials(150); ++i) {
-    const Atmosphere air = random.next();
-    const double thickness = air.top_radius_m - air.bottom_radius_m;
-    const double altitude = std::min(1e9, random.chance(0.3) ? 0.0 : random.between(0.0, 1.3) * thickness);
-    const glm::dvec3 view =
-        sun_direction(random.chance(0.3) ? 0.0 : random.between(-90.0, 90.0), random.between(0.0, 360.0));
-    const glm::dvec3 sun = sun_direction(random.between(-30.0, 90.0), 0.0);
-    INFO("atmosphere " << i << ", altitude " << altitude << " of " << thickness);
-    const std::vector<double> light = reference_sky_radiance(air, altitude, view, sun, {.relative_error = 1e-3});
-    const std::vector<double> transmittance = reference_transmittance(air, altitude, view.y);
-    const std::vector<double> direct = reference_sun_irradiance(air, altitude, sun);
-    for (std::size_t k = 0; k < light.size(); ++k) {
-      CHECK((std::isfinite(light[k]) && light[k] >= 0.0));
-      CHECK((transmittance[k] >= 0.0 && transmittance[k] <= 1.0));
-      CHECK((direct[k] >= 0.0 && direct[k] <= air.solar_irradiance[k]));
     }
   }
 }

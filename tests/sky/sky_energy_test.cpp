@@ -157,35 +157,6 @@ class Leaving {
 
 }  // namespace
 
-TEST_CASE("No air and a black ground are black", "[sky][tables]") {
-  Atmosphere air;
-  air.solar_irradiance = {1.5, 1.8, 1.9};
-  const SkyTables tables = precompute_sky(air, small_options(4));
-  const auto none = [](const std::vector<float>& values) {
-    return std::all_of(values.begin(), values.end(), [](float value) { return value == 0.0F; });
-  };
-  CHECK(none(tables.scattering));
-  CHECK(none(tables.single_mie));
-  CHECK(none(tables.irradiance));
-  CHECK(std::all_of(tables.transmittance.begin(), tables.transmittance.end(), [](float t) { return t == 1.0F; }));
-}
-
-TEST_CASE("Four times the sun is four times the light", "[sky][tables]") {
-  Atmosphere air = earth_bruneton();
-  const SkyTables once = precompute_sky(air, small_options(3));
-  for (double& value : air.solar_irradiance) value *= 4.0;
-  const SkyTables four = precompute_sky(air, small_options(3));
-  CHECK(once.transmittance == four.transmittance);
-  const auto times_four = [](const std::vector<float>& one, const std::vector<float>& other) {
-    return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](float a, float b) {
-      return 4.0F * a == b || std::abs(4.0F * a - b) < 1e-30F;  // where a float loses digits, near its smallest
-    });
-  };
-  CHECK(times_four(once.scattering, four.scattering));
-  CHECK(times_four(once.single_mie, four.single_mie));
-  CHECK(times_four(once.irradiance, four.irradiance));
-}
-
 TEST_CASE("More orders never take light away, and each adds less", "[sky][tables]") {
   double before = 1e300;
   std::vector<float> last;
@@ -311,21 +282,6 @@ double flux_up(const SkyView& top, const glm::dvec3& sun) {
 
 }  // namespace
 
-TEST_CASE("A thin shell over white ground sends back what comes in to 2 %", "[sky][tables][view]") {
-  SkyTableOptions options;
-  options.heights = 8;
-  options.orders = 8;
-  for (const double radius_m : {6.36e6, 6.36e7}) {
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(shell(radius_m, 0.1), options));
-    const SkyView top(tables, 1000.0);
-    for (const double elevation : {90.0, 60.0, 45.0, 25.0, 10.0}) {
-      const glm::dvec3 sun = sun_direction(elevation, 0.0);
-      CAPTURE(radius_m, elevation);
-      CHECK(std::abs(flux_up(top, sun) / sun.y - 1.0) < 0.02);
-    }
-  }
-}
-
 // What an aerosol of any lobe scatters in a slab over black ground goes up or arrives below.
 TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpness",
           "[sky][tables][view][haze][truth]") {
@@ -385,20 +341,6 @@ TEST_CASE("What is estimated of further orders is neither more nor less than the
 }
 
 // Of a shell of 1/60000 of the radius the whole day would lie in one of 63 intervals.
-TEST_CASE("Suns of a day are spread over nodes however thin the air is", "[sky][mapping]") {
-  for (const double thickness : {0.06, 1.0, 1000.0, 60'000.0, 6e6}) {
-    for (const bool many : {false, true}) {
-      const sky::TableMapping mapping(6.36e6, 6.36e6 + thickness, -0.5, 0.2678, {.many_suns = many});
-      CAPTURE(thickness, many);
-      CHECK(mapping.sun_coordinate(0.5) < 0.95);
-      CHECK(mapping.sun_coordinate(0.1) < 0.82);
-      for (const double cosine : {1.0, 0.5, 0.1, 0.0, -0.2}) {
-        CHECK(std::abs(mapping.sun_zenith_cosine(mapping.sun_coordinate(cosine)) - cosine) < 1e-9);
-      }
-    }
-  }
-}
-
 // Promise: no atmosphere that is accepted gives tables with a negative value or one that is no number, nor more light
 // on the ground than the sun sends.
 
@@ -423,24 +365,6 @@ double most_on_ground(const SkyTables& tables) {
 }  // namespace
 
 // Heights of sun paths lay three scale heights apart: 1.4 times the sun's light arrived.
-TEST_CASE("Small tables of low air in a thick shell make no light", "[sky][tables]") {
-  Atmosphere air;
-  air.bottom_radius_m = 871'507.0;
-  air.top_radius_m = air.bottom_radius_m + 1.714e6;
-  air.aerosol.density = exponential_profile(970.0);
-  air.aerosol.scattering_per_m.assign(3, 3.5 / 970.0);
-  air.aerosol_asymmetry = 0.9;
-  air.solar_irradiance = {1.0, 1.0, 1.0};
-  const SkyTableOptions options{.heights = 5,
-                                .view_zeniths = 8,
-                                .sun_zeniths = 8,
-                                .sun_angles = 3,
-                                .irradiance_heights = 4,
-                                .irradiance_sun_zeniths = 9,
-                                .orders = 3};
-  CHECK(most_on_ground(precompute_sky(with_ground_albedo(air, 0.92), options)) < 0.6);
-}
-
 // Four kilometres of haze under 47 640 km of nothing: the lowest two of five heights lay a thousand scale heights
 // apart, so each order came to the ground nearly as strong as the one before, and 1.3 times the sun's light arrived.
 TEST_CASE("Orders of light in low haze under a thick shell fade", "[sky][tables][truth]") {

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <glm/geometric.hpp>
 #include <stop_token>
 #include <vector>
@@ -17,12 +16,10 @@
 #include "sky/sky_tables_for_tests.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/environment_file.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
 
@@ -96,30 +93,6 @@ TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pi
   }
 }
 
-TEST_CASE("sky pictures: the same bits on any threads and instruction set", "[sky][view][pictures][determinism]") {
-  const InstructionSet before = active_instruction_set();
-  const SkyView& view = view_at(900.0);
-  const glm::dvec3 sun = sun_direction(1.0, 10.0);
-  force_instruction_set(available_instruction_sets().front());
-  CubemapImage cube;
-  LatLongImage map;
-  run_with_threads(1, [&] {
-    cube = sky_cubemap(view, sun, 65, {.sun_disc = true});
-    map = sky_lat_long(view, sun, 129, {.sun_disc = true});
-  });
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 2, 3, 8}) {
-      CAPTURE(name(set), threads);
-      run_with_threads(threads, [&] {
-        CHECK(same_bits(sky_cubemap(view, sun, 65, {.sun_disc = true}), cube));
-        CHECK(same_bits(sky_lat_long(view, sun, 129, {.sun_disc = true}), map));
-      });
-    }
-  }
-  force_instruction_set(before);
-}
-
 TEST_CASE("sky pictures: the disc's total radiance is the directional light's irradiance",
           "[sky][view][pictures][truth]") {
   for (const double altitude : {0.0, 900.0, 400'000.0}) {
@@ -177,47 +150,6 @@ TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]
   CHECK(std::abs(sum(sky::covered_lat_long_texels(disc, 1024, 512)) / whole - 0.5) < 2e-3);
   disc.horizon_cosine = std::sin(0.5 * turn);
   CHECK(std::abs(sum(sky::covered_cubemap_texels(disc, 100)) / whole - 0.195501) < 2e-3);
-}
-
-TEST_CASE("sky pictures: the sun is the light of its table", "[sky][view][pictures]") {
-  const SkyView& ground = view_at(0.0);
-  const Sun high = ground.sun(sun_direction(50.0, 20.0));
-  CHECK(glm::length(high.direction - sun_direction(50.0, 20.0)) < 1e-12);
-  CHECK(high.angular_radius_degrees == 0.2678);
-  CHECK(high.solid_angle == Approx(6.863e-5).epsilon(1e-3));
-  for (int c = 0; c < 3; ++c) CHECK(high.radiance[c] * high.solid_angle == Approx(high.irradiance[c]));
-  CHECK(high.irradiance.r > high.irradiance.b * 0.5);
-  CHECK(ground.sun(sun_direction(-0.3, 0.0)).irradiance == glm::dvec3(0.0));
-  CHECK(ground.sun(sun_direction(0.0, 0.0)).irradiance.r > 0.0);
-  CHECK(ground.sun(sun_direction(0.0, 0.0)).irradiance.r < 0.6 * ground.sun(sun_direction(0.3, 0.0)).irradiance.r);
-  // In space there is all of it, behind the planet none.
-  const std::vector<double>& whole = small_view_tables()->atmosphere.solar_irradiance;
-  for (int c = 0; c < 3; ++c) {
-    CHECK(view_at(4e5).sun(sun_direction(10.0, 0.0)).irradiance[c] == Approx(whole[static_cast<std::size_t>(c)]));
-  }
-  CHECK(view_at(4e5).sun(sun_direction(-60.0, 0.0)).irradiance == glm::dvec3(0.0));
-}
-
-TEST_CASE("sky pictures: the sky's irradiance is its integral", "[sky][view][pictures]") {
-  // Tables of two orders: radiance holds both, irradiance the light of the first, and on; so not less than the first.
-  const glm::dvec3 sun = sun_direction(40.0, 0.0);
-  const SkyView& view = view_at(0.0);
-  const int height = 64;
-  const LatLongImage map = sky_lat_long(view, sun, height);
-  const image::TexelGrid grid = image::TexelGrid::lat_long(2 * height, height);
-  std::vector<std::int64_t> texels;
-  for (std::int64_t i = 0; i < grid.texels() / 2; ++i) texels.push_back(i);
-  const std::vector<double> areas = image::solid_angles_of(grid, texels);
-  glm::dvec3 sum{};
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double cosine = grid.direction(static_cast<std::int64_t>(i)).y;
-    for (int c = 0; c < 3; ++c) {
-      sum[c] += areas[i] * cosine * static_cast<double>(map.pixels[3 * i + static_cast<std::size_t>(c)]);
-    }
-  }
-  const glm::dvec3 irradiance = view.irradiance(sun);
-  for (int c = 0; c < 3; ++c) CHECK(irradiance[c] == Approx(sum[c]).epsilon(0.03));
-  CHECK(view_at(4e5).irradiance(sun) == glm::dvec3(0.0));
 }
 
 TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky][view][pictures][errors]") {
@@ -279,52 +211,6 @@ TEST_CASE("sky specular: it is the sky's cubemap, prefiltered", "[sky][view][spe
   }
   options.size = 0;
   CHECK(thrown_by([&] { static_cast<void>(sky_specular(view, sun, options)); }).code == ErrorCode::invalid_argument);
-}
-
-// Promise: what an engine does to its threads' floating-point environment changes no bit of a sky, and raises nothing.
-
-namespace {
-
-using Values = std::vector<glm::dvec3>;
-
-Values coefficients(const SphericalHarmonics& harmonics) {
-  return {harmonics.coefficients().begin(), harmonics.coefficients().end()};
-}
-
-}  // namespace
-
-TEST_CASE("Skies are the same bits under any floating-point environment", "[sky][view][harmonics]") {
-  const Atmosphere air = earth_bruneton();
-  const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
-  const glm::dvec3 sun = sun_direction(3.0, 40.0);
-  const glm::dvec3 up = sun_direction(70.0, 10.0);
-  const auto of = [](const std::vector<double>& rgb) { return Values{{rgb[0], rgb[1], rgb[2]}}; };
-  const std::vector<std::function<Values()>> calls{
-      [&] { return Values{SkyView(tables, 7.0).radiance(up, sun)}; },
-      [&] {
-        return Values{SkyView(tables, 1e6).sun(sun).irradiance, SkyView(tables, 7.0).irradiance(sun)};
-      },
-      [&] { return coefficients(SkyProjector(SkyView(tables, 7.0)).project(sun)); },
-      [&] { return coefficients(SkyProjector(SkyView(tables, 1e6)).project(sun)); },
-      [&] { return coefficients(SkyCurve(SkyView(tables, 7.0), {.nodes = 16}).at(sun)); },
-      [&] { return Values{SkyCurve(SkyView(tables, 7.0), {.nodes = 16}).sun_irradiance(sun)}; },
-      [&] { return of(reference_transmittance(air, 7.0, 0.1)); },
-      [&] { return of(reference_sky_radiance(air, 7.0, up, sun)); },
-      [&] { return of(reference_sun_irradiance(air, 7.0, sun)); },
-      [&] { return of(trace_sky_harmonics(air, 7.0, sun, 2, {.paths = 500}).radiance[1]); },
-  };
-  for (std::size_t k = 0; k < calls.size(); ++k) {
-    const Values expected = calls[k]();
-    for (const char* const mode : {"flushed", "upward", "raising"}) {
-      Values found;
-      {
-        const InEnvironment environment(mode_named(mode));
-        found = calls[k]();
-      }
-      CAPTURE(k, mode);
-      CHECK(same_bytes<glm::dvec3>(found, expected));
-    }
-  }
 }
 
 }  // namespace welkin::test

@@ -1,11 +1,9 @@
 // Sky tables: how texels stand for states, quadratures, and what the calls that make them promise.
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "float_environment/modes.h"
@@ -228,18 +226,6 @@ TEST_CASE("clustered azimuths integrate harmonics, for any lobe and number", "[s
   CHECK(integral == Approx(pi).epsilon(1e-6));
 }
 
-TEST_CASE("Gauss' rules of any order are exact for their degree", "[sky][tables]") {
-  for (const int order : {1, 2, 3, 33, 64, 128, 257}) {
-    const math::GaussNodes rule = math::gauss_nodes(order);
-    for (const int degree : {0, order / 2 * 2, 2 * order - 2}) {
-      CAPTURE(order, degree);
-      double integral = 0.0;
-      for (std::size_t k = 0; k < rule.nodes.size(); ++k) integral += rule.weights[k] * std::pow(rule.nodes[k], degree);
-      CHECK(integral == Approx(2.0 / (degree + 1)).epsilon(1e-12));
-    }
-  }
-}
-
 TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][harmonics]") {
   const math::GaussNodes rule = math::gauss_nodes(128);
   for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
@@ -289,21 +275,6 @@ TEST_CASE("harmonics about the vertical are Welkin's, turned", "[sky][harmonics]
   }
 }
 
-TEST_CASE("sky quadratures out of range are refused by name", "[sky][harmonics]") {
-  const auto refused = [](SkyHarmonicsOptions options) {
-    const ThrownError error = thrown_by([&] { (void)sky::sky_rule(options, 0.0, 1.0, 0.8); });
-    CHECK(error.code == ErrorCode::invalid_argument);
-    return error.message;
-  };
-  CHECK(refused({.bands = 0}).find("bands") != std::string::npos);
-  CHECK(refused({.bands = 17}).find("1 to 16") != std::string::npos);
-  CHECK(refused({.zeniths = 1}).find("zeniths") != std::string::npos);
-  CHECK(refused({.zeniths = 129}).find("129") != std::string::npos);
-  CHECK(refused({.azimuths = 1}).find("azimuths") != std::string::npos);
-  CHECK(refused({.azimuths = 257}).find("257") != std::string::npos);
-  CHECK(refused({.quadrature = static_cast<SkyQuadrature>(7)}).find("quadrature 7") != std::string::npos);
-}
-
 // Promise: precomputing a sky can be stopped and watched, keeps its memory limit, allocates nothing inside tiles, names
 // what is wrong with its arguments, and gives the same bits on any number of threads and any instruction set.
 
@@ -321,69 +292,7 @@ SkyTableOptions small_options() {
           .orders = 3};
 }
 
-/// The fewest whose nodes crowd.
-SkyTableOptions crowded_options() {
-  SkyTableOptions options = small_options();
-  options.view_zeniths = 48;
-  options.sun_zeniths = 48;
-  options.sun_angles = 8;
-  options.orders = 2;
-  return options;
-}
-
-bool same_tables(const SkyTables& a, const SkyTables& b) {
-  return a.transmittance == b.transmittance && a.scattering == b.scattering && a.single_mie == b.single_mie &&
-         a.irradiance == b.irradiance && a.orders == b.orders && a.last_change == b.last_change;
-}
-
-/// FNV-1a of all bits.
-std::uint64_t hash(const SkyTables& tables) {
-  std::uint64_t value = 0xcbf29ce484222325U;
-  for (const std::vector<float>* table :
-       {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
-    const auto* const bytes = reinterpret_cast<const unsigned char*>(table->data());
-    for (std::size_t i = 0; i < table->size() * sizeof(float); ++i) value = (value ^ bytes[i]) * 0x100000001b3U;
-  }
-  return value;
-}
-
 }  // namespace
-
-TEST_CASE("Sky tables are the same bits on any number of threads and instruction set",
-          "[sky][tables][same_bits][truth]") {
-  for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
-    SkyTableOptions options = small_options();
-    options.layout = layout;
-    const SkyTables wanted = precompute_sky(earth_bruneton(), options);
-    for (const int threads : {1, 2, 3, 7}) {
-      SkyTables found;
-      run_with_threads(threads, [&] { found = precompute_sky(earth_bruneton(), options); });
-      CHECK(same_tables(found, wanted));
-    }
-    const InstructionSet before = active_instruction_set();
-    for (const InstructionSet set : available_instruction_sets()) {
-      force_instruction_set(set);
-      CAPTURE(name(set));
-      CHECK(same_tables(precompute_sky(earth_bruneton(), options), wanted));
-    }
-    force_instruction_set(before);
-  }
-}
-
-TEST_CASE("A caller's own floating-point environment changes no bit of sky tables", "[sky][tables][same_bits]") {
-  const SkyTables wanted = precompute_sky(earth_bruneton(), small_options());
-  const SkyTables found = [] {
-    const InEnvironment environment(flushing(mode_named("toward_zero")));
-    return precompute_sky(earth_bruneton(), small_options());
-  }();
-  CHECK(same_tables(found, wanted));
-}
-
-TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
-  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0xea0d516e28ed93c5U);
-  CHECK(hash(precompute_sky(mars(), small_options())) == 0x84368a388d2fd897U);
-  CHECK(hash(precompute_sky(earth_bruneton(), crowded_options())) == 0x4e5b62099adf420U);
-}
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {
   forget_allocations_in_tiles();

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "support/exr_files.h"
@@ -57,18 +56,6 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
   check_manifest_matches(folder);
 }
 
-TEST_CASE("bake: sizes of files have no exponents", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  // 128 texels and five mips as halves: 1023.5 KiB.
-  const CommandResult result =
-      run_welkin("bake --sky --size 128 --mips 5 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
-                 quoted(scratch.path() / "out"));
-  INFO(result.output);
-  REQUIRE(result.exit_code == 0);
-  CHECK(contains(result.output, " 1024 KiB"));
-  CHECK_FALSE(contains(result.output, "e+0"));
-}
-
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
@@ -98,17 +85,6 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
   CHECK(env.polynomial.has_value());
   CHECK(file_of(manifest, "environment.env").at("roughness").get<std::vector<double>>() ==
         roughness_of_mips(RoughnessSchedule::babylon, 6, 32));
-}
-
-TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  bake_into(folder, "--sky --size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews --formats ktx2,env");
-  CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 7);
-  CHECK(read_babylon_environment(folder / "environment.env").specular.size() == 4);
-  bake_into(folder, "--sky --size 1 --irradiance 1 --brdf 1 --formats ktx2,env");
-  CHECK(read_texture(folder / "specular.ktx2").cubemap.levels() == 1);
-  check_manifest_matches(folder);
 }
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
@@ -256,24 +232,6 @@ TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothin
   }
 }
 
-TEST_CASE("bake: a small OpenEXR lat-long and a cube in a strip are sources too", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto lat_long = scratch.path() / "small.exr";
-  const LatLongImage map{32, 16, some_pixels(32, 16)};
-  write_environment(lat_long, map.view());
-  const auto out = scratch.path() / "out";
-  CHECK(bake_into(out, quoted(lat_long) + kSmall).at("source").at("layout") == "lat-long");
-
-  const auto strip = scratch.path() / "strip.pfm";
-  const std::vector<float> pixels = some_pixels(16, 96);
-  write_pfm(strip, 16, 96, pixels);
-  const auto manifest = bake_into(out, quoted(strip) + " --ktx2-format rgba32f" + kSmall);
-  CHECK(manifest.at("source").at("layout") == "vertical-strip");
-  // The sharpest mip is a copy.
-  CHECK(texels(read_texture(out / "specular.ktx2").cubemap, 0) == pixels);
-  CHECK(texels(read_texture(out / "background.ktx2").cubemap, 0) == pixels);
-}
-
 TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto first = scratch.path() / "first";
@@ -296,30 +254,6 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
   const std::vector<float> old_texels = texels(before.specular, 0);
   const std::vector<float> new_texels = texels(after.specular, 0);
   for (std::size_t i = 0; i < old_texels.size(); i += 41) CHECK(new_texels[i] == Approx(old_texels[i]).epsilon(0.03));
-}
-
-TEST_CASE("bake: --json prints the manifest", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  const CommandResult result = run_welkin("bake --sky --json --no-previews -o " + quoted(folder) + kSmall);
-  REQUIRE(result.exit_code == 0);
-  CHECK(result.output == file_text(folder / "manifest.json"));
-  const nlohmann::json manifest = nlohmann::json::parse(result.output);
-  for (const char* key :
-       {"welkin", "source", "axes", "options", "files", "specular", "brdf", "diagnostics", "notes", "times"}) {
-    INFO(key);
-    CHECK(manifest.contains(key));
-  }
-  CHECK_FALSE(manifest.contains("previews"));
-}
-
-TEST_CASE("bake: what is not asked for is not there", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  bake_into(folder, "--sky --size 8 --formats ktx2 --no-brdf --no-previews --bands 0 --irradiance 0");
-  CHECK(names_in(folder) == std::vector<std::string>{"background.ktx2", "manifest.json", "specular.ktx2"});
-  bake_into(folder, "--sky --size 8 --formats env --no-brdf --no-previews --bands 0 --irradiance 0");
-  CHECK(read_babylon_environment(folder / "environment.env").polynomial.has_value());
 }
 
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
@@ -403,103 +337,6 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
   CHECK(clamped.at("diagnostics").at("clamped") == 2);
 }
 
-TEST_CASE("bake: textures and .env files are read as every command reads them", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto first = scratch.path() / "first";
-  const auto out = scratch.path() / "out";
-  bake_into(first, std::string("--sky --ktx2-format rgba32f --formats ktx2,dds,env --mips all --no-previews") + kSmall);
-  const std::string wants = " --ktx2-format rgba32f --formats ktx2 --no-previews --size 8 --irradiance 8 --brdf 8";
-  for (const std::string name : {"specular.ktx2", "specular.dds", "background.ktx2", "environment.env"}) {
-    INFO(name);
-    ReadOptions level_1;
-    level_1.level = 1;
-    const Environment wanted = read_environment(first / name, level_1);
-    REQUIRE(wanted.face_size() == 8);
-    const auto manifest = bake_into(out, quoted(first / name) + " --level 1" + wants);
-    CHECK(manifest.at("source").at("width") == 8);
-    const std::vector<float> got = texels(read_texture(out / "specular.ktx2").cubemap, 0);
-    CHECK(std::equal(got.begin(), got.end(), wanted.pixels.get()));
-    const std::string start = "bake " + quoted(first / name) + " -o " + quoted(out) + wants;
-    CHECK(contains(failure(start + " --level 9", 1), "has no level 9"));
-    CHECK(contains(failure(start + " --layout lat-long", 1), "leave --layout out"));
-  }
-}
-
-TEST_CASE("bake: diffuse light of an .env is the polynomial that it stores", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto in = scratch.path() / "bright.pfm";
-  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
-  for (std::size_t c = 0; c < 3; ++c) pixels[3 * (16 * 40 + 5) + c] = 20000.0F;  // 255 in the .env
-  write_pfm(in, 16, 96, pixels);
-  const auto first = scratch.path() / "first";
-  const auto second = scratch.path() / "second";
-  const std::string options = " --no-previews --formats ktx2,env --ktx2-format rgba32f" + std::string(kSmall);
-  const std::string by_bands = " --irradiance-method harmonics" + options;  // as of an .env
-  bake_into(first, quoted(in) + by_bands);
-  const auto radiance = [](const std::filesystem::path& folder) {
-    return nlohmann::json::parse(file_text(folder / "sh.json")).at("radiance");
-  };
-  const auto largest_difference = [&] {
-    double worst = 0.0;
-    const auto wanted = radiance(first);
-    const auto got = radiance(second);
-    REQUIRE(wanted.size() == 9);
-    for (std::size_t i = 0; i < 9; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        worst = std::max(worst, std::abs(got.at(i).at(c).get<double>() - wanted.at(i).at(c).get<double>()));
-      }
-    }
-    return worst / wanted.at(0).at(0).get<double>();
-  };
-  const auto env = quoted(first / "environment.env");
-  const auto check_kept = [&] {
-    CHECK(largest_difference() < 1e-6);
-    const std::vector<float> wanted = texels(read_texture(first / "irradiance.ktx2").cubemap, 0);
-    const std::vector<float> got = texels(read_texture(second / "irradiance.ktx2").cubemap, 0);
-    for (std::size_t i = 0; i < wanted.size(); i += 7) CHECK(got[i] == Approx(wanted[i]).margin(1e-3));
-    const auto before = *read_babylon_environment(first / "environment.env").polynomial;
-    const auto after = *read_babylon_environment(second / "environment.env").polynomial;
-    CHECK(after.zz.x == Approx(before.zz.x).epsilon(1e-6));
-    CHECK(after.x.x == Approx(before.x.x).epsilon(1e-6));
-  };
-  const auto manifest = bake_into(second, env + options);
-  CHECK(file_of(manifest, "environment.env").at("polynomial") == "the one that the input stores");
-  check_kept();
-
-  // What is turned is turned alike, as the photograph is; faces move as they are by a quarter.
-  bake_into(first, quoted(in) + " --yaw 90" + by_bands);
-  const auto straight = scratch.path() / "straight";
-  bake_into(straight, quoted(in) + options);
-  bake_into(second, quoted(straight / "environment.env") + " --yaw 90" + options);
-  check_kept();
-
-  // Where light is cut off the pixels alone tell.
-  const auto clamped = bake_into(second, quoted(straight / "environment.env") + " --clamp 100" + options);
-  CHECK(file_of(clamped, "environment.env").at("polynomial") == "of the source's harmonics");
-  CHECK(largest_difference() > 0.1);
-}
-
-TEST_CASE("bake: a clamp is put down to the format that needs it", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto in = scratch.path() / "signed.pfm";
-  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
-  pixels[0] = -1.0F;
-  pixels[3] = 1e5F;
-  write_pfm(in, 16, 96, pixels);
-  const auto manifest =
-      bake_into(scratch.path() / "out", quoted(in) + " --formats exr,hdr,pfm --mips 1 --irradiance 0 --no-previews" +
-                                            " --background-size 16 --size 16 --brdf 8");
-  const auto has = [&](const std::string& note) {
-    const auto& notes = manifest.at("notes");
-    return std::count(notes.begin(), notes.end(), nlohmann::json(note)) == 1;
-  };
-  INFO(manifest.at("notes").dump());
-  CHECK(has("specular.hdr: 1 value below 0 or above 1.69e38 clamped: RGBE ends there"));
-  CHECK(contains(manifest.at("notes").dump(), "specular.exr: 1 value beyond +-65504 clamped: halves end there, which"));
-  CHECK_FALSE(contains(manifest.at("notes").dump(), ".pfm: "));
-  CHECK(file_of(manifest, "specular.pfm").at("values_clamped") == 0);
-}
-
 TEST_CASE("bake: the .env's own chain counts towards the memory limit, before any work", "[tools][bake][slow]") {
   const TemporaryFolder scratch;
   const std::string options = " --no-previews --size 64 --background-size 1 --mips 1 --irradiance 1 --brdf 8";
@@ -521,23 +358,6 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
                  "the .env's specular chain"));
   bake_into(scratch.path() / "out", "--sky" + bake + std::to_string(with_env));
   CHECK(contains(run_welkin("bake --help-all").output, "are not counted"));
-}
-
-TEST_CASE("bake: odd names do no harm", "[tools][bake][posix]") {
-  const TemporaryFolder scratch;
-  for (const std::string name :
-       {"two words", "line\nbreak", "\"quoted\" \\ $HOME; true", "\xff\xfe", "-o", "*/ \x1b[31m"}) {
-    const auto folder = scratch.path() / (name.find('/') == std::string::npos ? name : name.substr(2));
-    const auto in = scratch.path() / (folder.filename().string() + ".pfm");
-    write_pfm(in, 8, 4, grey_picture(8, 4, 1.0F));
-    const CommandResult result = run_welkin("bake --no-previews -o " + quoted(folder) + " " + quoted(in) + kSmall);
-    INFO(name << result.errors);
-    REQUIRE(result.exit_code == 0);
-    CHECK(std::none_of(result.output.begin(), result.output.end(),
-                       [](char c) { return (c >= 0 && c < ' ' && c != '\n') || c == '\x7f'; }));
-    check_manifest_matches(folder);
-    CHECK_NOTHROW(nlohmann::json::parse(file_text(folder / "sh.json")));
-  }
 }
 
 TEST_CASE("bake: the examples of --help-all work", "[tools][bake][slow]") {

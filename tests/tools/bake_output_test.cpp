@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -71,22 +70,6 @@ std::array<float, 3> on_ball(const Preview& balls, int column, int row, double u
 
 }  // namespace
 
-TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  for (const std::string options : {"--sky --size 64", "--sky --size 5 --irradiance 0 --no-brdf", "--sky --size 1"}) {
-    const auto manifest = bake_into(folder, options);
-    CHECK(manifest.at("previews").at("exposure").get<double>() > 0.0);
-    for (const char* name : {"preview_environment.png", "preview_spheres.png", "preview_mips.png"}) {
-      INFO(options << ' ' << name);
-      const auto said = file_of(manifest, name);
-      const Preview preview(folder / name);
-      CHECK(said.at("width") == preview.width());
-      CHECK(said.at("height") == preview.height());
-    }
-  }
-}
-
 TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto in = write_directions(scratch.path());
@@ -122,68 +105,6 @@ TEST_CASE("bake: the balls mirror what is behind the viewer, and are lit from ab
       CHECK(at(0.0, 0.0)[2] > 1.05F * at(0.9, 0.0)[2]);     // +z is behind the viewer
     }
   }
-}
-
-TEST_CASE("bake: rows of balls are a metal and a dielectric, as large as --preview-size says", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto in = scratch.path() / "grey.pfm";
-  write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
-  const auto balls_of = [&](const std::string& options) {
-    bake_into(scratch.path() / "out", quoted(in) + " --size 16" + options);
-    return Preview(scratch.path() / "out" / "preview_spheres.png");
-  };
-  const Preview balls = balls_of("");
-  const auto metal = on_ball(balls, 0, 0, 0.0, 0.0);
-  CHECK(metal[2] < 0.98F * metal[0]);  // silver is a little yellow
-  const auto plastic = on_ball(balls, 3, 1, 0.0, 0.0);
-  CHECK(plastic[2] == Approx(plastic[0]).margin(0.01));
-  CHECK(plastic[0] < 0.7F * metal[0]);
-  // Edges are antialiased: along a row of pixels through the rim there are values between ball and ground.
-  const double top = 0.5 * kPitch - 0.5 * kBall * 0.9;
-  const float ground = balls.at(2, 2)[0];
-  const float inside = balls.at(32.0 + 0.5 * kPitch, top)[0];
-  int between = 0;
-  for (int column = 0; column < kPitch; ++column) {
-    const float red = balls.at(32.0 + column, top)[0];
-    if (red > 1.3F * ground && red < 0.7F * inside) ++between;
-  }
-  CHECK(between >= 2);
-  CHECK(between <= 8);
-  // There is a label below each ball.
-  int inked = 0;
-  for (int column = 0; column < kPitch; ++column) {
-    if (balls.at(32.0 + column, 0.5 * kPitch + 0.5 * kBall + 1.8 * kBall / 18.0)[0] > 0.4F) ++inked;
-  }
-  CHECK(inked > 10);
-  const Preview small = balls_of(" --preview-size 32");
-  CHECK(small.width() == 6 * 36 + 8);
-  CHECK(small.height() == 2 * 40);
-  // Without irradiance a dielectric cannot be shown.
-  CHECK(balls_of(" --preview-size 32 --irradiance 0").height() == 40);
-  CHECK(run_welkin("bake " + quoted(in) + " --preview-size 7 -o " + quoted(scratch.path() / "no")).exit_code == 2);
-  CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
-}
-
-TEST_CASE("bake: the built-in sky's sun is in the upper half", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  bake_into(scratch.path() / "out", "--sky --size 128");
-  const Preview picture(scratch.path() / "out" / "preview_environment.png");
-  double weight = 0.0;
-  double rows = 0.0;
-  for (int row = 0; row < kHeight - 40; ++row) {  // above the axes' names
-    for (int column = 0; column < 2 * kHeight; ++column) {
-      const auto rgb = picture.at(column, row);
-      const double light = std::pow(rgb[0] * rgb[1] * rgb[2], 4.0);
-      weight += light;
-      rows += light * row;
-    }
-  }
-  CHECK(rows / weight < 0.5 * kHeight);
-  const auto sky = picture.at(1.6, 0.3, kHeight);
-  const auto ground = picture.at(1.6, 0.7, kHeight);
-  CHECK(sky[2] > 1.3F * sky[0]);
-  CHECK(ground[2] < 1.2F * ground[0]);
-  CHECK(ground[2] < sky[2]);
 }
 
 // Promise: the exposure shows what is lit, whatever else is in the picture, or is what --exposure says.
@@ -224,39 +145,6 @@ TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tool
   CHECK(exposure_of(grey_picture(64, 32, 0.5F), " --exposure -1.5") == Approx(std::exp2(-1.5)));
   CHECK(exposure_of(grey_picture(64, 32, 500.0F), " --exposure 0") == 1.0);
   CHECK(run_welkin("bake " + quoted(in) + " --exposure bright -o " + quoted(scratch.path() / "no")).exit_code == 2);
-}
-
-TEST_CASE("bake: the studios and the outdoor pictures are shown alike", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
-  for (const char* name : {"blender_studio.exr", "pmndrs_studio.exr", "studio_small_03_1k.hdr", "venice_sunset_1k.hdr",
-                           "blender_city.exr", "dikhololo_night_1k.hdr"}) {
-    const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
-    if (!std::filesystem::exists(path)) continue;
-    INFO(name);
-    bake_into(scratch.path() / "out", quoted(path) + " --size 64 --preview-size 16");
-    const Preview picture(scratch.path() / "out" / "preview_environment.png");
-    int white = 0;
-    int grey = 0;
-    for (int row = 0; row < kHeight; row += 4) {
-      for (int column = 0; column < 2 * kHeight; column += 4) {
-        const auto rgb = picture.at(column, row);
-        white += std::min({rgb[0], rgb[1], rgb[2]}) > 0.95F ? 1 : 0;
-        grey += rgb[1] > 0.05F && rgb[1] < 0.9F ? 1 : 0;
-      }
-    }
-    const int all = kHeight / 4 * kHeight / 2;
-    CHECK(white < all / 8);
-    CHECK(grey > all / 4);
-  }
-}
-
-TEST_CASE("bake: a map without light has black previews", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto in = scratch.path() / "dark.pfm";
-  write_pfm(in, 8, 4, grey_picture(8, 4, 0.0F));
-  bake_into(scratch.path() / "out", quoted(in) + " --size 8");
-  const Preview balls(scratch.path() / "out" / "preview_spheres.png");
-  for (const float value : on_ball(balls, 0, 0, 0.0, 0.0)) CHECK(value == 0.0F);
 }
 
 // Promise: the same input gives the same files, bit for bit, on any number of threads and every instruction set; only

@@ -88,57 +88,6 @@ TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {
   }
 }
 
-TEST_CASE("The .env's chain of its own is planned, and none is made where the bake's would do",
-          "[command][plan][slow]") {
-  const TemporaryFolder folder;
-  const std::string out = " --size 16 --irradiance 0 --brdf 16 -o " + quoted(folder.path() / "out");
-  const auto planned = [&](const std::string& options) {
-    const CommandResult result = run_welkin("bake --sky --plan-only --json " + options + out);
-    INFO(result.errors);
-    REQUIRE(result.exit_code == 0);
-    const nlohmann::json plan = nlohmann::json::parse(result.output);
-    for (const auto& pass : plan.at("passes")) {
-      if (pass.at("name") == "specular for .env") return true;
-    }
-    return false;
-  };
-  CHECK(planned("--roughness 0,0.5,1 --formats env"));
-  CHECK_FALSE(planned("--roughness 0,0.5,1 --formats ktx2"));
-  CHECK_FALSE(planned("--roughness 0,0.5,1 --formats env --no-glossy"));
-  CHECK_FALSE(planned("--roughness babylon --mips all --formats env"));
-  CHECK_FALSE(planned("--roughness babylon --mips all --formats env --glossy 0.5,1"));
-}
-
-TEST_CASE("What is made of reflections that are blurred is said to be blurred", "[command][plan][slow]") {
-  const TemporaryFolder folder;
-  const auto bakes_from = [&](const std::string& roughness) {
-    bake_into(folder.path() / "first",
-              "--sky --size 16 --irradiance 0 --brdf 16 --formats ktx2 --roughness " + roughness);
-    return bake_into(folder.path() / "second",
-                     quoted(folder.path() / "first" / "specular.ktx2") + " --irradiance 0 --brdf 16 --formats ktx2")
-        .dump();
-  };
-  CHECK(contains(bakes_from("0.3,1"), "reflections of roughness 0.3"));
-  CHECK_FALSE(contains(bakes_from("0,1"), "reflections of roughness"));
-}
-
-TEST_CASE("Light beside an .env's pixels is not taken where pixels are to tell", "[command][plan][slow]") {
-  const TemporaryFolder folder;
-  bake_into(folder.path() / "first", "--sky --size 16 --irradiance 0 --brdf 16 --formats env");
-  const std::filesystem::path env = folder.path() / "first" / "environment.env";
-  const auto takes = [&](const std::string& options) {
-    const CommandResult result =
-        run_welkin("bake " + quoted(env) + " --json --formats pfm --irradiance 8 --brdf 16 -o " +
-                   quoted(folder.path() / "second") + " " + options);
-    INFO(result.errors);
-    REQUIRE(result.exit_code == 0);
-    return contains(result.output, "stored light");
-  };
-  CHECK(takes(""));
-  CHECK(takes("--no-glossy --yaw 10"));
-  CHECK_FALSE(takes("--yaw 10 --needs " + quoted(needs_file(folder, R"({"stored_results": false})"))));
-}
-
 TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text, const std::string& key) {
@@ -175,13 +124,6 @@ std::string action_of(const nlohmann::json& passes, const std::string& name) {
   return "none";
 }
 
-std::string reason_of(const nlohmann::json& passes, const std::string& name) {
-  for (const auto& pass : passes) {
-    if (pass.at("name") == name) return pass.at("reason").get<std::string>();
-  }
-  return "none";
-}
-
 /// All that two folders hold, but for times and notes.
 bool same_folders(const std::filesystem::path& a, const std::filesystem::path& b) {
   if (names_in(a) != names_in(b)) return false;
@@ -209,12 +151,6 @@ std::filesystem::path environment(const TemporaryFolder& folder) {
   std::filesystem::path path = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap -o " + quoted(path)).exit_code == 0);
   return path;
-}
-
-std::vector<std::filesystem::path> entries(const TemporaryFolder& folder) {
-  std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "cache")) paths.push_back(entry.path());
-  return paths;
 }
 
 }  // namespace
@@ -245,59 +181,6 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
   CHECK(action_of(first.at("times"), "specular mip 1") == "run");
 }
 
-TEST_CASE("A mip more is one mip's work", "[command][cache][slow]") {
-  const TemporaryFolder folder;
-  const std::string bake = quoted(environment(folder)) + " --size 64 --no-brdf --no-previews --formats ktx2 ";
-  bake_into(folder.path() / "first", bake + "--roughness 0,0.3,0.6 " + with_cache(folder));
-  const nlohmann::json more = bake_into(folder.path() / "more", bake + "--roughness 0,0.3,0.6,1 " + with_cache(folder));
-  bake_into(folder.path() / "without", bake + "--roughness 0,0.3,0.6,1 ");
-  CHECK(same_folders(folder.path() / "more", folder.path() / "without"));
-  CHECK(action_of(more.at("times"), "specular mip 2") == "reuse");
-  CHECK(action_of(more.at("times"), "specular mip 3") == "run");
-  CHECK(action_of(more.at("times"), "specular") == "run");
-}
-
-TEST_CASE("A chain without its rough end is taken from the bake of everything", "[command][cache][plan][slow]") {
-  const TemporaryFolder folder;
-  const std::string bake =
-      quoted(environment(folder)) + " --size 64 --roughness 0,0.3,0.6,1 --formats ktx2 --no-brdf --no-previews ";
-  bake_into(folder.path() / "all", bake + with_cache(folder));
-  std::ofstream(folder.path() / "needs.json") << R"({"glossy": {"maximum": 0.6}, "irradiance_cubemap": false})";
-  const std::string some = bake + "--needs " + quoted(folder.path() / "needs.json") + ' ';
-  const nlohmann::json cached = bake_into(folder.path() / "cached", some + with_cache(folder));
-  const nlohmann::json plain = bake_into(folder.path() / "plain", some);
-  CHECK(same_folders(folder.path() / "cached", folder.path() / "plain"));
-  CHECK(action_of(cached.at("times"), "specular") == "reuse");
-  CHECK(action_of(cached.at("times"), "irradiance") == "skip");
-  CHECK(reason_of(cached.at("times"), "irradiance") == reason_of(plain.at("times"), "irradiance"));
-}
-
-TEST_CASE("A damaged entry is computed anew, and said so", "[command][cache][slow]") {
-  const TemporaryFolder folder;
-  const std::string bake = quoted(environment(folder)) + kSmallKept + with_cache(folder);
-  // One that is explained looks for each pass, and keeps no files of the whole.
-  const auto explained = [&](const char* out) {
-    REQUIRE(run_welkin("bake " + bake + " --explain -o " + quoted(folder.path() / out)).exit_code == 0);
-    return manifest_of(folder.path() / out);
-  };
-  explained("first");
-  const std::size_t count = entries(folder).size();
-  for (const std::filesystem::path& path : entries(folder)) {
-    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(100);
-    file.put('\x7f');
-    file.put('\x11');
-  }
-  const nlohmann::json second = explained("second");
-  CHECK(same_folders(folder.path() / "first", folder.path() / "second"));
-  CHECK(notes_say(second, std::to_string(count) + " damaged results computed anew"));
-  CHECK(action_of(second.at("times"), "specular") == "run");
-  const nlohmann::json third = explained("third");
-  CHECK(same_folders(folder.path() / "first", folder.path() / "third"));
-  CHECK(!notes_say(third, "damaged"));
-  CHECK(action_of(third.at("times"), "specular") == "reuse");
-}
-
 TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command][cache][slow]") {
   const TemporaryFolder folder;
   const std::string map = quoted(environment(folder));
@@ -307,21 +190,4 @@ TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command
   CHECK(same_folders(folder.path() / "without", folder.path() / "with"));
   CHECK(notes_say(manifest, "the cache could not keep all results"));
   CHECK(notes_say(run_sh_json(map + ' ' + with_cache(folder)).at("source"), "the cache could not keep all results"));
-}
-
-TEST_CASE("Coefficients come from the cache the second time", "[command][cache][slow]") {
-  const TemporaryFolder folder;
-  const std::string map = quoted(environment(folder)) + ' ';
-  const auto light = [](nlohmann::json report) {
-    report.at("diagnostics").erase("passes");
-    return report;
-  };
-  const nlohmann::json without = run_sh_json(map);
-  const nlohmann::json first = run_sh_json(map + with_cache(folder));
-  const nlohmann::json second = run_sh_json(map + with_cache(folder));
-  CHECK(light(first) == light(without));
-  CHECK(light(second) == light(without));
-  CHECK(action_of(first.at("diagnostics").at("passes"), "project") == "run");
-  CHECK(action_of(second.at("diagnostics").at("passes"), "project") == "reuse");
-  CHECK(action_of(second.at("diagnostics").at("passes"), "cache") == "reuse");
 }

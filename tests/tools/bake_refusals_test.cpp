@@ -153,24 +153,3 @@ TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools
   CHECK(contains(failure("bake --sky -o /proc/welkin", 1), "/proc/welkin"));
   CHECK(file_text(file) == "no folder");
 }
-
-TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake][posix]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const std::string to_folder = " -o " + quoted(out);
-  // As a shell passes $INPUT and "$INPUT" where the variable is not set.
-  for (const std::string start : {"bake $NOT_SET", "bake \"$NOT_SET\"", "bake ''", "bake --plan-only"}) {
-    INFO(start);
-    const std::string message = failure(start + to_folder, 2);
-    CHECK(contains(message, "INPUT"));
-    CHECK(contains(message, "--sky"));
-    CHECK_FALSE(std::filesystem::exists(out));
-  }
-}
-
-TEST_CASE("bake: an input and --sky exclude each other", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  CHECK(contains(failure("bake some.hdr --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK(contains(failure("bake '' --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK_FALSE(std::filesystem::exists(scratch.path() / "both"));
-}

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <numeric>
 #include <random>
-#include <set>
 
 #include "places.h"
 #include "tools/batch_folder.h"
@@ -134,78 +133,6 @@ TEST_CASE("A list is read to its end, or there is no plan", "[command][batch]") 
   CHECK(contains(failure(batch.path()), "neither a regular file nor a pipe"));
 }
 
-TEST_CASE("A list may come out of a pipe, and no device", "[command][batch][posix]") {
-  const Batch batch(1);
-  const std::filesystem::path picture = batch.input() / "picture100.pfm";
-  const std::string plan = std::string("batch plan --list /dev/stdin") + kFewFiles + "-o " + quoted(batch.jobs());
-  const std::string line = R"({"input": ")" + picture.string() + R"(", "name": "piped"})";
-  REQUIRE(run_welkin(plan, "printf '%s' '" + line + "' |").exit_code == 0);
-  CHECK(names_of_jobs(nlohmann::json::parse(file_text(batch.jobs()))) == std::vector<std::string>{"piped"});
-  std::filesystem::remove(batch.jobs());
-  CHECK(contains(run_welkin(plan, "</dev/zero").errors, "neither a regular file nor a pipe"));
-  if (std::filesystem::exists("/proc/self/mem")) {  // a regular file that cannot be read
-    const CommandResult unreadable = run_welkin("batch plan --list /proc/self/mem -o " + quoted(batch.jobs()));
-    CHECK(unreadable.exit_code == 1);
-    CHECK(contains(unreadable.errors, "/proc/self/mem: line 1: cannot be read ("));
-  }
-  CHECK(!std::filesystem::exists(batch.jobs()));
-  // Far larger than memory, and refused at once.
-  const std::filesystem::path large = batch.path() / "large.jsonl";
-  std::ofstream(large) << line << '\n';
-  std::filesystem::resize_file(large, std::uintmax_t{1} << 40U);
-  const CommandResult refused = run_welkin("batch plan --list " + quoted(large) + " -o " + quoted(batch.jobs()));
-  CHECK(refused.exit_code == 1);
-  CHECK(contains(refused.errors, "large.jsonl: line 2: has more than a megabyte"));
-  CHECK(!std::filesystem::exists(batch.jobs()));
-  const CommandResult device = run_welkin("batch run /dev/zero");
-  CHECK(device.exit_code == 1);
-  CHECK(contains(device.errors, "/dev/zero: is not a regular file"));
-}
-
-TEST_CASE("Pipes in the place of a batch's JSON are refused and not waited for", "[command][batch][posix]") {
-  const Batch batch(2);
-  batch.run_well("run");
-  const auto put_pipe = [](const std::filesystem::path& path) {
-    std::filesystem::remove(path);
-    REQUIRE(run_program("/usr/bin/mkfifo", quoted(path)).exit_code == 0);
-  };
-  SECTION("result.json") {
-    put_pipe(batch.results() / batch.result_names().front() / "result.json");
-    CHECK(batch.run_well("status").at("left") == 1);
-    CHECK(batch.run("merge", "-o " + quoted(batch.path() / "index")).exit_code == 1);
-    CHECK(batch.run_well("run", "--verify 1").at("computed") == 1);  // as any other damaged result
-  }
-  SECTION("a report") {
-    put_pipe(batch.results() / "reports" / "shard-1-of-1-h-1.jsonl");
-    const nlohmann::json status = batch.run_well("status");
-    CHECK(contains(status.at("notes").at(0).get<std::string>(), "shard-1-of-1-h-1.jsonl: is not a regular file"));
-  }
-  SECTION("a file that an option names") {
-    std::ofstream(batch.path() / "needs.json") << "{}";
-    batch.plan(quoted(batch.input()) + kFewFiles + "--needs " + quoted(batch.path() / "needs.json"));
-    put_pipe(batch.path() / "needs.json");
-    CHECK(batch.run_well("run", "", 1).at("failed") == 2);
-    CHECK(contains(batch.run("merge", "-o " + quoted(batch.path() / "index")).errors, "is not a regular file"));
-  }
-  SECTION("a manifest among the inputs, and the plan itself") {
-    put_pipe(batch.input() / "manifest.json");
-    put_pipe(batch.jobs());
-    const std::string plan = "batch plan " + quoted(batch.input()) + " -o ";
-    CHECK(run_welkin(plan + quoted(batch.jobs())).exit_code == 1);
-    CHECK(run_welkin(plan + quoted(batch.path() / "other.json")).exit_code == 0);
-  }
-}
-
-TEST_CASE("A forgotten action of a batch is suggested", "[command][batch]") {
-  const Batch batch(1);
-  const std::string out = " -o " + quoted(batch.path() / "other.json");
-  const CommandResult folder = run_welkin("batch " + quoted(batch.input()) + out);
-  CHECK(folder.exit_code == 2);
-  CHECK(contains(folder.errors, "did you mean 'welkin batch plan " + batch.input().string() + "'?"));
-  CHECK(contains(run_welkin("batch '*.exr'" + out).errors, "did you mean 'welkin batch plan *.exr'?"));
-  CHECK(contains(run_welkin("batch plam x" + out).errors, "did you mean plan?"));
-}
-
 TEST_CASE("Six faces in a folder are one job", "[command][batch]") {
   const Batch batch;
   for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
@@ -249,39 +176,6 @@ TEST_CASE("A list's lines have names and options of their own", "[command][batch
   }
 }
 
-TEST_CASE("What a job is predicted to take grows with its results and their encoding", "[command][batch]") {
-  const Batch batch(1);
-  const auto seconds = [&](const std::string& options) {
-    const nlohmann::json plan = batch.plan(quoted(batch.input()) + " --no-previews --no-brdf " + options);
-    return plan.at("totals").at("seconds").get<double>();
-  };
-  const double plain = seconds("--formats ktx2");
-  CHECK(seconds("--formats ktx2 --size 512") > 2.0 * plain);
-  CHECK(seconds("--formats ktx2 --supercompression zlib") > 2.0 * plain);
-  CHECK(seconds("--formats ktx2 --ktx2-format astc4x4") > 5.0 * plain);
-  CHECK(seconds("--formats ktx2 --lobe charlie") > 1.2 * plain);
-  CHECK(seconds("--formats ktx2 --no-background --no-glossy") < 0.8 * plain);
-}
-
-TEST_CASE("What a batch cannot be asked is refused", "[command][batch]") {
-  const Batch batch(1);
-  const std::string input = quoted(batch.input());
-  const std::string out = " -o " + quoted(batch.path() / "other.json");
-  for (const std::string& arguments : std::vector<std::string>{
-           "batch", "batch bake", "batch plan" + out, "batch plan " + input, "batch plan " + input + out + " --sizes 3",
-           "batch plan " + input + out + " --size 0", "batch plan " + input + out + " --mips 9 --size 8",
-           "batch plan '" + batch.path().string() + "/*.nothing'" + out, "batch run",
-           "batch merge " + quoted(batch.jobs()), "batch status"}) {
-    CHECK(run_welkin(arguments).exit_code == 2);
-  }
-  for (const char* shard : {"0/3", "4/3", "1", "1/", "/1", "a/b", "-1/3", "1/0", "1/99999999999"}) {
-    INFO(shard);
-    CHECK(batch.run("run", std::string("--shard ") + shard).exit_code == 2);
-  }
-  CHECK(batch.run("run", "--verify 2").exit_code == 2);
-  CHECK(run_welkin("batch run " + quoted(batch.path() / "nothing.json")).exit_code == 1);
-}
-
 TEST_CASE("A batch writes over nothing that is not its own", "[command][batch]") {
   const Batch batch(2);
   const std::filesystem::path picture = batch.input() / "picture100.pfm";
@@ -305,36 +199,6 @@ TEST_CASE("A batch writes over nothing that is not its own", "[command][batch]")
   std::filesystem::remove_all(site);
   batch.run_well("merge", "-o " + quoted(site));
   batch.run_well("merge", "-o " + quoted(site));  // over its own
-}
-
-TEST_CASE("What an action of a batch would pass over is refused", "[command][batch]") {
-  const Batch batch(1);
-  for (const char* words : {"--size 64", "--formats hdr", "-o x", "--list nope"}) {
-    INFO(words);
-    CHECK(batch.run("run", words).exit_code == 2);
-  }
-  for (const char* words : {"--shard 1/2", "--verify 0.5", "--memory 1GiB", "--size 8"}) {
-    INFO(words);
-    CHECK(batch.run("status", words).exit_code == 2);
-    CHECK(batch.run("merge", "-o " + quoted(batch.path() / "x") + std::string(" ") + words).exit_code == 2);
-  }
-  CHECK(run_welkin("batch plan " + quoted(batch.input()) + " --shard 1/2 -o " + quoted(batch.jobs())).exit_code == 2);
-}
-
-TEST_CASE("A plan leads to its inputs through links, too", "[command][batch][posix]") {
-  const Batch batch(1);
-  const std::filesystem::path deep = batch.path() / "real" / "deep";
-  std::filesystem::create_directories(deep);
-  std::filesystem::create_directory_symlink(deep, batch.path() / "link");
-  const auto runs = [&](const std::filesystem::path& input, const std::filesystem::path& jobs) {
-    const CommandResult plan = run_welkin("batch plan " + quoted(input) + kFewFiles + "-o " + quoted(jobs));
-    CHECK(plan.exit_code == 0);
-    CHECK(run_welkin("batch run " + quoted(jobs)).exit_code == 0);
-  };
-  runs(batch.input(), batch.path() / "link" / "jobs.json");
-  runs(batch.path() / "link" / ".." / ".." / "in" / "picture100.pfm", batch.path() / "other.json");
-  std::filesystem::create_symlink("../../jobs.json", deep / "linked.json");
-  CHECK(run_welkin("batch run " + quoted(deep / "linked.json")).exit_code == 0);
 }
 
 TEST_CASE("Patterns find pictures, and none that a bake has made", "[command][batch]") {
@@ -374,12 +238,6 @@ TEST_CASE("Shards are cut by predicted cost, the same by everyone", "[command][b
   // Another process, another order of runs.
   std::filesystem::remove_all(batch.results());
   CHECK(cut_of(batch, kShards) == cut);
-}
-
-TEST_CASE("Jobs of no known cost are cut by their number", "[command][batch]") {
-  const Batch batch;
-  write_made_up_plan(batch, std::vector<double>(10, 0.0));
-  for (const auto& shard : cut_of(batch, 3)) CHECK((shard.size() == 3 || shard.size() == 4));
 }
 
 TEST_CASE("A damaged plan is an error that names it", "[command][batch][slow]") {

@@ -153,50 +153,6 @@ TEST_CASE("Merging looks at every byte", "[command][batch]") {
   CHECK(contains(missing.errors, "no result " + result.filename().string()));
 }
 
-TEST_CASE("Merging allows results to be missing where that is said, and names them", "[command][batch]") {
-  const Batch batch(3);
-  std::filesystem::resize_file(batch.input() / "picture101.pfm", 20);  // broken since it was planned
-  batch.run_well("run", "", 1);
-  const std::string folder = "-o " + quoted(batch.path() / "index");
-  const CommandResult refused = batch.run("merge", folder);
-  CHECK(refused.exit_code == 1);
-  CHECK(contains(refused.errors, "--allow-missing"));
-  CHECK(!std::filesystem::exists(batch.path() / "index"));
-
-  const nlohmann::json merged = batch.run_well("merge", folder + " --allow-missing");
-  CHECK(merged.at("jobs") == 3);
-  CHECK(merged.at("missing") == 1);
-  const nlohmann::json index = nlohmann::json::parse(file_text(batch.path() / "index" / "index.json"));
-  CHECK(index.at("missing") == 1);
-  CHECK(index.at("hash") == merged.at("hash"));
-  REQUIRE(index.at("jobs").size() == 3);
-  for (const int job : {0, 1, 2}) CHECK(index.at("jobs")[job].contains("missing") == (job == 1));
-  for (const int job : {0, 1, 2}) CHECK(index.at("jobs")[job].contains("result") == (job != 1));
-  CHECK(index.at("jobs")[1].at("name") == "picture101");
-  const std::string page = file_text(batch.path() / "index" / "index.html");
-  CHECK(contains(page, R"("missing":1)"));
-  CHECK(contains(page, R"("name":"picture101")"));
-  CHECK(contains(batch.run("merge", folder + " --allow-missing").output, "picture101: "));
-  // What is damaged is not missing.
-  damage(batch.results() / batch.result_names().front() / "specular.ktx2");
-  CHECK(batch.run("merge", folder + " --allow-missing").exit_code == 1);
-  CHECK(batch.run("status", "--allow-missing").exit_code == 2);
-}
-
-TEST_CASE("A batch has one hash, however it is cut and run", "[command][batch]") {
-  const Batch one(6);
-  one.run_well("run", "--threads 1");
-  const nlohmann::json index = one.merged();
-  const Batch other(6);
-  for (const char* shard : {"2/3", "3/3", "1/3"}) {
-    other.run_well("run", std::string("--threads 2 --shard ") + shard);
-  }
-  CHECK(other.merged() == index);
-  CHECK(other.all_files() == one.all_files());
-  CHECK(index.at("jobs")[0].at("hash") != index.at("jobs")[1].at("hash"));
-  CHECK(index.at("hash").get<std::string>().size() == 32);
-}
-
 TEST_CASE("The index has a page of previews", "[command][batch]") {
   const Batch batch(1, " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
   std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "a<b>&\"%.pfm");
@@ -305,62 +261,6 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
 
 // Reports are of jobs, not of places in a plan.
 
-TEST_CASE("A report tells nothing of other jobs of the same name and place", "[command][batch]") {
-  const Batch batch(3);
-  batch.run_well("run");
-  CHECK(batch.run_well("status").at("done") == 3);
-  batch.plan(quoted(batch.input()) + kFewFiles + "--yaw 90");
-  CHECK(batch.run_well("status").at("left") == 3);
-  CHECK(batch.run("merge", "-o " + quoted(batch.path() / "index")).exit_code == 1);
-  // And of the same job in another place it does.
-  write_picture(batch.input() / "a.pfm", 60);
-  batch.plan(quoted(batch.input()) + kFewFiles);
-  const nlohmann::json status = batch.run_well("status");
-  CHECK(status.at("done") == 3);
-  CHECK(status.at("left") == 1);
-}
-
-TEST_CASE("Two plans with the same folder of results keep their failures", "[command][batch]") {
-  const Batch batch(1);
-  const Batch other(1, std::string(kFewFiles) + "--yaw 90");
-  const std::filesystem::path picture = batch.input() / "picture100.pfm";
-  std::filesystem::rename(picture, batch.path() / "away.pfm");
-  batch.run_well("run", "", 1);
-  const std::string results = "--results " + quoted(batch.results());
-  other.run_well("run", results);
-  CHECK(batch.run_well("status", "", 1).at("failed") == 1);
-  CHECK(other.run_well("status", results).at("done") == 1);
-  CHECK(batch.report().size() == 2);
-  std::filesystem::rename(batch.path() / "away.pfm", picture);
-  batch.run_well("run");
-  CHECK(batch.run_well("status").at("done") == 1);
-  CHECK(batch.report().size() == 3);
-}
-
-TEST_CASE("A difference is over when the result is made anew", "[command][batch]") {
-  const Batch batch(2);
-  batch.run_well("run");
-  const std::filesystem::path result = batch.results() / batch.result_names().front();
-  damage(result / "specular.ktx2");
-  batch.run_well("run", "--verify 1", 1);
-  CHECK(batch.run_well("status", "", 1).at("troubles").size() == 1);
-  batch.run_well("run");  // which finds it, damaged as it is
-  CHECK(batch.run_well("status", "", 1).at("troubles").size() == 1);
-  std::filesystem::remove_all(result);
-  CHECK(batch.run_well("run").at("computed") == 1);
-  CHECK(batch.run_well("status").at("troubles").empty());
-}
-
-TEST_CASE("A verification leaves on record that the result was there", "[command][batch]") {
-  const Batch batch(1);
-  batch.run_well("run");
-  std::filesystem::remove_all(batch.results() / "reports");  // as those of a killed run may be
-  batch.run_well("run", "--verify 1 --threads 1");           // first it is found, then verified
-  CHECK(count_of(batch.report(), "present") == 1);
-  CHECK(count_of(batch.report(), "verified") == 1);
-  CHECK(batch.run_well("status").at("done") == 1);
-}
-
 TEST_CASE("Status counts only whole results as done", "[command][batch]") {
   const Batch batch(2);
   batch.run_well("run");
@@ -371,26 +271,4 @@ TEST_CASE("Status counts only whole results as done", "[command][batch]") {
   const nlohmann::json status = batch.run_well("status");
   CHECK(status.at("done") == 1);
   CHECK(status.at("left") == 1);
-}
-
-TEST_CASE("Status takes no report for one of more shards than there can be", "[command][batch]") {
-  const Batch batch(2);
-  batch.run_well("run", "--shard 1/1000000");
-  const CommandResult many = batch.run("status");
-  CHECK(many.exit_code == 0);
-  CHECK(std::ranges::count(many.output, '\n') == 3);  // shards without jobs are left out
-  CHECK(contains(many.output, "shard 2/1000000: 0 done, 1 left"));
-  CHECK(batch.run_well("status").at("shards")[1].at("shard") == 2);
-  const std::filesystem::path reports = batch.results() / "reports";
-  const std::filesystem::path written = reports / names_in(reports).front();
-  for (const char* name :
-       {"shard-1-of-2000000000-h-1.jsonl", "shard-1-of-1000001-h-1.jsonl", "shard-0-of-1-h-1.jsonl",
-        "shard-3-of-2-h-1.jsonl", "shard-1-of--h-1.jsonl", "shard--1-of-1-h-1.jsonl", "shard-1-of-1-h-1.json"}) {
-    INFO(name);
-    std::filesystem::rename(written, reports / name);
-    const nlohmann::json status = batch.run_well("status");
-    CHECK(status.at("left") == 2);
-    CHECK(status.at("shards").empty());
-    std::filesystem::rename(reports / name, written);
-  }
 }

@@ -87,19 +87,6 @@ TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[t
   CHECK(converted("--layout vertical-strip --size 5 --threads 2") == to_cubemap(source.lat_long(), 5).pixels);
 }
 
-TEST_CASE("command: convert counts what it clamped and says so", "[tools][convert]") {
-  const TemporaryDirectory directory;
-  const auto in = directory.file("in.pfm");
-  std::vector<float> pixels = grey_picture(4, 2, 0.5F);
-  pixels[0] = 1e6F;
-  pixels[7] = -1.0F;
-  write_pfm(in, 4, 2, pixels);
-  CHECK(contains(succeed("convert " + quoted(in) + " " + quoted(directory.file("a.exr"))),
-                 "note: 1 value beyond what the format holds"));
-  CHECK(contains(succeed("convert " + quoted(in) + " " + quoted(directory.file("a.png"))),
-                 "note: 2 values beyond what the format holds"));
-}
-
 TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as the previews are", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
@@ -171,31 +158,4 @@ TEST_CASE("command: convert refuses an OUT that cannot be written before it deco
   CHECK(contains(refusal("x.jpg", 1), "\".jpg\" is not written"));
   CHECK(contains(refusal("x.png --type half", 2), "PNG is written with 8 or 16 bits"));
   CHECK(contains(refusal(quoted(folder.path() / "nowhere" / "x.exr"), 1), "its folder is not there"));
-}
-
-TEST_CASE("command: testmap keeps to a memory limit", "[tools][convert]") {
-  const TemporaryFolder folder;
-  const std::string out = "testmap -o " + quoted(folder.path() / "map.exr");
-  const CommandResult result = run_welkin(out + " --size 65536");
-  CHECK(result.exit_code == 1);
-  CHECK(contains(result.errors, "above the limit of 8589934592; ask for a smaller --size or raise --memory-limit"));
-  CHECK(run_welkin(out + " --size 256 --memory-limit 100KiB").exit_code == 1);
-  CHECK(run_welkin(out + " --size 64 --memory-limit 100KiB").exit_code == 0);
-}
-
-TEST_CASE("a horizontal strip that nobody could read is not written", "[writers]") {
-  const TemporaryFolder folder;
-  std::vector<float> row(3 * 16384, 0.5F);
-  // Refused before any pixel is looked at.
-  welkin::CubemapView view{{}, 10923, 0, welkin::PixelFormat::rgb32f};
-  view.faces.fill(row.data());
-  welkin::WriteOptions options;
-  options.layout = welkin::Layout::horizontal_strip;
-  try {
-    welkin::write_environment(folder.path() / "strip.pfm", view, options);
-    FAIL("it was written");
-  } catch (const welkin::Error& error) {
-    CHECK(error.code() == welkin::ErrorCode::invalid_argument);
-    CHECK(contains(error.what(), "65538 texels wide, above the 65536 that are read"));
-  }
 }

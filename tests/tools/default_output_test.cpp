@@ -80,10 +80,3 @@ TEST_CASE("importance and testmap: without -o results are named, and replace not
   CHECK(contains(here.succeed("testmap --size 8"), "testmap.exr: lat-long"));
   CHECK(contains(here.refusal("testmap --size 8", 1), "'-o testmap.exr' replaces it"));
 }
-
-TEST_CASE("bake: the table ends with the picture to look at", "[tools][bake][posix]") {
-  const Workplace here;
-  const std::string said = here.succeed("bake hdr/city.pfm --size 4 --irradiance 4 --no-brdf --preview-size 8");
-  CHECK(contains(said, "\nPreview  city/preview_spheres.png\n"));
-  CHECK_FALSE(contains(here.succeed(std::string("bake hdr/city.pfm") + kSmall), "Preview"));
-}

@@ -239,15 +239,6 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
   CHECK(std::find(named.begin(), named.end(), "background.dds") != named.end());
 }
 
-TEST_CASE("bake --for three: the last mip is the diffuse light", "[tools][bake][engine_folders]") {
-  const TemporaryFolder scratch;
-  const auto manifest = bake_into(scratch.path() / "out", std::string("--sky --for three") + kSmall);
-  const auto roughness = file_of(manifest, "specular.ktx2").at("roughness").get<std::vector<double>>();
-  CHECK(roughness.front() == 0.0);
-  CHECK(roughness.back() == 1.0);
-  CHECK(roughness == roughness_of_mips(RoughnessSchedule::filament, static_cast<int>(roughness.size()), 32));
-}
-
 TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
           "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
@@ -416,22 +407,6 @@ TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it
   }
 }
 
-TEST_CASE("bake --for: what is asked for beside comes too, and formats are as they are named",
-          "[tools][bake][engine_folders]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  const auto manifest =
-      bake_into(folder, std::string("--sky --for three --lobe charlie --octahedral 32 --ktx2-format e5b9g9r9 "
-                                    "--supercompression zstd --no-previews --bands 0") +
-                            kSmall);
-  CHECK(names_in(folder) == Names{"README.md", "charlie.ktx2", "manifest.json", "specular.dds", "specular.ktx2",
-                                  "specular_octahedral.ktx2"});
-  CHECK(file_of(manifest, "specular_octahedral.ktx2").at("format") == "KTX2 e5b9g9r9 zstd");
-  CHECK(file_of(manifest, "charlie.ktx2").at("format") == "KTX2 e5b9g9r9 zstd");
-  CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 rgba16f zstd");  // of which the README's lines are
-  CHECK(file_of(manifest, "specular.dds").at("format") == "DDS bc6h");
-}
-
 TEST_CASE("bake --for: what the engine's loader does not take is refused", "[tools][bake][engine_folders]") {
   const TemporaryFolder scratch;
   const std::string folder = " -o " + quoted(scratch.path() / "out") + kSmall;
@@ -452,18 +427,6 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
   CHECK(contains(file_text(bevy / "README.md"), "cards that have them"));
 }
 
-TEST_CASE("bake --for: the README names no file that the scene made needless", "[tools][bake][engine_folders]") {
-  const TemporaryFolder scratch;
-  const auto folder = scratch.path() / "out";
-  bake_into(folder, std::string("--sky --for filament --no-glossy --bands 3") + kSmall);
-  CHECK_FALSE(std::filesystem::exists(folder / "environment_ibl.ktx"));
-  check_readme(folder);
-  CHECK(contains(file_text(folder / "README.md"), "environment_skybox.ktx"));
-  const auto three = scratch.path() / "three";
-  bake_into(three, "--sky --for three --no-glossy --bands 0 --no-previews --size 32 --irradiance 0");
-  CHECK(contains(file_text(three / "README.md"), "reads none of the files"));
-}
-
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
@@ -477,83 +440,4 @@ TEST_CASE("bake --for: a README that is somebody's own is not written over", "[t
   CHECK(file_text(folder / "README.md") == "# My project\n");
   bake_into(folder, bake + "--formats exr");
   CHECK(file_text(folder / "README.md") == "# My project\n");
-}
-
-TEST_CASE("bake --for: READMEs say all that the engine's users need", "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
-  const auto has = [&](const std::string& engine, const Names& parts) {
-    INFO(engine);
-    const auto folder = scratch.path() / engine;
-    bake_into(folder, "--sky --no-previews --for " + engine + kSmall);
-    const std::string readme = file_text(folder / "README.md");
-    for (const std::string& part : parts) {
-      INFO(part);
-      CHECK(contains(readme, part));
-    }
-  };
-  has("three", {"import { DDSLoader } from \"three/addons/loaders/DDSLoader.js\";",
-                "import { KTX2Loader } from \"three/addons/loaders/KTX2Loader.js\";", "needs no transcoder",
-                "--size 128 --supercompression zstd"});
-  has("babylon", {"import * as BABYLON from \"@babylonjs/core\";", "phones"});
-  has("unity", {"using UnityEditor;", "importer.maxTextureSize = 8192;", "AmbientMode.Custom", "WelkinLight.Probe()",
-                "Shader.Find(\"Skybox/Cubemap\")", "HDRI Sky", "URP"});
-  has("unreal", {"os.path.join(folder, \"environment.hdr\")", "isinstance(actor, unreal.SkyLight)",
-                 "spawn_actor_from_class(unreal.SkyLight", "cubemap_resolution", "ComponentMobility.MOVABLE",
-                 "\"intensity\"", "HDRI Backdrop"});
-  has("blender", {"import bpy", "or bpy.data.worlds.new(", "each.type == kind"});
-  const std::string code = file_text(scratch.path() / "unity" / "sh.cs");
-  CHECK(contains(code, "public static SphericalHarmonicsL2 Probe()"));
-  CHECK_FALSE(std::filesystem::exists(scratch.path() / "unity" / "sh.h"));
-}
-
-TEST_CASE("bake --for: README's Python is Python", "[tools][bake][engine_folders][posix][slow]") {
-  // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
-  if (std::system("command -v python3 >/dev/null 2>&1") != 0) {
-    WARN("left out: there is no python3");
-    return;
-  }
-  const TemporaryFolder scratch;
-  for (const std::string engine : {"blender", "unreal"}) {
-    INFO(engine);
-    bake_into(scratch.path() / engine, "--sky --no-previews --for " + engine + kSmall);
-    const std::string readme = file_text(scratch.path() / engine / "README.md");
-    const std::size_t start = readme.find("```python\n") + 10;
-    std::ofstream(scratch.path() / "code.py") << readme.substr(start, readme.find("```", start) - start);
-    const std::string check = "python3 -m py_compile " + quoted(scratch.path() / "code.py");
-    CHECK(std::system(check.c_str()) == 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
-  }
-}
-
-TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
-  const auto input = scratch.path() / "map.hdr";
-  REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
-  for (const char* engine : {"filament", "usd"}) {
-    INFO(engine);
-    const std::string bake =
-        quoted(input) + " --for " + engine + kSmall + "--cache " + quoted(scratch.path() / "cache");
-    const auto first = scratch.path() / (std::string("first_") + engine);
-    const auto again = scratch.path() / (std::string("again_") + engine);
-    CHECK(bake_into(first, bake).at("times").size() > 1);
-    CHECK(bake_into(again, bake).at("times").size() == 1);
-    REQUIRE(names_in(again) == names_in(first));
-    for (const std::string& name : names_in(first)) {
-      INFO(name);
-      if (name != "manifest.json") CHECK(file_text(first / name) == file_text(again / name));
-    }
-  }
-}
-
-TEST_CASE("bake --for: a lat-long that stands alone is as large as the picture", "[tools][bake][engine_folders]") {
-  const TemporaryFolder folder;
-  const std::filesystem::path picture = folder.path() / "picture.pfm";
-  const std::vector<float> grey(std::size_t{3} * 96 * 48, 0.5F);
-  write_environment(picture, LatLongView{grey.data(), 96, 48, 0, PixelFormat::rgb32f});
-  const auto width = [&](const std::string& options) {
-    const std::filesystem::path out = folder.path() / "out";
-    bake_into(out, quoted(picture) + " --for usd --size 8 --no-previews " + options);
-    return inspect_environment(out / "environment.exr").width;
-  };
-  CHECK(width("") == 96);
-  CHECK(width("--background-size 8") == 32);
 }

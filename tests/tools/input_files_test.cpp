@@ -13,7 +13,6 @@
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"
-#include "welkin/environment_file.h"
 #include "welkin/image.h"
 
 using namespace welkin::test;
@@ -76,18 +75,6 @@ TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
   CHECK(document.at("source").at("layout") == "vertical-strip");
   CHECK(std::abs(document.at("pixels").at("mean").at(0).get<double>() - 3.0) < 1e-9);
   CHECK(std::abs(document.at("pixels").at("total_radiance").at(0).get<double>() - 12.0 * std::numbers::pi) < 1e-8);
-}
-
-TEST_CASE("info: a table for a person", "[tools]") {
-  const TemporaryFolder folder;
-  const CommandResult result = run_welkin("info " + quoted(odd_file(folder)));
-  CHECK(result.exit_code == 0);
-  CHECK(result.errors.empty());
-  for (const char* part : {"16 x 8", "lat-long", "PFM", "1 NaN", "1 infinite value", "1 negative value",
-                           "column 4, row 3", "degrees up", "integral of radiance over the sphere"}) {
-    INFO(part);
-    CHECK(contains(result.output, part));
-  }
 }
 
 // The command meets damaged files: it reads them or says in one line why not, within 512 MB and ten seconds.
@@ -163,55 +150,3 @@ TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]"
 }
 
 // Promises: --memory-limit counts all pixels that are held at once, and a refusal's remedy is one that would do.
-
-namespace {
-
-constexpr int kWidth = 512;
-constexpr int kHeight = 256;
-constexpr int kPictureBytes = 12 * kWidth * kHeight;
-constexpr int kRowsBytes = 1'000'000;  // of some rows at a time, and to spare
-
-std::string limit(int bytes) { return " --memory-limit " + std::to_string(bytes); }
-
-std::filesystem::path write_map(const TemporaryFolder& folder) {
-  const auto path = folder.path() / "sky.pfm";
-  const welkin::LatLongImage map{kWidth, kHeight, some_pixels(kWidth, kHeight)};
-  welkin::write_environment(path, map.view());
-  return path;
-}
-
-void check_refused(const std::string& arguments, const std::string& message) {
-  const CommandResult result = run_welkin(arguments);
-  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
-  CHECK(result.exit_code == 1);
-  CHECK(contains(result.errors, message));
-}
-
-}  // namespace
-
-TEST_CASE("command: convert's memory limit counts the source and the result", "[tools]") {
-  const TemporaryFolder folder;
-  const std::string convert =
-      "convert " + quoted(write_map(folder)) + " " + quoted(folder.path() / "out.pfm") + " --yaw 33";
-  CHECK(run_welkin(convert + limit(2 * kPictureBytes)).exit_code == 0);
-  check_refused(convert + limit(2 * kPictureBytes - 1), "beside the 1572864 of the picture that is read");
-}
-
-TEST_CASE("command: what sh holds twice counts twice", "[tools]") {
-  const TemporaryFolder folder;
-  const std::string sh = "sh " + quoted(write_map(folder));
-  CHECK(run_welkin(sh + limit(kRowsBytes)).exit_code == 0);
-  CHECK(run_welkin(sh + " --take-out-sun" + limit(2 * kPictureBytes)).exit_code == 0);
-  check_refused(sh + " --take-out-sun" + limit(2 * kPictureBytes - 1), "held twice for --take-out-sun");
-}
-
-TEST_CASE("command: a picture that must be decoded whole is not told to have smaller blocks", "[tools]") {
-  const TemporaryFolder folder;
-  PngRecipe recipe;
-  recipe.width = 640;
-  recipe.height = 320;
-  recipe.interlaced = true;
-  const auto path = folder.path() / "sky.png";
-  write_bytes(path, png_bytes(recipe, some_samples(recipe)));
-  check_refused("info " + quoted(path) + limit(300'000), "save it without interlacing");
-}

@@ -106,28 +106,6 @@ TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names a
   CHECK(changed <= 27);
 }
 
-TEST_CASE("bake --for: a lat-long of another size or of a cubemap is resampled once", "[tools][bake][lat_long]") {
-  const TemporaryFolder scratch;
-  const LatLongImage picture = noise(96, 48);
-  const auto pfm = scratch.path() / "picture.pfm";
-  write_environment(pfm, picture.view());
-  const auto out = scratch.path() / "out";
-  const std::string floats = " --for blender --ktx2-format rgba32f";
-  bake_into(out, quoted(pfm) + floats + " --background-size 16" + kQuick);
-  CHECK((pixels_in(out / "environment.exr") == to_lat_long(picture.view(), 64, 32).pixels));
-  bake_into(out, quoted(pfm) + floats + " --yaw 11" + kQuick);
-  CHECK((pixels_in(out / "environment.exr") == to_lat_long(picture.view(), 96, 48, turn_about_y(11.0)).pixels));
-  // With --formats the size is the background's, and the picture is not its.
-  bake_into(out, quoted(pfm) + " --formats pfm --size 8 --no-previews --no-brdf --irradiance 0");
-  CHECK((pixels_in(out / "environment.pfm") == to_lat_long(picture.view(), 32, 16).pixels));
-  const CubemapImage cube = to_cubemap(picture.view(), 24);
-  WriteOptions strip;
-  strip.layout = Layout::vertical_strip;
-  write_environment(pfm, cube.view(), strip);
-  bake_into(out, quoted(pfm) + floats + kQuick);
-  CHECK((pixels_in(out / "environment.exr") == to_lat_long(cube.view(), 96, 48).pixels));
-}
-
 TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan says so",
           "[tools][bake][lat_long][slow]") {
   const TemporaryFolder scratch;

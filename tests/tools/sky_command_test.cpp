@@ -1,12 +1,9 @@
 #include "tools/sky_command.h"
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
-#include <limits>
-#include <set>
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -24,18 +21,20 @@ using namespace welkin::test;
 
 namespace {
 
-std::set<std::string> names(const nlohmann::json& object) {
-  std::set<std::string> all;
-  for (const auto& [key, value] : object.items()) all.insert(key);
-  return all;
-}
-
 void require_coefficients(const nlohmann::json& list, const SphericalHarmonics& expected) {
   REQUIRE(list.size() == expected.coefficients().size());
   for (std::size_t i = 0; i < list.size(); ++i) {
     INFO("coefficient " << i);
     CHECK(rgb_of(list.at(i)) == expected.coefficients()[i]);
   }
+}
+
+SphericalHarmonics harmonics_of(const nlohmann::json& list, int bands) {
+  SphericalHarmonics harmonics(bands);
+  for (int l = 0; l < bands; ++l) {
+    for (int m = -l; m <= l; ++m) harmonics.at(l, m) = rgb_of(list.at(static_cast<std::size_t>(l * (l + 1) + m)));
+  }
+  return harmonics;
 }
 
 double relative_difference(const nlohmann::json& a, const SphericalHarmonics& b) {
@@ -48,46 +47,7 @@ double relative_difference(const nlohmann::json& a, const SphericalHarmonics& b)
   return difference / power;
 }
 
-SphericalHarmonics harmonics_of(const nlohmann::json& list, int bands) {
-  SphericalHarmonics harmonics(bands);
-  for (int l = 0; l < bands; ++l) {
-    for (int m = -l; m <= l; ++m) harmonics.at(l, m) = rgb_of(list.at(static_cast<std::size_t>(l * (l + 1) + m)));
-  }
-  return harmonics;
-}
-
-nlohmann::json without_times(nlohmann::json document) {
-  for (auto& pass : document.at("diagnostics").at("passes")) pass.erase("ms");
-  return document;
-}
-
 }  // namespace
-
-TEST_CASE("sky --json: all that sh --json has, and more", "[tools][sky][slow]") {
-  const nlohmann::json sh = run_sh_json("--sky");
-  for (const int bands : {1, 2, 3, 6}) {
-    const nlohmann::json sky = sky_json("--sun-elevation 20 --bands " + std::to_string(bands));
-    for (const auto& [key, value] : sh.items()) {
-      INFO(key);
-      REQUIRE(sky.contains(key));
-      if (key == "dominant_light" && bands == 1) continue;  // one band has no direction
-      CHECK(sky.at(key).type() == value.type());
-      if (value.is_object() && key != "sky") CHECK(names(sky.at(key)) == names(value));
-    }
-    const auto count = static_cast<std::size_t>(bands * bands);
-    CHECK(sky.at("bands") == bands);
-    CHECK(sky.at("radiance").size() == count);
-    CHECK(sky.at("irradiance").size() == count);
-    const nlohmann::json& about = sky.at("sky");
-    CHECK(about.at("sun_elevation_degrees") == 20.0);
-    CHECK(about.at("sun_azimuth_degrees") == 0.0);
-    CHECK(about.at("altitude_m") == 0.0);
-    CHECK(about.at("orders") == 2);
-    CHECK(about.at("unit") == "W/m2/sr/nm at 680, 550, 440 nm");
-    CHECK(about.at("tables").at("view_zeniths") == 16);
-    CHECK(about.at("parameters").at("ground_albedo") == nlohmann::json({0.1, 0.1, 0.1}));
-  }
-}
 
 TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]") {
   struct Case {
@@ -122,20 +82,6 @@ TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]
       CHECK(rgb_of(json.at("babylon").at("zx")) == babylon_polynomial(radiance).zx);
     }
   }
-}
-
-TEST_CASE("sky: the sun's azimuth turns the light and nothing else", "[tools][sky][slow]") {
-  const nlohmann::json front = sky_json("--sun-elevation 12");
-  const SphericalHarmonics before = harmonics_of(front.at("radiance"), 3);
-  for (const double azimuth : {90.0, -37.0, 180.0, 360.0}) {
-    const nlohmann::json aside = sky_json("--sun-elevation 12 --sun-azimuth " + std::to_string(azimuth));
-    CHECK(relative_difference(aside.at("radiance"), turned(before, turn_about_y(azimuth))) < 1e-6);
-    const glm::dvec3 sun = rgb_of(aside.at("sun").at("direction"));
-    CHECK(glm::length(sun - sun_direction(12.0, azimuth)) < 1e-15);
-    CHECK(rgb_of(aside.at("sun").at("irradiance")) == rgb_of(front.at("sun").at("irradiance")));
-  }
-  CHECK(glm::length(rgb_of(sky_json("--sun-elevation 0 --sun-azimuth 90").at("sun").at("direction")) -
-                    glm::dvec3(1, 0, 0)) < 1e-15);
 }
 
 TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky]") {
@@ -198,30 +144,6 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky][slow]") {
   CHECK(rgb_of(air_only.at("radiance").at(0)).x < rgb_of(plain.at("radiance").at(0)).x);
 }
 
-TEST_CASE("sky: the total radiance is the sky's, and with the sun's before", "[tools][sky]") {
-  const nlohmann::json json = sky_json("--sun-elevation 20");
-  const glm::dvec3 total_radiance = rgb_of(json.at("diagnostics").at("total_radiance"));
-  CHECK(total_radiance.x ==
-        Approx(std::sqrt(4.0 * std::acos(-1.0)) * rgb_of(json.at("radiance").at(0)).x).epsilon(1e-12));
-  CHECK(rgb_of(json.at("sun").at("total_radiance_after")) == total_radiance);
-  CHECK(rgb_of(json.at("sun").at("total_radiance_before")) == total_radiance + rgb_of(json.at("sun").at("irradiance")));
-  CHECK(json.at("diagnostics").at("error_estimate").get<double>() < 0.01);
-  const nlohmann::json coarse = sky_json("--sun-elevation 20 --quadrature gauss --directions 2,2");
-  CHECK(coarse.at("diagnostics").at("error_estimate").get<double>() > 0.01);
-}
-
-TEST_CASE("sky: the same output on any number of threads and every instruction set", "[tools][sky][slow]") {
-  const std::string arguments = "--sun-elevation 3 --bands 5 ";
-  const nlohmann::json expected = without_times(sky_json(arguments + "--threads 1"));
-  for (const char* threads : {"--threads 2", "--threads 5", ""}) {
-    CHECK(without_times(sky_json(arguments + threads)) == expected);
-  }
-  for (const InstructionSet set : available_instruction_sets()) {
-    INFO(name(set));
-    CHECK(without_times(sky_json(arguments, std::string("WELKIN_ISA=") + name(set))) == expected);
-  }
-}
-
 // `welkin sky`: what cannot be is refused with exit code 2 and the option's name, before any work.
 
 TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
@@ -268,21 +190,6 @@ TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
   }
 }
 
-TEST_CASE("sky: what the library refuses is the command line's fault", "[tools][sky][slow]") {
-  for (const char* option :
-       {"--table-size 1,128,32,8", "--table-size 32,127,32,8", "--table-size 32,128,32,1", "--directions 1,17",
-        "--directions 16,257", "--wavelengths 680,550", "--wavelengths 680,550,nan", "--wavelengths 100,200,300",
-        "--wavelengths 450,500,550,600", "--preset mars --wavelengths 680,550,440", "--preset no-aerosol --aerosol 0.1",
-        "--preset earth-bruneton --aerosol 0.1"}) {
-    INFO(option);
-    CHECK_FALSE(sky_failure(option, 2).empty());
-  }
-  CHECK(contains(sky_failure("--wavelengths 450,500,550,600", 2), "--colour srgb"));
-  CHECK(contains(sky_failure("--preset mars --wavelengths 680,550,440", 2), "--wavelengths"));
-  CHECK(contains(sky_failure("--preset mars --aerosol 0.1", 2), "--aerosol"));
-  CHECK(contains(sky_failure("--memory-limit 1MB", 1), "limit"));
-}
-
 TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
   const TemporaryFolder folder;
   const std::string out = quoted(folder.path() / "out");
@@ -318,22 +225,6 @@ TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "day.png"));
-}
-
-TEST_CASE("sky: a table for a person says what sky it is", "[tools][sky]") {
-  const CommandResult result = run_welkin("sky --sun-elevation 20 " + kSmallSky);
-  CHECK(result.exit_code == 0);
-  CHECK(result.errors.empty());
-  for (const char* part : {"computed sky", "sun 20 degrees up", "altitude 0 m", "2 orders", "ground albedo 0.1",
-                           "4 x 16 x 8 x 4", "W/m2/sr/nm at 680, 550, 440 nm", "Sun, not in the pixels",
-                           "degrees radius", "radiance r, g, b", "directions asked", "gauss"}) {
-    INFO(part);
-    CHECK(contains(result.output, part));
-  }
-  CHECK_FALSE(contains(result.output, "taken out"));
-  CHECK(contains(run_welkin("sky --sun-elevation -4 " + kSmallSky).output, "4 degrees below the horizon"));
-  CHECK(contains(run_welkin("sky --for unity --format c " + kSmallSky).output, "computed_sky_unity"));
-  CHECK(contains(run_welkin("sky --format text " + kSmallSky).output, "sun.solid_angle"));
 }
 
 // `welkin sky --tables FILE`: made once, used again if they are what is asked for, never trusted blindly.

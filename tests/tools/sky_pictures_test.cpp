@@ -1,6 +1,5 @@
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <sstream>
 
 #include "tools/baked_folder.h"
@@ -80,27 +79,6 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
   }
 }
 
-TEST_CASE("sky -o: sizes, and the manifest on standard output", "[tools][sky][bake][slow]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const nlohmann::json manifest = bake_sky(out, "--picture-height 32 --no-previews");
-  CHECK(read_texture(out / "specular.ktx2").cubemap.size() == 32);
-  CHECK(read_texture(out / "specular.ktx2").cubemap.levels() == 5);
-  CHECK(read_texture(out / "background.ktx2").cubemap.size() == 128);
-  CHECK(manifest.at("source").at("path") == "sky");
-  bake_sky(out, "--picture-height 16 --roughness 0,0.5,1 --no-previews");
-  CHECK(read_texture(out / "specular.ktx2").cubemap.levels() == 3);
-  bake_sky(out, "--picture-height 33 --size 7 --background-size 5 --no-previews --bands 5");
-  CHECK(read_texture(out / "specular.ktx2").cubemap.size() == 7);
-  CHECK(read_texture(out / "background.ktx2").cubemap.size() == 5);
-  CHECK(nlohmann::json::parse(file_text(out / "sh.json")).at("bands") == 5);
-  const CommandResult result =
-      run_welkin("sky " + kSmallSky + kSmallBake + "--json --picture-height 16 --no-previews -o " + quoted(out));
-  CHECK(result.exit_code == 0);
-  CHECK(result.output == file_text(out / "manifest.json"));
-  CHECK(run_welkin("sky " + kSmallSky + " -o /proc/welkin").exit_code == 1);
-}
-
 // `welkin sky --sweep`: a picture and a text beside it; days are bright and blue, dusk is red, nights are dark.
 
 namespace {
@@ -172,36 +150,6 @@ TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[
   }
 }
 
-TEST_CASE("sky --sweep: noon is blue above, the setting sun red below, night dark", "[tools][sky]") {
-  const TemporaryFolder folder;
-  const auto file = folder.path() / "day.png";
-  constexpr int kSize = 64;
-  const CommandResult result =
-      run_welkin("sky " + kFewColours + "--sweep-tiles 3 --sun-elevation 40 --sweep-to -40 --sweep-size 64 --sweep " +
-                 quoted(file));
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(elevations(result.output) == std::vector<double>{40.0, 0.0, -40.0});
-  const Picture picture = read_picture(file);
-  REQUIRE(picture.rgb.size() == static_cast<std::size_t>(picture.width) * kSize * 3);
-  const auto at = [&](int tile, double x, double elevation) {
-    const auto column = static_cast<std::size_t>(tile * 124 + x * 120);
-    const auto row = static_cast<std::size_t>((90.0 - elevation) / 96.0 * kSize);
-    const float* const rgb = &picture.rgb[(row * static_cast<std::size_t>(picture.width) + column) * 3];
-    return glm::vec3(rgb[0], rgb[1], rgb[2]);
-  };
-  const glm::vec3 noon = at(0, 0.05, 60.0);
-  CHECK(noon.b > 1.3F * noon.r);
-  const glm::vec3 dusk = at(1, 0.5, 3.0);
-  CHECK(dusk.r > 1.3F * dusk.b);
-  CHECK(noon.g > 0.02F);
-  const glm::vec3 night = at(2, 0.5, 30.0);
-  CHECK(night.g < 0.1F * noon.g);
-}
-
-TEST_CASE("sky --sweep: a place that cannot be written to is named", "[tools][sky]") {
-  CHECK(contains(sky_failure(kFewColours + "--sweep-tiles 1 --sweep-size 8 --sweep /proc/day.png", 1), "day.png"));
-}
-
 // `welkin sky` writes air as JSON and reads it; what is wrong with a file is said with its name.
 
 namespace {
@@ -236,54 +184,6 @@ TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky][slo
   CHECK(air.at("wavelengths_nm") == nlohmann::json({615.0, 535.0, 445.0}));
   CHECK(air.at("solar_irradiance").get<std::vector<double>>() == earth({615.0, 535.0, 445.0}).solar_irradiance);
   CHECK(printed("--colour srgb").at("wavelengths_nm").size() == 15);
-}
-
-TEST_CASE("sky: air from a file can be changed", "[tools][sky]") {
-  const TemporaryFolder folder;
-  const auto file = folder.path() / "air.json";
-  nlohmann::json air = printed("");
-  air["aerosol_phase"] = "cornette-shanks";
-  air["name"] = "hazy \xc3\xa4";
-  write(file, air.dump());
-  const nlohmann::json json = sky_json("--ground-albedo 0.5 --atmosphere " + quoted(file));
-  CHECK(json.at("sky").at("atmosphere") == "hazy \xc3\xa4");
-  CHECK(json.at("sky").at("parameters").at("aerosol_phase") == "cornette-shanks");
-  CHECK(json.at("sky").at("parameters").at("ground_albedo") == nlohmann::json({0.5, 0.5, 0.5}));
-  CHECK(json.at("radiance") != sky_json("--ground-albedo 0.5").at("radiance"));
-}
-
-TEST_CASE("sky: air that makes no sense is refused, and the member named", "[tools][sky]") {
-  const TemporaryFolder folder;
-  const auto file = folder.path() / "air.json";
-  const nlohmann::json air = printed("");
-  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
-    nlohmann::json changed = air;
-    changed[nlohmann::json::json_pointer(pointer)] = value;
-    write(file, changed.dump());
-    const std::string said = sky_failure("--atmosphere " + quoted(file), 1);
-    INFO(said);
-    CHECK(contains(said, "air.json: "));
-    CHECK(contains(said, message));
-  };
-  refused("/rayliegh", 1, "\"rayliegh\"");
-  refused("/rayleigh/density/0/scale", 1, "rayleigh.density[0] has a member \"scale\"");
-  refused("/aerosol_phase", "mie", "aerosol_phase");
-  refused("/aerosol_phase", 0, "aerosol_phase");
-  refused("/aerosol_asymmetry", "0.8", "aerosol_asymmetry is no number");
-  refused("/aerosol_asymmetry", 1.0, "");
-  refused("/aerosol_asymmetries", 0.8, "aerosol_asymmetries is no list");
-  refused("/aerosol_asymmetries", {0.8, 0.7}, "aerosol_asymmetries has 2 values");
-  refused("/night_zenith_luminance", -1.0, "night_zenith_luminance");
-  refused("/aerosol", {1, 2}, "aerosol is no object");
-  refused("/absorbers", {{"density", 1}}, "absorbers is no list");
-  refused("/name", 7, "name is no text");
-  refused("/solar_irradiance", {1.0, nullptr, 1.0}, "solar_irradiance[1] is no number");
-  refused("/solar_irradiance", {1.0, -1.0, 1.0}, "");
-  refused("/solar_irradiance", {1.0, 1.0}, "");
-  refused("/rayleigh/scattering_per_m", {-1e-5, 1e-5, 1e-5}, "");
-  refused("/bottom_radius_m", -1.0, "");
-  refused("/top_radius_m", 6.0e6, "");
-  refused("/ground_albedo", {2.0, 0.1, 0.1}, "");
 }
 
 TEST_CASE("sky: files that hold no air are refused", "[tools][sky][posix]") {

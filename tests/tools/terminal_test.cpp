@@ -1,7 +1,5 @@
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,7 +8,6 @@
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
-#include "welkin/environment_file.h"
 #include "welkin/reflections.h"
 
 using namespace welkin;
@@ -19,9 +16,6 @@ using namespace welkin::test;
 // Promises: help fits a screen, slips are answered with what was meant, and terminals alone get colours and progress.
 
 namespace {
-
-const std::vector<std::string> kCommands = {"bake",    "batch",   "sh",     "sky",        "info",
-                                            "convert", "testmap", "sample", "importance", "report"};
 
 /// As it comes out of a terminal of its own: script(1) makes one.
 std::string on_terminal(const std::string& arguments, const std::string& environment = "") {
@@ -43,35 +37,6 @@ std::string errors_of(const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("command: --help fits a screen, and says where the rest is", "[tools]") {
-  for (const std::string& command : kCommands) {
-    const CommandResult result = run_welkin(command + " --help");
-    INFO(result.output);
-    CHECK(result.exit_code == 0);
-    CHECK(std::count(result.output.begin(), result.output.end(), '\n') <= 50);
-    CHECK(contains(result.output, "Usage: welkin " + command));
-    CHECK(contains(result.output, "Examples:"));
-    CHECK(contains(result.output, "welkin " + command + " --help-all"));
-    CHECK(contains(result.output, "Exit codes:"));
-    CHECK(run_welkin("help " + command).output == result.output);
-    CHECK(run_welkin(command + " --help-all").output.size() > result.output.size());
-  }
-  const CommandResult all = run_welkin("--help");
-  CHECK(std::count(all.output.begin(), all.output.end(), '\n') <= 50);
-  for (const std::string& command : kCommands) CHECK(contains(all.output, "\n  " + command));
-  CHECK(run_welkin("help").output == all.output);
-  CHECK(run_welkin("-h").output == all.output);
-  CHECK(run_welkin("-V").output == run_welkin("--version").output);
-}
-
-TEST_CASE("command: inputs are named by their formats", "[tools]") {
-  for (const char* command : {"bake", "sh", "info", "convert"}) {
-    const std::string help = run_welkin(std::string(command) + " --help").output;
-    INFO(help);
-    for (const char* format : {"OpenEXR", ".hdr", "PFM", "PNG", "KTX2", "DDS", ".env"}) CHECK(contains(help, format));
-  }
-}
-
 TEST_CASE("command: slips are answered with the nearest right word", "[tools]") {
   CHECK(contains(errors_of("bakee x.hdr -o out"), "there is no command bakee; did you mean bake?"));
   CHECK(contains(errors_of("hlep"), "did you mean help?"));
@@ -84,19 +49,6 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
   CHECK_FALSE(contains(errors_of("sh --frobnicate"), "did you mean"));
   CHECK(contains(errors_of("sh one.exr two.exr"), "two.exr is an argument too many"));
   CHECK(contains(errors_of("report --quik"), "did you mean --quick?"));
-}
-
-TEST_CASE("command: the beginning of a word is answered with the words that begin so", "[tools]") {
-  CHECK(contains(errors_of("sky --sun 20"),
-                 "there is no option --sun; did you mean --sun-elevation, --sun-azimuth or --sun-disc?"));
-  CHECK(contains(errors_of("bake x.hdr --out o"), "there is no option --out; did you mean --output?"));
-  CHECK(contains(errors_of("ba x.hdr"), "there is no command ba; did you mean bake or batch?"));
-  CHECK(contains(errors_of("completion man"), "man is none of bash, zsh, manual; did you mean manual?"));
-  CHECK(contains(run_welkin("completion --help").output, "manual for welkin(1)"));
-}
-
-TEST_CASE("command: several pictures are answered with the command that takes them", "[tools]") {
-  CHECK(contains(errors_of("bake a.hdr b.hdr -o out"), "b.hdr is an argument too many; 'welkin batch plan'"));
 }
 
 TEST_CASE("command: options may stand before their command", "[tools][posix][slow]") {
@@ -141,26 +93,6 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
   const CommandResult verbose = run_welkin(bake + " --verbose");
   CHECK(contains(verbose.output, "manifest.json"));
   for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
-}
-
-TEST_CASE("command: a batch shows on a terminal how far it is, and wipes that at the end", "[tools][batch][slow]") {
-  if (run_program("/usr/bin/env", "script --version").exit_code != 0) {
-    WARN("left out: there is no script(1) to make a terminal");
-    return;
-  }
-  const TemporaryFolder folder;
-  for (int i = 0; i < 8; ++i) {
-    write_pfm(folder.path() / (std::to_string(i) + ".pfm"), 64, 32, grey_picture(64, 32, 1.0F + static_cast<float>(i)));
-  }
-  const std::string jobs = quoted(folder.path() / "jobs.json");
-  REQUIRE(run_welkin("batch plan " + quoted(folder.path()) + " -o " + jobs).exit_code == 0);
-  const std::string shown = on_terminal("batch run --threads 1 " + jobs);
-  INFO(shown);
-  CHECK(contains(shown, " of 8 files, "));
-  CHECK(contains(shown, " a second"));
-  CHECK(contains(shown, " left"));
-  CHECK(contains(shown, "8 computed"));
-  CHECK_FALSE(contains(on_terminal("batch run -q --verify 1 " + jobs), "files"));
 }
 
 TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
@@ -348,61 +280,4 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   CHECK(roughness("--size 64") == of_library);
 }
 
-TEST_CASE("bake: an .env is made where it is asked for", "[tools][bake][slow]") {
-  const TemporaryFolder folder;
-  const auto out = folder.path() / "out";
-  const std::string small = "--sky --size 8 --irradiance 0 --no-brdf --no-previews ";
-  const auto has_env = [&](const std::string& options) {
-    std::filesystem::remove_all(out);
-    bake_into(out, small + options);
-    return std::filesystem::exists(out / "environment.env");
-  };
-  CHECK_FALSE(has_env(""));
-  CHECK(has_env("--formats ktx2,env"));
-  CHECK(has_env("--for babylon"));
-  CHECK_FALSE(has_env("--for babylon --formats ktx2"));
-}
-
 // Promise: a map for an engine names that engine's axes, where the engine looks for them.
-
-TEST_CASE("testmap: --for writes the engine's axes", "[tools][slow]") {
-  const TemporaryFolder folder;
-  const auto drawn = [&](const std::string& options) {
-    const auto file = folder.path() / "map.exr";
-    REQUIRE(run_welkin("testmap -o " + quoted(file) + " --size 64 --type float " + options).exit_code == 0);
-    return read_environment(file);
-  };
-  // Red is x, green y, blue z, and a positive axis is the primary colour: docs/explanation/orientation.md.
-  const auto colour = [](const Environment& map, double column, double row) {
-    const auto at = static_cast<std::size_t>(row * map.info.height) * static_cast<std::size_t>(map.info.width) +
-                    static_cast<std::size_t>(column * map.info.width);
-    const float* const rgb = map.pixels.get() + 3 * at;
-    return std::string(rgb[0] > rgb[1] && rgb[0] > rgb[2] ? "r" : rgb[2] > rgb[0] && rgb[2] > rgb[1] ? "b" : "other");
-  };
-  constexpr double kLow = 0.66;                            // below the letters
-  CHECK(colour(drawn(""), 0.53, kLow) == "b");             // Welkin's centre is +z
-  CHECK(colour(drawn("--for unity"), 0.53, kLow) == "r");  // Unity's is +x,
-  CHECK(colour(drawn("--for unity"), 0.28, kLow) == "b");  // and its +z on the left (docs/explanation/orientation.md)
-  // What convert makes of the plain map for an engine lies where its own map lies.
-  for (const std::string engine : {"unity", "unreal", "three", "babylon"}) {
-    INFO(engine);
-    const auto own = drawn("--layout vertical-strip --for " + engine);
-    const auto plain = folder.path() / "plain.exr";
-    const auto turned = folder.path() / "turned.exr";
-    REQUIRE(run_welkin("testmap -o " + quoted(plain) + " --layout vertical-strip --size 64 --type float").exit_code ==
-            0);
-    REQUIRE(run_welkin("convert " + quoted(plain) + " " + quoted(turned) + " --type float --for " + engine).exit_code ==
-            0);
-    const auto other = read_environment(turned);
-    // The same lines and letters' shadows; the colours are others.
-    std::size_t alike = 0;
-    const std::size_t texels = 6 * 64 * 64;
-    for (std::size_t i = 0; i < texels; ++i) {
-      const auto lines = [i](const Environment& map) {
-        return map.pixels.get()[3 * i] > 0.7F && map.pixels.get()[3 * i + 1] > 0.7F;
-      };
-      alike += lines(own) == lines(other) ? 1 : 0;
-    }
-    CHECK(alike > texels * 9 / 10);
-  }
-}

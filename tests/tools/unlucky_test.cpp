@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <string>
 #include <thread>
 #include <utility>
@@ -121,19 +120,6 @@ TEST_CASE("What killed runs left in a folder is tidied by the next one, and bloc
   CHECK(std::filesystem::exists(out / "manifest.json"));
 }
 
-TEST_CASE("With too little address space for its threads a command works or says so", "[command][unlucky][slow]") {
-  if (kSanitized) return;  // sanitizers need more than there is
-  const TemporaryFolder folder;
-  const std::filesystem::path input = folder.path() / "in.pfm";
-  write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
-  for (int run = 0; run < 50; ++run) {
-    const CommandResult result =
-        run_program("/bin/sh", "-c 'ulimit -v 600000; exec " WELKIN_COMMAND " sh " + input.string() + " --threads 64'");
-    INFO(result.errors);
-    REQUIRE((result.exit_code == 0 || (result.exit_code == 1 && contains(result.errors, "--threads 1"))));
-  }
-}
-
 TEST_CASE("Files that options name are read once, so that pipes do, and are not written over", "[command][unlucky]") {
   const TemporaryFolder folder;
   const std::string small = "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --json ";
@@ -176,31 +162,6 @@ TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]"
   const std::filesystem::path face = folder.path() / "cube_ny.hdr";
   refused(face, quoted(folder.path() / "cube_px.hdr") + " " + quoted(faces) + " --layout six-files --size 4");
   CHECK(run_welkin("convert " + quoted(map) + " " + quoted(folder.path() / "small.hdr") + " --size 32").exit_code == 0);
-}
-
-TEST_CASE("A repeated bake with a cache takes its files from there", "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
-  const std::filesystem::path input = folder.path() / "map.hdr";
-  REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
-  const std::string bake = quoted(input) + " --formats ktx2,env --cache " + quoted(folder.path() / "cache");
-  CHECK(bake_into(folder.path() / "first", bake).at("times").size() > 1);
-  CHECK(bake_into(folder.path() / "again", bake).at("times").size() == 1);
-  CHECK(bake_into(folder.path() / "quiet", bake + " --quiet").at("times").size() == 1);  // the same files
-  CHECK(std::filesystem::exists(folder.path() / "again/environment.env"));
-  CHECK(std::filesystem::exists(folder.path() / "again/preview_spheres.png"));
-  for (const std::string& name : names_in(folder.path() / "first")) {
-    INFO(name);
-    if (name != "manifest.json")
-      CHECK(file_text(folder.path() / "first" / name) == file_text(folder.path() / "again" / name));
-  }
-
-  // The same name with other contents, and another option, are other bakes.
-  const std::string before = file_text(folder.path() / "again/specular.ktx2");
-  REQUIRE(run_welkin("testmap -o " + quoted(input) + " --size 128").exit_code == 0);
-  const nlohmann::json other = bake_into(folder.path() / "other", bake);
-  CHECK(other.at("times").size() > 1);
-  CHECK(file_text(folder.path() / "other/specular.ktx2") != before);
-  CHECK(bake_into(folder.path() / "size", bake + " --size 32").at("times").size() > 1);
 }
 
 TEST_CASE("Two bakes into one folder come one after the other, and caches keep none of the other's files",

@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <numbers>
 #include <stop_token>
-#include <utility>
 #include <vector>
 
 #include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/same_bits.h"
 #include "support/sanitized.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -87,17 +84,6 @@ void check_errors(const LatLongImage& image, const Shape& shape, double scale, d
   CHECK(above == 0);
 }
 
-/// Black but for a texel of each channel, on both sides of the seam.
-LatLongImage three_texels(const Shape& shape, int row) {
-  LatLongImage image{shape.width, shape.height, {}};
-  image.pixels.resize(std::size_t{3} * static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height));
-  for (int c = 0; c < 3; ++c) {
-    const int column = (shape.width - 1 + c) % shape.width;
-    image.pixels[static_cast<std::size_t>(3 * (row * shape.width + column) + c)] = 1.0F + static_cast<float>(c);
-  }
-  return image;
-}
-
 }  // namespace
 
 TEST_CASE("Reduced rows take no more memory than was said, and not much less", "[transform]") {
@@ -133,34 +119,6 @@ TEST_CASE("Few rows have the harmonics of all rows", "[transform][reduction]") {
   }
 }
 
-TEST_CASE("A texel at a pole or the equator keeps its harmonics in few rows", "[transform][reduction]") {
-  for (const Shape& shape : kShapes) {
-    const int middle = shape.height / 2;
-    // Next to a pole a texel is smaller than a coarse ring's by far: errors are shares of what one at the equator has.
-    const double scale = rms_of(transforms::analyse(three_texels(shape, middle).view(), shape.bands, {}));
-    for (const int row : {0, 1, 4, middle - 1, middle, middle + 1, shape.height - 2, shape.height - 1}) {
-      CAPTURE(shape.width, shape.height, shape.bands, row);
-      check_errors(three_texels(shape, row), shape, scale, 1e-4);
-    }
-  }
-}
-
-TEST_CASE("A uniform source of many rows has its mean and nothing else", "[transform][reduction]") {
-  for (const Shape& shape : kShapes) {
-    CAPTURE(shape.width, shape.height, shape.bands);
-    const auto values = std::size_t{3} * static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
-    const LatLongImage image{shape.width, shape.height, std::vector<float>(values, 0.7F)};
-    const Spectrum spectrum = transforms::analyse(image.view(), shape.bands, {}, SourceRows::fewer);
-    const double mean = static_cast<double>(0.7F) * std::sqrt(4.0 * std::numbers::pi);
-    CHECK(std::abs(spectrum.value(0, 0, 0) - mean) < 2e-7 * mean);
-    double rest = 0.0;
-    for (int m = 0; m < shape.bands; ++m) {
-      for (int l = std::max(1, m); l < shape.bands; ++l) rest = std::max(rest, std::abs(spectrum.value(l, m, 1)));
-    }
-    CHECK(rest < 2e-7 * mean);
-  }
-}
-
 TEST_CASE("Only sources finer than their bands are brought to fewer rows", "[transform][reduction]") {
   CHECK(transforms::reduced_shape(1024, 512, 415) == ReducedShape{});
   CHECK(transforms::reduced_shape(8192, 4096, 415) == ReducedShape{832, 2048, 2});
@@ -172,28 +130,6 @@ TEST_CASE("Only sources finer than their bands are brought to fewer rows", "[tra
   const Spectrum same = transforms::analyse(noise.view(), 20, {}, SourceRows::fewer);
   const std::vector<double> errors = errors_of(all, same);
   CHECK(*std::ranges::max_element(errors) == 0.0);
-}
-
-TEST_CASE("Fewer rows have the same bits on any threads and instruction set", "[transform][reduction][determinism]") {
-  const TestLatLong noise = make_lat_long(Content::high_range, 1540, 257, 17);
-  const auto values_of = [&] {
-    const Spectrum spectrum = transforms::analyse(noise.view(), 50, {}, SourceRows::fewer);
-    std::vector<float> values;
-    for (int m = 0; m < 50; ++m)
-      values.insert(values.end(), spectrum.order(m), spectrum.order(m) + transforms::kHarmonicFloats * (50 - m));
-    return values;
-  };
-  const InstructionSet before = active_instruction_set();
-  force_instruction_set(available_instruction_sets().front());
-  const std::vector<float> expected = values_of();
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 2, 5}) {
-      CAPTURE(name(set), threads);
-      run_with_threads(threads, [&] { CHECK(same_bytes<float>(values_of(), expected)); });
-    }
-  }
-  force_instruction_set(before);
 }
 
 namespace {

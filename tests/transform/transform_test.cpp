@@ -4,11 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <stop_token>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,7 +14,6 @@
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/direct_transform.h"
@@ -255,34 +252,6 @@ TEST_CASE("A uniform environment has its mean and nothing else", "[specular][tra
   }
 }
 
-TEST_CASE("Turning the source by whole texels turns the phases", "[specular][transform]") {
-  const int width = 48;
-  const int height = 31;
-  const int bands = 40;
-  const int shift = 5;
-  const TestLatLong source = make_lat_long(Content::random, width, height, 51);
-  TestLatLong turned = source;
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column) {
-      for (int c = 0; c < 3; ++c) {
-        turned.pixels[static_cast<std::size_t>(3 * (row * width + (column + shift) % width) + c)] =
-            source.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)];
-      }
-    }
-  }
-  const transforms::Spectrum a = transforms::analyse(source.view(), bands, {});
-  const transforms::Spectrum b = transforms::analyse(turned.view(), bands, {});
-  double error = 0.0;
-  for (int m = 0; m < bands; ++m) {
-    // Columns run against longitude: e^(-i m phi) gains e^(+i m 2 pi shift / width).
-    const std::complex<double> phase = std::polar(1.0, 2.0 * std::numbers::pi * m * shift / width);
-    for (int l = m; l < bands; ++l) {
-      for (int c = 0; c < 3; ++c) error = std::max(error, std::abs(b.value(l, m, c) - phase * a.value(l, m, c)));
-    }
-  }
-  CHECK(error < 3e-7 * largest(coefficients_of(a)));
-}
-
 TEST_CASE("A band-limited field goes there and back", "[specular][transform]") {
   // Rings fine enough that texels of the samples' values are nearly the field: what is lost is texels' own blur.
   const int bands = 12;
@@ -406,56 +375,6 @@ TEST_CASE("Many bands begin where they should", "[specular][transform]") {
 }
 
 // The transform's bits do not depend on threads or instruction set, its tiles allocate nothing, and it stops when told.
-
-namespace {
-
-/// There and back at several shapes, every number in a row.
-std::vector<float> transform_all() {
-  std::vector<float> numbers;
-  for (const auto& [width, height, bands] : {std::tuple{1, 1, 9}, std::tuple{7, 5, 20}, std::tuple{37, 41, 30},
-                                             std::tuple{360, 181, 96}, std::tuple{512, 600, 100}}) {
-    const TestLatLong source = make_lat_long(Content::high_range, width, height, 41);
-    const transforms::Spectrum spectrum = transforms::analyse(source.view(), bands, {});
-    for (int m = 0; m < bands; ++m) {
-      for (int l = m; l < bands; ++l) {
-        for (int k = 0; k < 6; ++k) numbers.push_back(spectrum.order(m)[8 * (l - m) + k]);
-      }
-    }
-    const std::vector<double> zonal(static_cast<std::size_t>(bands), 0.9);
-    for (const GridContent content : {GridContent::samples, GridContent::spline_coefficients}) {
-      SphereGrid grid(bands + 3, 2 * bands + 2, content);
-      transforms::synthesise(spectrum, zonal, grid, {});
-      for (int ring = -SphereGrid::kBorder; ring < grid.rings() + SphereGrid::kBorder; ++ring) {
-        const float* const row = grid.texel(-SphereGrid::kBorder, ring);
-        numbers.insert(numbers.end(), row, row + grid.stride());
-      }
-    }
-  }
-  return numbers;
-}
-
-}  // namespace
-
-TEST_CASE("The transform's bits do not depend on the number of threads", "[specular][transform][determinism]") {
-  std::vector<float> expected;
-  run_with_threads(1, [&] { expected = transform_all(); });
-  for (const int threads : {2, 3, 8}) {
-    CAPTURE(threads);
-    run_with_threads(threads, [&] { CHECK(same_bytes<float>(transform_all(), expected)); });
-  }
-}
-
-TEST_CASE("The transform's bits do not depend on the instruction set", "[specular][transform][determinism]") {
-  const InstructionSet before = active_instruction_set();
-  force_instruction_set(available_instruction_sets().front());
-  const std::vector<float> expected = transform_all();
-  for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(name(set));
-    force_instruction_set(set);
-    CHECK(same_bytes<float>(transform_all(), expected));
-  }
-  force_instruction_set(before);
-}
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_CASE("The transform's tiles allocate nothing", "[specular][transform][allocation]") {

@@ -154,27 +154,6 @@ TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, an
   CHECK(room == expected);
 }
 
-TEST_CASE("BakeTo: the latest of a key wins, and the one before writes nothing more", "[worker][bake]") {
-  const TestCubemapHalf old_cube = halves(24, 1);
-  const TestCubemapHalf new_cube = halves(24, 2);
-  const Room expected;
-  static_cast<void>(bake_to(expected.targets(), new_cube.view(), bake_of()));
-  Worker worker(options_with(1));
-  const Room old_room;
-  const Room new_room;
-  {
-    Hold hold(worker);
-    auto replaced = worker.post(BakeTo{source_of(old_cube), old_room.targets(), bake_of()}, {.key = "probe"});
-    auto latest = worker.post(BakeTo{source_of(new_cube), new_room.targets(), bake_of()}, {.key = "probe"});
-    CHECK(eventually([&] { return replaced.ready(); }));
-    hold.let_go();
-    CHECK(outcome(replaced) == "replaced");
-    CHECK(take(latest));
-  }
-  CHECK(old_room.untouched());
-  CHECK(new_room == expected);
-}
-
 TEST_CASE("BakeTo: the owner keeps the targets' memory until the job is ready", "[worker][bake]") {
   const TestCubemapHalf cube = halves(24);
   Worker worker(options_with(1));

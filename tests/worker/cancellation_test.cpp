@@ -1,11 +1,7 @@
 // Jobs that are given up, and the progress of those that are not.
 
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
 #include <atomic>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,7 +12,6 @@
 #include "support/catch.h"
 #include "support/gate.h"
 #include "support/outcome.h"
-#include "support/test_environments.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -108,38 +103,6 @@ TEST_CASE("no tile starts after a cancel but those that other threads were about
   }
 }
 
-TEST_CASE("a real projection stops within a tile", "[worker]") {
-  const TestCubemap cubemap = make_cubemap(Content::random, 512, 3, 1);
-  for (const int threads : {1, 2}) {
-    Worker worker(options_with(threads));
-    std::optional<JobHandle> handle;
-    std::atomic<bool> has_handle{false};
-    int reports_after = -1;
-    auto job = worker.post([&](const Control& control) {
-      while (!has_handle) std::this_thread::yield();
-      const Control mine{control.stop, [&](double) {
-                           // One call at a time; one for every tile, or for several that ended together.
-                           if (++reports_after == 0) handle->cancel();
-                         }};
-      return project(cubemap.view(), {}, mine);
-    });
-    handle = job;
-    has_handle = true;
-    CHECK(outcome(job) == "cancelled");
-    CHECK(reports_after <= threads);
-    expect_usable(worker);
-  }
-}
-
-TEST_CASE("a job that is done cannot be cancelled", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([](const Control&) { return 3; });
-  CHECK(eventually([&] { return job.ready(); }));
-  CHECK_FALSE(job.cancel());
-  CHECK(job.get() == 3);
-  CHECK_FALSE(job.cancel());
-}
-
 TEST_CASE("of many who cancel a job one did it", "[worker]") {
   Worker worker(options_with(1));
   for (int repetition = 0; repetition < 100; ++repetition) {
@@ -184,19 +147,6 @@ TEST_CASE("jobs can be given up from requests, continuations and callbacks", "[w
   CHECK(outcome(first) == "cancelled");
   CHECK(outcome(second) == "cancelled");
   CHECK(outcome(third) == "cancelled");
-}
-
-TEST_CASE("a request can give itself up", "[worker]") {
-  Worker worker(options_with(1));
-  std::promise<JobHandle> own;
-  auto job = worker.post([&](const Control& control) {
-    const JobHandle handle = own.get_future().get();
-    const bool did_it = handle.cancel();
-    return did_it && control.stop.stop_requested();
-  });
-  own.set_value(job);
-  CHECK(outcome(job) == "cancelled");
-  expect_usable(worker);
 }
 
 TEST_CASE("who gives up a continuation gives up the job that it follows", "[worker]") {
@@ -252,19 +202,6 @@ TEST_CASE("a running continuation is told to stop", "[worker]") {
   CHECK(outcome(job) == "cancelled");
 }
 
-TEST_CASE("what follows a job that is given up gets its error", "[worker]") {
-  Worker worker(options_with(1));
-  Hold hold(worker);
-  bool called = false;
-  auto first = worker.post([](const Control&) { return 1; });
-  const JobHandle handle = first;
-  auto second = std::move(first).then([&](int) { called = true; });
-  CHECK(handle.cancel());
-  hold.let_go();
-  CHECK(outcome(second) == "cancelled");
-  CHECK_FALSE(called);
-}
-
 // Promise: a job's progress goes from 0 to 1 and never falls, whatever the request reports, from any thread.
 
 TEST_CASE("progress is seen while a job runs, and only rises", "[worker]") {
@@ -295,13 +232,6 @@ TEST_CASE("progress is seen while a job runs, and only rises", "[worker]") {
   CHECK(eventually([&] { return job.ready(); }));  // a moment after its future
 }
 
-TEST_CASE("progress is 1 once there is a result, reported or not", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([](const Control&) { return 1; });
-  CHECK(outcome(job) == "result");
-  CHECK(job.progress() == 1.0);
-}
-
 TEST_CASE("progress of a job that fails stays where it was", "[worker]") {
   Worker worker(options_with(1));
   auto job = worker.post([](const Control& control) {
@@ -310,39 +240,6 @@ TEST_CASE("progress of a job that fails stays where it was", "[worker]") {
   });
   CHECK(outcome(job) == "enough");
   CHECK(job.progress() == 0.25);
-}
-
-TEST_CASE("progress of a real projection never falls", "[worker]") {
-  Worker worker(options_with(3));
-  for (int repetition = 0; repetition < 5; ++repetition) {
-    auto job = worker.post(Project{CubemapImage{256, make_cubemap(Content::random, 256, 3, 1).pixels}});
-    double before = 0.0;
-    bool fell = false;
-    while (!job.ready()) {
-      const double now = job.progress();
-      fell = fell || now < before || now > 1.0;
-      before = now;
-    }
-    CHECK_FALSE(fell);
-    CHECK(job.progress() == 1.0);
-    CHECK(outcome(job) == "result");
-  }
-}
-
-TEST_CASE("progress reported from many threads at once never falls", "[worker]") {
-  Worker worker(options_with(3));
-  auto job = worker.post([](const Control& control) {
-    tbb::parallel_for(0, 10000, [&](int k) { control.progress(static_cast<double>(k % 100) / 100.0); });
-  });
-  double before = 0.0;
-  bool fell = false;
-  while (!job.ready()) {
-    const double now = job.progress();
-    fell = fell || now < before;
-    before = now;
-  }
-  CHECK_FALSE(fell);
-  CHECK(job.progress() == 1.0);
 }
 
 }  // namespace welkin::test

@@ -2,9 +2,7 @@
 
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -15,8 +13,6 @@
 #include "support/gate.h"
 #include "support/outcome.h"
 #include "support/process_threads.h"
-#include "support/test_environments.h"
-#include "welkin/engines.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -84,18 +80,6 @@ TEST_CASE("callbacks come in the order in which their jobs finished", "[worker]"
   worker.wait_until_idle();
   CHECK(worker.drain() == 5);
   CHECK(notes == std::vector<int>{0, 1, 2, 3, 4});
-}
-
-TEST_CASE("a callback on a job that is ready is called by the next drain", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([](const Control&) { return 3; });
-  CHECK(eventually([&] { return job.ready(); }));
-  int got = 0;
-  std::move(job).on_drain([&](Job<int> done) { got = done.get(); });
-  CHECK(got == 0);
-  CHECK(worker.load().undrained == 1);
-  CHECK(worker.drain() == 1);
-  CHECK(got == 3);
 }
 
 TEST_CASE("a budget of nothing runs one callback", "[worker]") {
@@ -208,16 +192,6 @@ TEST_CASE("a callback may post, follow and give up", "[worker]") {
   CHECK(notes == std::vector<int>{3, 4});
 }
 
-TEST_CASE("a callback may wait for another job", "[worker]") {
-  Worker worker(options_with(1));
-  int got = 0;
-  worker.post([](const Control&) {}).on_drain([&](Job<void>) {
-    got = worker.post([held = 5](const Control&) { return held; }).get();
-  });
-  CHECK(eventually([&] { return worker.drain() == 1; }));
-  CHECK(got == 5);
-}
-
 TEST_CASE("callbacks can be drained after terminate", "[worker]") {
   Worker worker(options_with(1));
   std::vector<std::string> ends;
@@ -260,17 +234,6 @@ TEST_CASE("callbacks that were not drained are dropped with their worker", "[wor
   CHECK(eventually([&] { return token.use_count() == 1; }));
 }
 
-TEST_CASE("a callback is freed once it was called", "[worker]") {
-  Worker worker(options_with(1));
-  const auto token = std::make_shared<int>(0);
-  auto job = worker.post([](const Control&) {});
-  const JobHandle handle = job;
-  std::move(job).on_drain([token](Job<void>) {});
-  CHECK(eventually([&] { return worker.drain() == 1; }));
-  CHECK(token.use_count() == 1);
-  CHECK(handle.ready());
-}
-
 // Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
 
 namespace {
@@ -292,16 +255,6 @@ TEST_CASE("continuations are chained, and run on the worker's threads", "[worker
   CHECK(end.rfind("2.500000 on chain", 0) == 0);
 }
 
-TEST_CASE("a projection can be followed to an engine's form", "[worker]") {
-  Worker worker(options_with(1));
-  const TestCubemap cubemap = make_cubemap(Content::smooth, 32, 3, 1);
-  auto job = worker.post(Project{CubemapImage{32, cubemap.pixels}}).then([](const Projection& light) {
-    return irradiance_from_radiance(light.radiance);
-  });
-  const SphericalHarmonics expected = irradiance_from_radiance(project(cubemap.view()).radiance);
-  CHECK(job.get().at(1, 0) == expected.at(1, 0));
-}
-
 TEST_CASE("nothing can be followed by nothing", "[worker]") {
   Worker worker(options_with(1));
   std::atomic<int> steps{0};
@@ -312,21 +265,6 @@ TEST_CASE("nothing can be followed by nothing", "[worker]") {
       .then([&](int so_far) { steps = so_far + 10; })
       .get();
   CHECK(steps == 14);
-}
-
-TEST_CASE("a continuation may look at its own control", "[worker]") {
-  Worker worker(options_with(1));
-  Gate gate;
-  auto job = post(worker, 2).then([&](int value, const Control& control) {
-    control.progress(0.5);
-    gate.pass();
-    return control.stop.stop_possible() ? value : -1;
-  });
-  gate.wait_for_arrivals(1);
-  CHECK(job.progress() == 0.5);
-  CHECK_FALSE(job.ready());
-  gate.open();
-  CHECK(job.get() == 2);
 }
 
 TEST_CASE("an error skips what follows", "[worker]") {
@@ -365,44 +303,6 @@ TEST_CASE("after terminate what follows is stopped", "[worker]") {
   CHECK(outcome(follower) == "stopped");
   CHECK(outcome(post(worker, 2).then([&](int) { called = true; })) == "stopped");
   CHECK_FALSE(called);
-}
-
-TEST_CASE("terminate stops whole chains", "[worker]") {
-  Worker worker(options_with(1));
-  auto gate = std::make_shared<Gate>();
-  bool called = false;
-  auto job = worker
-                 .post([gate](const Control& control) {
-                   gate->pass();
-                   while (!control.stop.stop_requested()) std::this_thread::yield();
-                 })
-                 .then([&] { called = true; })
-                 .then([&] { called = true; });
-  gate->wait_for_arrivals(1);
-  gate->open();
-  worker.terminate();
-  CHECK(job.ready());
-  CHECK(outcome(job) == "stopped");
-  CHECK_FALSE(called);
-}
-
-TEST_CASE("what follows is freed, called or not", "[worker]") {
-  Worker worker(options_with(1));
-  const auto token = std::make_shared<int>(0);
-  auto job = post(worker, 2).then([token](int) {});
-  CHECK(outcome(job) == "result");
-  CHECK(eventually([&] { return token.use_count() == 1; }));
-  auto failed = worker.post([](const Control&) { throw std::runtime_error("enough"); }).then([token] {});
-  CHECK(outcome(failed) == "enough");
-  CHECK(eventually([&] { return token.use_count() == 1; }));
-  {
-    Hold hold(worker);
-    auto given_up = post(worker, 2).then([token](int) {});
-    CHECK(given_up.cancel());
-    hold.let_go();
-    CHECK(outcome(given_up) == "cancelled");
-    CHECK(eventually([&] { return token.use_count() == 1; }));
-  }
 }
 
 TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {

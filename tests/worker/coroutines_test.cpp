@@ -127,47 +127,6 @@ TEST_CASE("a coroutine can ask to go on in drain", "[worker]") {
   no_coroutine_is_left();
 }
 
-namespace {
-
-Detached add_up(Worker& worker, int count, std::shared_ptr<std::promise<int>> sum) {
-  int total = 0;
-  for (int k = 0; k < count; ++k) {
-    // In statements of their own: see the note on `co_await` in worker.h.
-    auto job = worker.post([k](const Control&) { return k; });
-    auto other = worker.post([](const Control&) {}, {.priority = TaskPriority::high});
-    total += co_await std::move(job);
-    if (k % 10 == 0) co_await std::move(other);
-  }
-  sum->set_value(total);
-}
-
-}  // namespace
-
-TEST_CASE("a coroutine may await one job after the other", "[worker]") {
-  Worker worker(options_with(2));
-  std::vector<std::future<int>> sums;
-  for (int k = 0; k < 10; ++k) {
-    auto sum = std::make_shared<std::promise<int>>();
-    sums.push_back(sum->get_future());
-    add_up(worker, 100, sum);
-  }
-  for (auto& sum : sums) CHECK(take(std::move(sum)) == 4950);
-  no_coroutine_is_left();
-}
-
-TEST_CASE("a coroutine goes on when its job is given up", "[worker]") {
-  Worker worker(options_with(1));
-  Hold hold(worker);
-  auto job = worker.post([](const Control&) { return 1; });
-  const JobHandle handle = job;
-  Ended ended;
-  await_job(std::move(job), ended.promise);
-  CHECK(handle.cancel());
-  hold.let_go();
-  CHECK(ended.get().outcome == "cancelled");
-  no_coroutine_is_left();
-}
-
 TEST_CASE("terminate goes on with coroutines, which find that they were stopped", "[worker]") {
   Worker worker(options_with(1));
   auto gate = std::make_shared<Gate>();
@@ -219,50 +178,6 @@ TEST_CASE("the destructor goes on with coroutines that nobody drained", "[worker
 
 namespace {
 
-/// Goes on posting until the worker stops it.
-Detached post_until_stopped(Worker& worker, std::shared_ptr<std::promise<int>> rounds) {
-  int round = 0;
-  try {
-    for (;; ++round) {
-      auto job = worker.post([round](const Control&) { return round; });
-      co_await std::move(job);
-    }
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::stopped) round = -1;
-  }
-  rounds->set_value(round);
-}
-
-}  // namespace
-
-TEST_CASE("coroutines that keep on posting end with their worker", "[worker]") {
-  std::vector<std::future<int>> rounds;
-  {
-    Worker worker(options_with(2));
-    for (int k = 0; k < 4; ++k) {
-      auto promise = std::make_shared<std::promise<int>>();
-      rounds.push_back(promise->get_future());
-      post_until_stopped(worker, promise);
-    }
-    for (int k = 0; k < 20; ++k) CHECK(worker.post([k](const Control&) { return k; }).get() == k);
-  }
-  for (auto& round : rounds) CHECK(take(std::move(round)) >= 0);
-  no_coroutine_is_left();
-}
-
-namespace {
-
-/// Awaits one job; when that is given up, waits for another one, on whichever thread it finds itself.
-Detached wait_when_stopped(Job<int> first, Job<int> second, std::shared_ptr<std::promise<std::string>> ended) {
-  bool stopped = false;
-  try {
-    co_await std::move(first);
-  } catch (const Error&) {
-    stopped = true;
-  }
-  ended->set_value(stopped ? outcome(second) : "not stopped");
-}
-
 /// Awaits each in `drain()`, or where it is when nobody drains any more.
 Detached await_all_drained(std::vector<Job<int>> jobs, std::shared_ptr<std::promise<int>> sum) {
   int total = 0;
@@ -278,27 +193,6 @@ Detached await_all_drained(std::vector<Job<int>> jobs, std::shared_ptr<std::prom
 
 }  // namespace
 
-TEST_CASE("a coroutine that is stopped may wait for another job that is", "[worker]") {
-  auto gate = std::make_shared<Gate>();
-  Worker worker(options_with(1));
-  auto held = worker.post([gate](const Control& control) {
-    gate->pass();
-    while (!control.stop.stop_requested()) std::this_thread::yield();
-  });
-  gate->wait_for_arrivals(1);
-  auto first = worker.post([](const Control&) { return 1; });
-  auto between = worker.post([held = 2](const Control&) { return held; });
-  auto second = worker.post([held = 3](const Control&) { return held; });
-  auto ended = std::make_shared<std::promise<std::string>>();
-  wait_when_stopped(std::move(first), std::move(second), ended);
-  gate->open();
-  worker.terminate();
-  CHECK(take(ended->get_future()) == "stopped");
-  CHECK(outcome(between) == "stopped");
-  CHECK(outcome(held) == "stopped");
-  no_coroutine_is_left();
-}
-
 TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]") {
   auto sum = std::make_shared<std::promise<int>>();
   constexpr int kJobs = 100'000;
@@ -312,16 +206,6 @@ TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]"
   }
   await_all_drained(std::move(jobs), sum);
   CHECK(take(sum->get_future()) == kJobs);
-  no_coroutine_is_left();
-}
-
-TEST_CASE("a coroutine that awaits a job just as it ends goes on once", "[worker]") {
-  Worker worker(options_with(2));
-  std::vector<Ended> ends(2000);
-  for (Ended& ended : ends) await_job(worker.post([](const Control&) { return 1; }), ended.promise);
-  int results = 0;
-  for (Ended& ended : ends) results += ended.get().outcome == "result" ? 1 : 0;
-  CHECK(results == 2000);
   no_coroutine_is_left();
 }
 

@@ -1,11 +1,8 @@
 // Whatever goes wrong in a job arrives as its error, a lack of memory as well.
 
-#include <exception>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -88,41 +85,6 @@ TEST_CASE("a result that cannot be moved out arrives as an error", "[worker]") {
 }
 #endif
 
-TEST_CASE("what moving a request throws comes out of post, and nothing is posted", "[worker]") {
-  struct Immovable {
-    explicit Immovable(int moves) : moves_left(moves) {}
-    Immovable(const Immovable&) = delete;
-    Immovable(Immovable&& other) : moves_left(other.moves_left - 1) {
-      if (moves_left < 0) throw std::runtime_error("does not move");
-    }
-    Immovable& operator=(const Immovable&) = delete;
-    Immovable& operator=(Immovable&&) = delete;
-    ~Immovable() = default;
-    int operator()(const Control&) const { return 1; }
-    int moves_left;
-  };
-  Worker worker(options_with(1));
-  std::string end;
-  for (int moves = 0; end != "result"; ++moves) {
-    REQUIRE(moves < 20);
-    end = outcome_of([&] {
-      auto job = worker.post(Immovable(moves));
-      CHECK(outcome(job) == "result");
-    });
-    CHECK((end == "result" || end == "does not move"));
-    CHECK(worker.load().jobs == 0);
-  }
-}
-
-TEST_CASE("an exception of TBB's own making arrives", "[worker]") {
-  Worker worker(options_with(2));
-  auto job = worker.post([](const Control& control) {
-    control.progress(0.5);
-    throw std::out_of_range("inside");
-  });
-  CHECK(outcome(job) == "inside");
-}
-
 // Promise: wherever memory runs out while a job is done, its future says so, and the worker goes on. Where it runs out
 // in `post`, nothing is posted; giving up needs no memory.
 
@@ -181,12 +143,6 @@ TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
         },
         project(lat_long.view()));
   }
-}
-
-TEST_CASE("resampling runs out of memory cleanly", "[worker]") {
-  const auto lat_long =
-      std::make_shared<const LatLongImage>(LatLongImage{64, 32, make_lat_long(Content::smooth, 64, 32, 1).pixels});
-  fail_everywhere([&] { return ToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
 }
 
 TEST_CASE("files run out of memory cleanly", "[worker][slow]") {

@@ -56,46 +56,6 @@ TEST_CASE("a newer job stops one of its key that runs", "[worker]") {
   CHECK(newer.get() == 2);
 }
 
-TEST_CASE("jobs without a key replace nothing", "[worker]") {
-  Worker worker(options_with(1));
-  std::vector<Job<int>> jobs;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(value_request(k)));
-  }
-  for (int k = 0; k < 20; ++k) CHECK(jobs[static_cast<std::size_t>(k)].get() == k);
-}
-
-TEST_CASE("a job that is done is not replaced", "[worker]") {
-  Worker worker(options_with(1));
-  auto old = worker.post(value_request(1), {.key = "sky"});
-  CHECK(eventually([&] { return old.ready(); }));
-  CHECK(worker.post(value_request(2), {.key = "sky"}).get() == 2);
-  CHECK(old.get() == 1);
-}
-
-TEST_CASE("a key is one worker's own", "[worker]") {
-  Worker first(options_with(1));
-  Worker second(options_with(1));
-  Hold hold(first);
-  auto one = first.post(value_request(1), {.key = "sky"});
-  CHECK(second.post(value_request(2), {.key = "sky"}).get() == 2);
-  hold.let_go();
-  CHECK(one.get() == 1);
-}
-
-TEST_CASE("of many posts the last one wins", "[worker]") {
-  Worker worker(options_with(1));
-  std::vector<Job<int>> jobs;
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 200; ++k) jobs.push_back(worker.post(value_request(k), {.key = "sky"}));
-  }
-  CHECK(jobs.back().get() == 199);
-  jobs.pop_back();
-  for (auto& job : jobs) CHECK(outcome(job) == "replaced");
-}
-
 TEST_CASE("the newest wins when posts race, and always gets its result", "[worker]") {
   Worker worker(options_with(2));
   constexpr int kThreads = 4;

@@ -101,19 +101,6 @@ TEST_CASE("a worker's load tells how long the oldest job waits", "[worker]") {
   CHECK(worker.load().oldest_wait.count() == 0);
 }
 
-TEST_CASE("a running job goes on when its priority is set", "[worker]") {
-  Worker worker(options_with(1));
-  auto gate = std::make_shared<Gate>();
-  auto job = worker.post([gate](const Control&) { gate->pass(); });
-  gate->wait_for_arrivals(1);
-  job.set_priority(TaskPriority::low);
-  auto other = worker.post([](const Control&) { return 1; }, {.priority = TaskPriority::high});
-  gate->open();
-  CHECK(other.get() == 1);
-  CHECK(outcome(job) == "result");
-  job.set_priority(TaskPriority::high);
-}
-
 TEST_CASE("continuations keep the priority of the job that they follow, and come first in it", "[worker]") {
   Line line;
   auto low = line.post("low", TaskPriority::low).then(line.note("after low"));
@@ -124,25 +111,6 @@ TEST_CASE("continuations keep the priority of the job that they follow, and come
   line.post("normal", TaskPriority::normal);
   line.post("low 2", TaskPriority::low);
   CHECK(line.run() == Order{"high", "after high", "high 2", "normal", "low", "after low", "low 2"});
-}
-
-TEST_CASE("priorities decide on every number of threads", "[worker]") {
-  for (const int threads : {2, 4}) {
-    Worker worker(options_with(threads));
-    std::atomic<int> high_left{50};
-    std::atomic<int> low_too_early{0};
-    {
-      Hold hold(worker, threads);
-      for (int k = 0; k < 50; ++k) {
-        worker.post([&, threads](const Control&) { low_too_early += high_left > threads - 1 ? 1 : 0; },
-                    {.priority = TaskPriority::low});
-        worker.post([&](const Control&) { --high_left; }, {.priority = TaskPriority::high});
-      }
-    }
-    worker.wait_until_idle();
-    CHECK(high_left == 0);
-    CHECK(low_too_early == 0);
-  }
 }
 
 // Promise: a worker holds no more jobs and bytes than it may; beyond that posts are refused.
@@ -203,15 +171,6 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
   CHECK(outcome(nothing) == "result");
   CHECK(outcome(underrated) == "result");
   worker.wait_until_idle();
-  CHECK(worker.load().bytes == 0);
-}
-
-TEST_CASE("bytes come back when a job is given up", "[worker]") {
-  Worker worker(options_with(1));
-  Hold hold(worker);
-  auto job = post(worker, TaskPriority::normal, 1000);
-  CHECK(worker.load().bytes == 1000);
-  CHECK(job.cancel());
   CHECK(worker.load().bytes == 0);
 }
 

@@ -88,19 +88,6 @@ void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t s
   }
 }
 
-void add_lat_long_projections(std::vector<Case>& cases, int size, std::uint32_t seed) {
-  const auto floats =
-      kept(LatLongImage{2 * size, size, make_lat_long(Content::special_values, 2 * size, size, seed).pixels});
-  cases.push_back(
-      make_case("lat-long moved in", project(floats->view()), [floats] { return Project{LatLongImage(*floats)}; }));
-  cases.push_back(make_case("lat-long shared", project(floats->view(), midpoint_options()), [floats] {
-    return Project{floats, midpoint_options()};
-  }));
-  const auto halves = kept(make_lat_long_half(Content::high_range, 2 * size, size, seed, 4));
-  cases.push_back(make_case("lat-long borrowed", project(halves->view()),
-                            [halves] { return Project{EnvironmentSource(halves->view(), nullptr)}; }));
-}
-
 void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
   const auto cubemap = kept(CubemapImage{size, make_cubemap(Content::high_range, size, 3, seed).pixels});
   const auto lat_long = kept(LatLongImage{2 * size, size, make_lat_long(Content::smooth, 2 * size, size, seed).pixels});
@@ -130,17 +117,9 @@ void add_files(std::vector<Case>& cases, const TemporaryDirectory& directory, in
   write_environment(paths.back(), cubemap.view());
   for (const std::filesystem::path& path : paths) {
     const std::string file = path.filename().string();
-    const Environment environment = read_environment(path);
     cases.push_back(make_case("project " + file, project_file(path), [path] { return ProjectFile{path}; }));
     cases.push_back(make_case("measure " + file, measure_environment(path), [path] { return MeasureFile{path}; }));
     cases.push_back(make_case("read " + file, read_environment(path), [path] { return ReadFile{path}; }));
-    if (environment.face_size() > 0) {
-      cases.push_back(make_case("environment of " + file, project(environment.cubemap()),
-                                [path] { return Project{EnvironmentSource(read_environment(path))}; }));
-    } else {
-      cases.push_back(make_case("environment of " + file, project(environment.lat_long()),
-                                [path] { return Project{EnvironmentSource(read_environment(path))}; }));
-    }
   }
 }
 
@@ -148,7 +127,6 @@ std::vector<Case> cases_of(const TemporaryDirectory& directory, int size) {
   const auto seed = static_cast<std::uint32_t>(size);
   std::vector<Case> cases;
   add_cubemap_projections(cases, size, seed);
-  add_lat_long_projections(cases, size, seed);
   add_resamplings(cases, size, seed);
   add_files(cases, directory, size, seed);
   for (Case& one : cases) one.name += ", size " + std::to_string(size);
@@ -239,31 +217,6 @@ TEST_CASE("bakes in a worker have the call's bits", "[worker][bake]") {
   }
 }
 
-TEST_CASE("a running bake stops when it is told to", "[worker][bake]") {
-  const auto image = picture(1024);
-  Worker worker(options_with(2));
-  for (int round = 0; round < 3; ++round) {
-    auto job = worker.post(Bake{image, small_bake(256 + round)});
-    REQUIRE(eventually([&] { return job.progress() > 0.0 || job.ready(); }));
-    job.cancel();
-    const std::string end = outcome(job);
-    CHECK((end == "cancelled" || end == "result"));
-    worker.wait_until_idle();
-    CHECK(worker.load().jobs == 0);
-  }
-  CHECK(take(worker.post(Bake{picture(64), small_bake()})));
-}
-
-TEST_CASE("a bake's errors come through its future", "[worker][bake]") {
-  Worker worker(options_with(2));
-  BakeOptions rejecting = small_bake();
-  rejecting.pixels.nan = NonFinitePolicy::reject;
-  CHECK(outcome(worker.post(Bake{picture(64, Content::nan_bearing), rejecting})) == "rejected_pixel");
-  BakeOptions limited = small_bake();
-  limited.memory_limit_bytes = 1000;
-  CHECK(outcome(worker.post(Bake{picture(64), limited})) == "limit_exceeded");
-}
-
 TEST_CASE("files are baked in a worker", "[worker][bake]") {
   const TemporaryDirectory directory;
   const auto image = picture(64);
@@ -345,13 +298,6 @@ TEST_CASE("requests, results and follow-ups that only move will do", "[worker]")
       [five = std::make_unique<int>(5), &drained](Job<std::unique_ptr<int>> done) { drained = *done.get() + *five; });
   CHECK(eventually([&] { return worker.drain() == 1; }));
   CHECK(drained == 12);
-}
-
-TEST_CASE("a request may give nothing", "[worker]") {
-  Worker worker(options_with(1));
-  bool ran = false;
-  worker.post([&](const Control&) { ran = true; }).get();
-  CHECK(ran);
 }
 
 TEST_CASE("a request may be a member of what it is posted with, or a function", "[worker]") {

@@ -5,19 +5,15 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "support/catch.h"
-#include "support/detached.h"
 #include "support/gate.h"
 #include "support/outcome.h"
 #include "support/process_threads.h"
 #include "support/sanitized.h"
-#include "support/test_environments.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -115,12 +111,6 @@ TEST_CASE("the destructor gives up all jobs and ends all threads", "[worker]") {
   }
 }
 
-TEST_CASE("a worker that was never asked anything ends", "[worker]") {
-  const ThreadCount threads;
-  for (int k = 0; k < 50; ++k) const Worker worker(options_with(1 + k % 3));
-  CHECK(threads.comes_back());
-}
-
 TEST_CASE("terminate waits for what runs", "[worker]") {
   Worker worker(options_with(1));
   std::atomic<bool> running{false};
@@ -135,22 +125,6 @@ TEST_CASE("terminate waits for what runs", "[worker]") {
   CHECK_FALSE(running);
   CHECK(job.ready());
   CHECK(outcome(job) == "stopped");
-}
-
-TEST_CASE("terminate stops real work", "[worker]") {
-  const ThreadCount threads;
-  std::vector<Job<Projection>> jobs;
-  {
-    Worker worker(options_with(2));
-    const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 1);
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(Project{CubemapImage{256, cubemap.pixels}}));
-    CHECK(eventually([&] { return worker.load().running > 0 || jobs.front().ready(); }));
-  }
-  for (auto& job : jobs) {
-    const std::string end = outcome(job);
-    CHECK((end == "result" || end == "stopped"));
-  }
-  CHECK(threads.comes_back());
 }
 
 TEST_CASE("terminate from several threads at once", "[worker]") {
@@ -230,73 +204,6 @@ TEST_CASE("a worker can be ended from a request", "[worker]") {
       CHECK(eventually([&] { return weak.expired(); }));
       CHECK(threads.comes_back());
     }
-  }
-}
-
-TEST_CASE("a worker can be ended from a continuation", "[worker]") {
-  const ThreadCount threads;
-  for (const bool destroys : {false, true}) {
-    auto worker = std::make_shared<Worker>(options_with(1));
-    std::shared_ptr<Worker> kept = worker;
-    const auto gate = std::make_shared<Gate>();
-    auto first = worker->post([gate](const Control&) { gate->pass(); });
-    auto ending = std::move(first).then([worker = std::move(worker), destroys]() mutable {
-      if (destroys) {
-        worker.reset();
-      } else {
-        worker->terminate();
-      }
-    });
-    auto other = kept->post([](const Control&) { return 1; });
-    if (destroys) kept.reset();
-    gate->open();
-    // Where its follow-up is what keeps the worker alive, the follow-up ends it.
-    CHECK(outcome(ending) == "stopped");
-    CHECK(eventually([&] { return other.ready(); }));
-    const std::string end = outcome(other);
-    CHECK((end == "stopped" || end == "result"));
-    kept.reset();
-    CHECK(threads.comes_back());
-  }
-}
-
-namespace {
-
-Detached end_after(std::shared_ptr<Worker> worker, Job<int> job, bool destroys,
-                   std::shared_ptr<std::promise<void>> ended) {
-  static_cast<void>(co_await std::move(job));
-  if (destroys) {
-    worker.reset();
-  } else {
-    worker->terminate();
-  }
-  ended->set_value();
-}
-
-}  // namespace
-
-TEST_CASE("a worker can be ended from a coroutine", "[worker]") {
-  const ThreadCount threads;
-  for (const bool destroys : {false, true}) {
-    auto worker = std::make_shared<Worker>(options_with(1));
-    std::shared_ptr<Worker> kept = worker;
-    const auto gate = std::make_shared<Gate>();
-    auto ended = std::make_shared<std::promise<void>>();
-    auto job = worker->post([gate](const Control&) {
-      gate->pass();
-      return 1;
-    });
-    auto other = worker->post([](const Control&) { return 2; });
-    end_after(std::move(worker), std::move(job), destroys, ended);
-    if (destroys) kept.reset();
-    gate->open();
-    take(ended->get_future());
-    CHECK(eventually([&] { return other.ready(); }));
-    const std::string end = outcome(other);
-    CHECK((end == "stopped" || end == "result"));
-    kept.reset();
-    CHECK(threads.comes_back());
-    CHECK(eventually([] { return Detached::alive == 0; }));
   }
 }
 

@@ -204,23 +204,6 @@ TEST_CASE("a sun that never rests still gets new reflections", "[dynamic_sky]") 
   }));
 }
 
-TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dynamic_sky]") {
-  Worker worker(options_with(1));
-  SkyLightOptions options = quick();
-  options.curve.nodes = 4096;  // much longer than a frame of this test
-  SkyLight sky(worker, tiny_sky(), options);
-  REQUIRE(settle(sky));
-  const SkyLightCounters before = sky.counters();
-  double altitude = 0.0;
-  CHECK(eventually([&] {
-    altitude = altitude > 50'000.0 ? 0.0 : altitude + 10.0;
-    sky.set_altitude(altitude);
-    sky.update(0.016);
-    const SkyLightCounters now = sky.counters();
-    return now.speculars_baked >= before.speculars_baked + 3 && now.curves_baked >= before.curves_baked + 3;
-  }));
-}
-
 TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky][slow]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
@@ -407,20 +390,6 @@ TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
   CHECK(sky->light().ready);
 }
 
-TEST_CASE("a dynamic sky without reflections posts none", "[dynamic_sky]") {
-  Worker worker(options_with(1));
-  SkyLightOptions options = quick();
-  options.specular.size = 0;
-  SkyLight sky(worker, tiny_sky(), options);
-  sky.set_sun(30.0, 0.0);
-  REQUIRE(settle(sky));
-  sky.set_sun(60.0, 0.0);
-  sky.update(0.01);
-  CHECK(sky.counters().posts == 1);
-  CHECK(sky.counters().speculars_baked == 0);
-  CHECK_FALSE(sky.light().reflections[0].specular);
-}
-
 TEST_CASE("what is posted behind a dynamic sky does not wait for its tables", "[dynamic_sky]") {
   for (const int threads : {1, 2}) {
     Worker worker(options_with(threads));
@@ -448,16 +417,6 @@ TEST_CASE("what has a lower priority than a dynamic sky waits for its tables", "
       worker.post([&sky](const Control&) { return sky.counters().tables_baked; }, {.priority = TaskPriority::low});
   hold.let_go();
   CHECK(tables.get() == 1);
-}
-
-TEST_CASE("dynamic skies that wait for one another on one thread all come", "[dynamic_sky]") {
-  Worker worker(options_with(1));
-  Hold hold(worker);
-  std::vector<std::unique_ptr<SkyLight>> skies;
-  for (int k = 0; k < 12; ++k) skies.push_back(std::make_unique<SkyLight>(worker, earth(), quick()));
-  hold.let_go();
-  for (const auto& sky : skies) REQUIRE(settle(*sky));
-  for (const auto& sky : skies) CHECK(same(sky->light().radiance, skies.front()->light().radiance));
 }
 
 TEST_CASE("dynamic skies refuse nonsense at once", "[dynamic_sky]") {

@@ -1,19 +1,12 @@
 // What is posted and what is held: sources, the pixels behind them, handles of jobs.
 
-#include <algorithm>
-#include <atomic>
-#include <functional>
 #include <memory>
-#include <set>
 #include <string>
-#include <thread>
 #include <utility>
-#include <vector>
 
 #include "support/catch.h"
 #include "support/gate.h"
 #include "support/outcome.h"
-#include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"
@@ -56,36 +49,6 @@ TEST_CASE("a source has the very pixels that it was given", "[worker]") {
   CHECK(EnvironmentSource(shared_cubemap).view() == shared_cubemap->view());
   const auto shared_lat_long = std::make_shared<const LatLongImage>(some_lat_long(3));
   CHECK(EnvironmentSource(shared_lat_long).view() == shared_lat_long->view());
-}
-
-TEST_CASE("an environment's pixels go over", "[worker]") {
-  const TemporaryDirectory directory;
-  const auto cube = directory.file("cube.exr");
-  const auto sky = directory.file("sky.exr");
-  write_environment(cube, some_cubemap(4).view());
-  write_environment(sky, some_lat_long(4).view());
-
-  Environment environment = read_environment(cube);
-  const float* pixels = environment.pixels.get();
-  CHECK(EnvironmentSource(std::move(environment)).view().cubemap().faces[0] == pixels);
-  environment = read_environment(sky);
-  pixels = environment.pixels.get();
-  CHECK(EnvironmentSource(std::move(environment)).view().lat_long().pixels == pixels);
-}
-
-TEST_CASE("the last copy of a source frees its pixels", "[worker]") {
-  auto image = std::make_shared<const CubemapImage>(some_cubemap(4));
-  const std::weak_ptr<const CubemapImage> watched = image;
-  {
-    const EnvironmentSource first(std::move(image));
-    {
-      const EnvironmentSource second =
-          first;  // NOLINT(performance-unnecessary-copy-initialization): the copy is the point
-      CHECK(watched.use_count() == 2);
-    }
-    CHECK(watched.use_count() == 1);
-  }
-  CHECK(watched.expired());
 }
 
 TEST_CASE("a source counts the bytes of its pixels, padding included", "[worker]") {
@@ -144,25 +107,6 @@ TEST_CASE("a request sees the very pixels that were moved in", "[worker]") {
   CHECK(job.get() == pixels);
 }
 
-TEST_CASE("pixels are freed when their job is done, handles or not", "[worker]") {
-  Worker worker(options_with(1));
-  Watched watched;
-  auto job = worker.post(Project{watched.give()});
-  CHECK(outcome(job) == "result");
-  CHECK(watched.comes_back());
-  CHECK(job.id() > 0);
-}
-
-TEST_CASE("pixels are freed when their job fails", "[worker]") {
-  Worker worker(options_with(1));
-  Watched watched;
-  ProjectionOptions options;
-  options.bands = 99;
-  auto job = worker.post(Project{watched.give(), options});
-  CHECK(outcome(job) == "invalid_argument");
-  CHECK(watched.comes_back());
-}
-
 TEST_CASE("pixels of a waiting job are freed when it is given up, while the threads are busy", "[worker]") {
   WorkerOptions options = options_with(1);
   options.max_jobs = 2;
@@ -184,27 +128,6 @@ TEST_CASE("pixels of a waiting job are freed when it is given up, while the thre
   job = worker.post(Project{refused.give()}, {.priority = TaskPriority::low});
   CHECK(outcome(job) == "queue_full");
   CHECK(refused.comes_back());
-}
-
-TEST_CASE("pixels of a running job are freed once it has stopped", "[worker]") {
-  Worker worker(options_with(1));
-  Watched watched;
-  std::atomic<bool> inside{false};
-  std::atomic<bool> looking{false};
-  std::atomic<bool> gone_while_looking{false};
-  auto job = worker.post([&, source = watched.give()](const Control& control) {
-    looking = true;
-    inside = true;
-    while (!control.stop.stop_requested()) std::this_thread::yield();
-    if (watched.weak.expired() || source.view().cubemap().size != 8) gone_while_looking = true;
-    looking = false;
-  });
-  CHECK(eventually([&] { return inside.load(); }));
-  CHECK(job.cancel());
-  CHECK(outcome(job) == "cancelled");
-  CHECK_FALSE(looking);  // the future is ready when nothing reads the pixels any more
-  CHECK_FALSE(gone_while_looking);
-  CHECK(watched.comes_back());
 }
 
 TEST_CASE("pixels are freed when their worker ends", "[worker]") {
@@ -231,16 +154,6 @@ TEST_CASE("pixels are freed when their worker ends", "[worker]") {
   CHECK(handle.ready());
 }
 
-TEST_CASE("a result that nobody takes is freed", "[worker]") {
-  Worker worker(options_with(1));
-  const auto result = std::make_shared<int>(1);
-  {
-    auto job = worker.post([result](const Control&) { return result; });
-    worker.wait_until_idle();
-  }
-  CHECK(eventually([&] { return result.use_count() == 1; }));
-}
-
 // Promise: ids rise, `ready` means that the future will not wait, and a handle can be asked after its worker is gone.
 
 TEST_CASE("ids rise from 1 on, through all workers", "[worker]") {
@@ -256,37 +169,6 @@ TEST_CASE("ids rise from 1 on, through all workers", "[worker]") {
     auto follower = std::move(job).then([](int value) { return value; });
     CHECK(follower.id() > before);
     before = follower.id();
-  }
-}
-
-TEST_CASE("ids are unique when posted from many threads", "[worker]") {
-  Worker worker(options_with(2));
-  constexpr std::size_t kThreads = 4;
-  std::vector<std::vector<std::uint64_t>> ids(kThreads);
-  std::vector<std::thread> threads;
-  for (auto& own : ids) {
-    threads.emplace_back([&worker, &own] {
-      for (int k = 0; k < 200; ++k) own.push_back(worker.post([k](const Control&) { return k; }).id());
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  std::set<std::uint64_t> all;
-  for (const auto& own : ids) {
-    CHECK(std::is_sorted(own.begin(), own.end()));
-    all.insert(own.begin(), own.end());
-  }
-  CHECK(all.size() == kThreads * 200);
-}
-
-TEST_CASE("ready means that get does not wait, for results and errors", "[worker]") {
-  Worker worker(options_with(1));
-  for (const bool fails : {false, true}) {
-    auto job = worker.post([fails](const Control&) {
-      if (fails) throw Error(ErrorCode::corrupt_file, "no good");
-    });
-    CHECK(eventually([&] { return job.ready(); }));
-    CHECK(outcome_of([&] { job.get(); }) == (fails ? "corrupt_file" : "result"));
-    CHECK(job.ready());
   }
 }
 
@@ -321,39 +203,6 @@ TEST_CASE("handles and futures outlive their worker", "[worker]") {
   CHECK_FALSE(called);
 }
 
-TEST_CASE("a job that is let go of runs to its end", "[worker]") {
-  Worker worker(options_with(1));
-  std::atomic<int> runs{0};
-  {
-    Hold hold(worker);
-    for (int k = 0; k < 10; ++k) worker.post([&runs, k](const Control&) { runs += k; });
-  }
-  worker.wait_until_idle();
-  CHECK(runs == 45);
-}
-
-TEST_CASE("a handle can be asked from any thread while its job runs", "[worker]") {
-  Worker worker(options_with(1));
-  auto gate = std::make_shared<Gate>();
-  auto job = worker.post([gate](const Control&) { gate->pass(); });
-  std::atomic<bool> fell{false};
-  std::vector<std::thread> threads;
-  for (int k = 0; k < 3; ++k) {
-    threads.emplace_back([handle = JobHandle(job), &fell] {
-      double before = 0.0;
-      while (!handle.ready()) {
-        if (handle.progress() < before || handle.priority() != TaskPriority::normal || handle.id() == 0) fell = true;
-        before = handle.progress();
-        std::this_thread::yield();
-      }
-    });
-  }
-  gate->wait_for_arrivals(1);
-  gate->open();
-  for (std::thread& thread : threads) thread.join();
-  CHECK_FALSE(fell);
-}
-
 // Promise: a result is taken once, by whoever polls or waits; and a job that is none answers whatever it is asked.
 
 TEST_CASE("polling gives nothing while a job runs, its result once, and nothing after", "[worker]") {
@@ -377,15 +226,6 @@ TEST_CASE("polling gives nothing while a job runs, its result once, and nothing 
   CHECK(job.ready());
   CHECK_FALSE(job.error());
   CHECK(outcome_of([&] { job.get(); }) == "invalid_argument");
-}
-
-TEST_CASE("polling a job without a result says once that it is done", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([](const Control&) {});
-  worker.wait_until_idle();
-  CHECK(job.try_take());
-  CHECK_FALSE(job.try_take());
-  CHECK_FALSE(job.valid());
 }
 
 TEST_CASE("polling a job that failed gives nothing, and its error says why", "[worker]") {
@@ -483,26 +323,5 @@ TEST_CASE("a future of a job has its result or its error", "[worker]") {
   CHECK(outcome(std::move(stopped)) == "stopped");
   CHECK(outcome(future_of(worker.post([](const Control&) { return 1; }))) == "stopped");
 }
-
-// The pthread_once by which a std::promise takes its value never returns again after an exception, neither the thread
-// sanitizer's nor that of MinGW-w64.
-#if !defined(__SANITIZE_THREAD__) && !defined(__MINGW32__)
-TEST_CASE("a result that cannot be moved out arrives in its future as an error", "[worker]") {
-  struct Stubborn {
-    explicit Stubborn(int its_moves) : moves(its_moves) {}
-    Stubborn(Stubborn&& other) : moves(other.moves - 1) {
-      if (moves < 0) throw std::runtime_error("it stays");
-    }
-    Stubborn& operator=(Stubborn&&) = delete;
-    int moves;
-  };
-  Worker worker(options_with(1));
-  std::set<std::string> ends;
-  for (int moves = 0; moves < 8; ++moves) {
-    ends.insert(outcome(future_of(worker.post([moves](const Control&) { return Stubborn(moves); }))));
-  }
-  CHECK(ends == std::set<std::string>{"it stays", "result"});
-}
-#endif
 
 }  // namespace welkin::test

@@ -151,11 +151,6 @@ TEST_CASE("a worker has as many threads as it was asked for, all at work at once
   }
 }
 
-TEST_CASE("by default a worker has one thread less than the process may use", "[worker]") {
-  const Worker worker;
-  CHECK(worker.threads() == std::max(1, available_threads() - 1));
-}
-
 TEST_CASE("threads have the worker's name and a number", "[worker]") {
   WorkerOptions options = options_with(2);
   options.name = "sky light";
@@ -327,68 +322,6 @@ TEST_CASE("a lent arena does the work", "[worker]") {
     CHECK(drained == 3);
     for (const int thread : threads_since(before)) CHECK(thread_name(thread).rfind("of the worker", 0) != 0);
   }
-}
-
-TEST_CASE("jobs in a lent arena can be given up, and the worker ended", "[worker]") {
-  tbb::task_arena arena(1);
-  std::vector<Job<int>> jobs;
-  {
-    Worker worker(lent(arena));
-    auto gate = std::make_shared<Gate>();
-    jobs.push_back(worker.post([gate](const Control& control) {
-      gate->pass();
-      while (!control.stop.stop_requested()) std::this_thread::yield();
-      return 1;
-    }));
-    gate->wait_for_arrivals(1);
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
-    CHECK(jobs[5].cancel());
-    CHECK(outcome(jobs[5]) == "cancelled");
-    jobs.erase(jobs.begin() + 5);
-    gate->open();
-  }
-  for (auto& job : jobs) CHECK(outcome(job) == "stopped");
-}
-
-TEST_CASE("a worker in a lent arena can be ended from its own jobs", "[worker]") {
-  tbb::task_arena arena(2);
-  for (const bool destroys : {false, true}) {
-    auto worker = std::make_shared<Worker>(lent(arena));
-    const std::weak_ptr<Worker> weak = worker;
-    const auto gate = std::make_shared<Gate>();
-    auto job = worker->post([worker, gate, destroys](const Control&) mutable {
-      gate->pass();
-      if (!destroys) worker->terminate();
-      worker.reset();
-    });
-    gate->wait_for_arrivals(1);
-    if (destroys) worker.reset();
-    gate->open();
-    CHECK(outcome(job) == "stopped");
-    worker.reset();
-    CHECK(eventually([&] { return weak.expired(); }));
-  }
-}
-
-TEST_CASE("tasks may be called late", "[worker]") {
-  const auto engine = std::make_shared<LateExecutor>();
-  Worker worker(lent(engine));
-  std::vector<Job<int>> jobs;
-  for (int k = 0; k < 10; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
-  CHECK(engine->most() == 3);  // no more than it runs at once
-  for (const auto& job : jobs) CHECK_FALSE(job.ready());
-  CHECK(jobs[3].cancel());
-  engine->run_all();
-  for (int k = 0; k < 10; ++k) {
-    auto& job = jobs[static_cast<std::size_t>(k)];
-    REQUIRE(job.ready());
-    if (k == 3) {
-      CHECK(outcome(job) == "cancelled");
-    } else {
-      CHECK(job.get() == k);
-    }
-  }
-  CHECK(worker.load().jobs == 0);
 }
 
 TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]") {

@@ -1,25 +1,17 @@
 // Jobs that wait for other jobs of their worker.
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_group.h>
 
-#include <array>
 #include <atomic>
-#include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "support/catch.h"
-#include "support/detached.h"
 #include "support/gate.h"
 #include "support/lent.h"
 #include "support/outcome.h"
-#include "support/same_bits.h"
 #include "support/sanitized.h"
-#include "support/test_environments.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -45,12 +37,6 @@ std::vector<WorkerOptions> kinds_of_workers(tbb::task_arena& arena) {
 }
 
 }  // namespace
-
-TEST_CASE("the only thread may wait for another job", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([&](const Control&) { return post(worker, 7).get(); });
-  CHECK(take(job) == 7);
-}
 
 TEST_CASE("waiting jobs may be nested", "[worker]") {
   tbb::task_arena arena(1);
@@ -84,18 +70,6 @@ TEST_CASE("all threads may wait at once", "[worker]") {
   }
 }
 
-TEST_CASE("two jobs may wait for what a third party posts later", "[worker]") {
-  Worker worker(options_with(2));
-  std::array<std::promise<Job<int>>, 2> later;
-  std::vector<Job<int>> jobs;
-  for (auto& promise : later) {
-    jobs.push_back(worker.post([&promise](const Control&) { return promise.get_future().get().get(); }));
-  }
-  CHECK(eventually([&] { return worker.load().running == 2; }));
-  for (auto& promise : later) promise.set_value(post(worker, 4));
-  for (auto& job : jobs) CHECK(take(job) == 4);
-}
-
 TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[worker]") {
   for (const int threads : {1, 2, 3}) {
     Worker worker(options_with(threads));
@@ -105,23 +79,6 @@ TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[w
       return sum.load();
     });
     CHECK(take(job) == 190);
-  }
-}
-
-TEST_CASE("real work may be waited for inside a TBB task", "[worker]") {
-  const TestCubemap cubemap =
-      make_cubemap(Content::special_values, 200, 3, 1);  // large enough for TBB tasks of its own
-  const Projection expected = project(cubemap.view());
-  for (const int threads : {1, 2}) {
-    Worker worker(options_with(threads));
-    auto job = worker.post([&](const Control&) {
-      std::atomic<int> wrong{0};
-      tbb::parallel_for(0, 6, [&](int) {
-        if (!same_bits(worker.post(Project{CubemapImage{200, cubemap.pixels}}).get(), expected)) ++wrong;
-      });
-      return wrong.load();
-    });
-    CHECK(take(job) == 0);
   }
 }
 
@@ -142,20 +99,6 @@ TEST_CASE("tasks of one job may wait for another job whose tasks run beside them
     });
     CHECK(take(waiting) == 11 + round);
   }
-}
-
-TEST_CASE("jobs may be waited for inside TBB's groups", "[worker]") {
-  Worker worker(options_with(1));
-  auto job = worker.post([&](const Control&) {
-    tbb::task_group group;
-    std::atomic<int> sum{0};
-    for (int k = 0; k < 10; ++k) {
-      group.run([&, k] { sum += post(worker, k).get(); });
-    }
-    group.wait();
-    return sum.load();
-  });
-  CHECK(take(job) == 45);
 }
 
 TEST_CASE("continuations, and those who wait for them, need no further thread", "[worker]") {
@@ -193,15 +136,6 @@ TEST_CASE("what follows a running job is run by whoever waits for it, if all thr
   CHECK(take(blocking));
 }
 
-TEST_CASE("a job may wait for one that was posted before it", "[worker]") {
-  Worker worker(options_with(1));
-  std::optional<Hold> hold(std::in_place, worker);
-  auto first = post(worker, 6, TaskPriority::low);
-  auto second = worker.post([&](const Control&) { return first.get(); }, {.priority = TaskPriority::high});
-  hold->let_go();
-  CHECK(take(second) == 6);
-}
-
 TEST_CASE("a waiting job can be given up by ending the worker", "[worker]") {
   std::string inner_end;
   Job<void> outer;
@@ -221,26 +155,6 @@ TEST_CASE("a waiting job can be given up by ending the worker", "[worker]") {
   }
   CHECK(outcome(outer) == "stopped");
   CHECK(inner_end == "stopped");
-}
-
-TEST_CASE("a lent arena whose only thread waits in a TBB task goes on", "[worker]") {
-  tbb::task_arena arena(1);
-  Worker worker(lent(arena));
-  auto job = worker.post([&](const Control&) {
-    std::atomic<int> sum{0};
-    tbb::parallel_for(0, 5, [&](int k) { sum += post(worker, k).get(); });
-    return sum.load();
-  });
-  CHECK(take(job) == 10);
-}
-
-TEST_CASE("a coroutine may wait for another job inside the worker", "[worker]") {
-  Worker worker(options_with(1));
-  // The follow-up stands in for a coroutine's next step: it runs where that would.
-  auto job = post(worker, 1).then([&](int value) { return value + nest(worker, 2); }).then([&](int value) {
-    return value + nest(worker, 2);
-  });
-  CHECK(take(job) == 7);
 }
 
 TEST_CASE("requests may wait for each other in a row", "[worker]") {

@@ -62,41 +62,12 @@ function systemFor(memory) {
   };
 }
 
-/** A number as C's printf writes it by `conversion`, which is f, e or g. (Of two texts that are as near, which is rare,
- * C takes the even one and this the larger one. They are for messages.) */
-export function numberText(value, conversion, precision) {
-  if (!Number.isFinite(value)) return Number.isNaN(value) ? 'nan' : value < 0 ? '-inf' : 'inf';
-  const exponential = (digits) => value.toExponential(digits).replace(/e([+-])(\d)$/, 'e$10$2');
-  const fixed = (digits) => (Math.abs(value) < 1e21 ? value.toFixed(digits)
-    : BigInt(value) + (digits > 0 ? `.${'0'.repeat(digits)}` : ''));
-  const sign = Object.is(value, -0) ? '-' : '';
-  if (conversion === 'e') return sign + exponential(precision);
-  if (conversion === 'f') return sign + fixed(precision);
-  const digits = Math.max(precision, 1);
-  const exponent = Number(value.toExponential(digits - 1).split('e')[1]);
-  const text = exponent < -4 || exponent >= digits ? exponential(digits - 1) : fixed(digits - 1 - exponent);
-  return sign + text.replace(/(\.\d*?)0+(?=e|$)/, '$1').replace(/\.(?=e|$)/, '');
-}
-
-/** What a module imports of ours. Text is ASCII. */
-function helpersFor(memory, progress) {
-  return {
-    progress,
-    number_text: (value, conversion, precision, place, room) => {
-      const text = numberText(value, String.fromCharCode(conversion), precision).slice(0, room);
-      new TextEncoder().encodeInto(text, new Uint8Array(memory(), place, text.length));
-      return text.length;
-    },
-    number_of: (place, length) => Number(new TextDecoder().decode(new Uint8Array(memory(), place, length))),
-  };
-}
-
 /** One instance of a module. */
 class Instance {
   constructor(module, progress) {
     const memory = () => this.exports.memory.buffer;
     const system = systemFor(memory);
-    const helpers = helpersFor(memory, progress);
+    const helpers = { progress };
     const imports = {};
     for (const { module: space, name } of WebAssembly.Module.imports(module)) {
       imports[space] ??= {};

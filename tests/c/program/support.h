@@ -48,6 +48,5 @@ void ending(void);
 void exiting(void);
 void lending(void);
 void memory(void);
-void results(void);
 
 #endif
