@@ -10,6 +10,10 @@
 
 #include "benchmarks.h"
 #include "perf/report/environment.h"
+#include "projection/sanitized_pixels.h"
+#include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
+#include "reflections/prefilter.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -40,6 +44,22 @@ Subject chain_of(const Environment& picture, bool cubemap, const std::string& na
           }};
 }
 
+/// What a bake does of each face alone: all that could be kept of a face that did not change.
+Subject faces_of(const Environment& picture, PrefilterOptions options) {
+  const auto source =
+      std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
+  return {"of it face by face, with harmonics, from halves", [=](double bound) mutable {
+            options.rms_error = bound;
+            const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).with_near_sums(options.size);
+            const projection::SanitizedSource clean(source->view(), {}, {});
+            const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
+            static_cast<void>(reflections::faces_without(bright, clean, plan.face_for_cubemap(options.size), {}));
+            CubemapChain sharp(options.size, 1);
+            reflections::fill_level(clean, sharp, 0, {});
+            static_cast<void>(project(source->view()));
+          }};
+}
+
 Subject probes_of(const Environment& picture, int mips) {
   constexpr int size = 64;
   constexpr std::size_t count = 64;
@@ -66,6 +86,7 @@ std::vector<Subject> subjects_of(const Environment& picture) {
     const int mips = size == 64 ? 3 : size == 128 ? 4 : size == 256 ? 5 : 6;  // down to 16 texels
     subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size) + ", " + std::to_string(mips) + " mips",
                                 {.size = size, .mips = mips}));
+    subjects.push_back(faces_of(picture, {.size = size, .mips = mips}));
     subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size), {.size = size}));
   }
   subjects.push_back(chain_of(picture, false, "lat-long to 256, 5 mips", {.size = 256, .mips = 5}));

@@ -10,6 +10,7 @@
 
 #include "image/image_kernels.h"
 #include "jobs/tiles.h"
+#include "platform/memory.h"
 
 namespace welkin::image {
 namespace {
@@ -65,16 +66,25 @@ constexpr std::array<int, 4> kSides{kFaceX, kFaceMinusX, kFaceZ, kFaceMinusZ};
 
 /// Between which texels of the grid a row's points lie along one axis, and with which weights.
 struct Taps {
-  explicit Taps(int count) : first(static_cast<std::size_t>(count)), weights(4 * static_cast<std::size_t>(count)) {}
+  std::int32_t* first = nullptr;
+  float* weights = nullptr;  ///< four of each point
+};
 
-  std::vector<std::int32_t> first;
-  std::vector<float> weights;
+/// Memory of taps: one piece, because small faces take no longer than some hundred allocations.
+struct TapsMemory {
+  TapsMemory(int points, std::size_t count)
+      : size(static_cast<std::size_t>(points)), first(count * size), weights(4 * count * size) {}
+  [[nodiscard]] Taps at(std::size_t index) noexcept {
+    return {first.data() + index * size, weights.data() + 4 * index * size};
+  }
+
+  std::size_t size;  ///< points of a row
+  platform::AlignedBuffer<std::int32_t> first;
+  platform::AlignedBuffer<float> weights;
 };
 
 /// The places of one row of a face.
 struct RowTaps {
-  explicit RowTaps(int size) : rings(size), front(size), back(size) {}
-
   Taps rings;
   Taps front;  ///< polar faces: columns where z >= 0
   Taps back;   ///< and where z < 0
@@ -87,10 +97,10 @@ struct Scratch {
         along(static_cast<std::size_t>(size)),
         angles(static_cast<std::size_t>(size)),
         places(static_cast<std::size_t>(size)),
-        taps(static_cast<std::size_t>(rows), RowTaps(size)) {}
+        taps(size, 3 * static_cast<std::size_t>(rows)) {}
 
   std::vector<double> across, along, angles, places;
-  std::vector<RowTaps> taps;
+  TapsMemory taps;
 };
 
 /// Rows [first, end) of the upper half of a face.
@@ -109,7 +119,7 @@ class FaceSampler {
         sampling_(sampling),
         rings_a_quarter_(0.5 * grid.rings()),
         columns_a_quarter_(0.25 * grid.columns()),
-        side_columns_{Taps(size), Taps(size), Taps(size), Taps(size)},
+        side_taps_(size, kSides.size()),
         distances_(static_cast<std::size_t>(half_)) {
     for (int column = 0; column < half_; ++column) distances_[static_cast<std::size_t>(column)] = distance(column);
     side_lengths_.resize(distances_.size());
@@ -120,7 +130,7 @@ class FaceSampler {
   /// Rows of the four side faces, and their rows opposite. Face after face: rows side by side share most of their
   /// rings, and a processor foresees a few runs of memory but not 32 at a time.
   void sample_sides(const Rows& rows, Scratch& scratch) const {
-    for (int row = rows.first; row < rows.end; ++row) place_side_rings(row, scratch, taps_of(rows, row, scratch));
+    for (int row = rows.first; row < rows.end; ++row) place_side_rings(row, scratch, taps_of(rows, row, scratch).rings);
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       for (const bool below : {false, true}) {
         for (int row = rows.first; row < rows.end; ++row) {
@@ -139,7 +149,7 @@ class FaceSampler {
       for (const bool front : {false, true}) {
         for (int row = rows.first; row < rows.end; ++row) {
           if (!front && row == opposite(row)) continue;
-          const RowTaps& taps = taps_of(rows, row, scratch);
+          const RowTaps taps = taps_of(rows, row, scratch);
           sample_row(below ? kFaceMinusY : kFaceY, front == below ? row : opposite(row), below, taps.rings,
                      front ? taps.front : taps.back);
         }
@@ -154,23 +164,24 @@ class FaceSampler {
   [[nodiscard]] double distance(int index) const noexcept { return static_cast<double>(size_ - 1 - 2 * index) / size_; }
   [[nodiscard]] int opposite(int row) const noexcept { return size_ - 1 - row; }
 
-  void take_taps(const std::vector<double>& places, Taps& taps) const {
+  void take_taps(const std::vector<double>& places, const Taps& taps) const {
     const bool cubic = grid_.content() == GridContent::spline_coefficients;
-    kernels_.taps_of_places(places.data(), size_, cubic, taps.first.data(), taps.weights.data());
+    kernels_.taps_of_places(places.data(), size_, cubic, taps.first, taps.weights);
   }
 
-  [[nodiscard]] static RowTaps& taps_of(const Rows& rows, int row, Scratch& scratch) {
-    return scratch.taps[static_cast<std::size_t>(row - rows.first)];
+  [[nodiscard]] static RowTaps taps_of(const Rows& rows, int row, Scratch& scratch) {
+    const std::size_t index = 3 * static_cast<std::size_t>(row - rows.first);
+    return {scratch.taps.at(index), scratch.taps.at(index + 1), scratch.taps.at(index + 2)};
   }
 
-  void place_side_rings(int row, Scratch& scratch, RowTaps& taps) const {
+  void place_side_rings(int row, Scratch& scratch, const Taps& rings) const {
     std::fill_n(scratch.across.begin(), half_, distance(row));
     kernels_.places_of_angles(scratch.across.data(), side_lengths_.data(), half_, -rings_a_quarter_,
                               0.5 * grid_.rings() - 0.5, scratch.places.data());
-    place_rings(scratch, taps.rings);
+    place_rings(scratch, rings);
   }
 
-  void place_polar_taps(int row, Scratch& scratch, RowTaps& taps) const {
+  void place_polar_taps(int row, Scratch& scratch, const RowTaps& taps) const {
     kernels_.plane_lengths(distances_.data(), distance(row), half_, scratch.across.data());
     std::fill_n(scratch.along.begin(), half_, 1.0);
     kernels_.places_of_angles(scratch.across.data(), scratch.along.data(), half_, rings_a_quarter_, -0.5,
@@ -180,7 +191,7 @@ class FaceSampler {
   }
 
   /// From the places of the left half.
-  void place_rings(Scratch& scratch, Taps& rings) const {
+  void place_rings(Scratch& scratch, const Taps& rings) const {
     for (int column = half_; column < size_; ++column) {
       scratch.places[static_cast<std::size_t>(column)] = scratch.places[static_cast<std::size_t>(opposite(column))];
     }
@@ -212,12 +223,13 @@ class FaceSampler {
       fill_places(
           scratch.angles.data(), scratch.places, [&](double angle) { return left_middle + angle; },
           [&](double angle) { return right_middle - angle; });
+      side_columns_[side] = side_taps_.at(side);
       take_taps(scratch.places, side_columns_[side]);
     }
   }
 
   // The longitude is +-a where z >= 0 and +-(pi - a) where z < 0, a = atan(|u| / |v|).
-  void place_polar_columns(int row, Scratch& scratch, RowTaps& taps) const {
+  void place_polar_columns(int row, Scratch& scratch, const RowTaps& taps) const {
     std::fill_n(scratch.along.begin(), half_, distance(row));
     kernels_.places_of_angles(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
                               scratch.angles.data());
@@ -238,10 +250,10 @@ class FaceSampler {
     GridRun run{};
     run.origin = below ? grid_.texel(0, grid_.rings() - 1) : grid_.texel(0, 0);
     run.ring_stride = below ? -grid_.stride() : grid_.stride();
-    run.rings = rings.first.data();
-    run.columns = columns.first.data();
-    run.ring_weights = rings.weights.data();
-    run.column_weights = columns.weights.data();
+    run.rings = rings.first;
+    run.columns = columns.first;
+    run.ring_weights = rings.weights;
+    run.column_weights = columns.weights;
     run.count = size_;
     run.not_negative = sampling_.not_negative;
     kernels_.sample_grid(run, faces_[static_cast<std::size_t>(face)] +
@@ -256,7 +268,8 @@ class FaceSampler {
   GridSampling sampling_;
   double rings_a_quarter_;  ///< turn
   double columns_a_quarter_;
-  std::array<Taps, 4> side_columns_;
+  TapsMemory side_taps_;
+  std::array<Taps, 4> side_columns_{};
   std::vector<double> distances_;     ///< |u| of the left half's columns
   std::vector<double> side_lengths_;  ///< sqrt(1 + u^2)
 };
@@ -271,7 +284,8 @@ void sample_faces(const SphereGrid& grid, int size, const std::array<float*, 6>&
   const std::size_t workers = jobs::worker_count(placement);
   const int side_rows = std::max(1, kTileTexels / (8 * size));
   const int polar_rows = std::max(1, kTileTexels / (4 * size));
-  std::vector<Scratch> scratch(workers, Scratch(size, std::min(polar_rows, sampler.half())));
+  std::vector<Scratch> scratch;
+  for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(size, std::min(polar_rows, sampler.half()));
   const auto tiles_of = [&](int rows) { return static_cast<std::size_t>((sampler.half() + rows - 1) / rows); };
   const std::size_t side_tiles = tiles_of(side_rows);
   jobs::run_tiles(side_tiles + tiles_of(polar_rows), placement, workers, control,

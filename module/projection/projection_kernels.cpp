@@ -391,14 +391,16 @@ RowMeasure measure_row(const float* values, int count) {
     largest[k].store_aligned(lanes[2] + k * kWidth);
     odd[k].store_aligned(lanes[3] + k * kWidth);
   }
-  RowMeasure measure{0.0F, lanes[1][0], lanes[2][0], true};
-  float not_a_number = 0.0F;
-  for (int k = 0; k < kLanes; ++k) {
-    measure.sum += lanes[0][k];
-    if (lanes[1][k] < measure.least) measure.least = lanes[1][k];
-    if (lanes[2][k] > measure.largest) measure.largest = lanes[2][k];
-    not_a_number += lanes[3][k];
+  for (int half = kLanes / 2; half > 0; half /= 2) {
+    for (int k = 0; k < half; ++k) {
+      lanes[0][k] += lanes[0][k + half];
+      lanes[1][k] = lanes[1][k + half] < lanes[1][k] ? lanes[1][k + half] : lanes[1][k];
+      lanes[2][k] = lanes[2][k + half] > lanes[2][k] ? lanes[2][k + half] : lanes[2][k];
+      lanes[3][k] += lanes[3][k + half];
+    }
   }
+  RowMeasure measure{lanes[0][0], lanes[1][0], lanes[2][0], true};
+  float not_a_number = lanes[3][0];
   for (; i < count; ++i) {
     measure.sum += values[i];
     if (values[i] < measure.least) measure.least = values[i];

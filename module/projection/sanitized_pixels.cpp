@@ -62,20 +62,22 @@ void SanitizedSource::read(PixelFormat format, const std::vector<const void*>& r
     usable = measure(policy, jobs::part_of(control, 0.0, 0.5));
   }
   if (!usable) {
-    copy(format, rows, policy, jobs::part_of(control, 0.5, 0.9));
-    measure({}, jobs::part_of(control, 0.9, 1.0));
+    copy(format, rows, policy, jobs::part_of(control, 0.5, 1.0));
   }
   has_negatives_ = std::any_of(ranges_.begin(), ranges_.end(), [](const RowRange& r) { return r.least < 0.0F; });
 }
 
+bool SanitizedSource::measure(std::size_t row, const Sanitizer& sanitizer) {
+  const RowMeasure found = projection_kernels().measure_row(first_texels_[row], 3 * columns_);
+  ranges_[row] = {found.least, found.largest, static_cast<double>(found.sum) / (3.0 * columns_)};
+  return found.finite && found.least >= sanitizer.low() && found.largest <= sanitizer.high();
+}
+
 bool SanitizedSource::measure(const PixelPolicy& policy, const Control& control) {
   const Sanitizer sanitizer(policy);
-  const ProjectionKernels& kernels = projection_kernels();
   std::vector<char> dirty(tiles_of(ranges_.size()), 0);
   for_rows(ranges_.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
-    const RowMeasure found = kernels.measure_row(first_texels_[row], 3 * columns_);
-    ranges_[row] = {found.least, found.largest, static_cast<double>(found.sum) / (3.0 * columns_)};
-    if (!found.finite || found.least < sanitizer.low() || found.largest > sanitizer.high()) dirty[tile] = 1;
+    if (!measure(row, sanitizer)) dirty[tile] = 1;
   });
   return std::find(dirty.begin(), dirty.end(), 1) == dirty.end();
 }
@@ -90,7 +92,7 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
     float* const rgb = copy_.data() + row * row_values;
     image::decode_texels(format, rows[row], columns_, rgb);
     first_texels_[row] = rgb;
-    suspects[row] = sanitizer.may_change(format, rgb, columns_) ? 1 : 0;
+    suspects[row] = measure(row, sanitizer) && !policy.gamma ? 0 : 1;
   });
   if (std::find(suspects.begin(), suspects.end(), 1) == suspects.end()) return;
   sanitize(suspects, sanitizer, jobs::part_of(control, 0.7, 1.0));
@@ -137,6 +139,7 @@ void SanitizedSource::sanitize(const std::vector<char>& suspects, const Sanitize
                         .weight_step = cubemap_ ? 1 : 0,
                         .weight_scale = 1.0},
                        records[tile]);
+    measure(row, sanitizer);
   });
   SanitizeRecord record;
   for (const SanitizeRecord& one : records) record.add(one);

@@ -51,6 +51,8 @@ class SanitizedSource {
   [[nodiscard]] std::size_t bytes() const noexcept { return copy_.bytes(); }
 
  private:
+  /// Notes a row's range. Returns whether all its values are finite and within the sanitizer's bounds.
+  bool measure(std::size_t row, const Sanitizer& sanitizer);
   /// Whether no row needs a change; notes their ranges.
   bool measure(const PixelPolicy& policy, const Control& control);
   void copy(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,

@@ -114,7 +114,7 @@ constexpr int kTileRows = 16;  ///< of the result
 /// Floats of a worker's room: the light of the rows that give to a tile, and `HalvedRow::room`.
 std::size_t room_floats(int size) noexcept {
   constexpr int kRows = 2 * kTileRows + HalvedRow::kMostRows;
-  return static_cast<std::size_t>(3 * size) * (kRows + 1) + 6 * HalvedRow::kMargin + 16;
+  return static_cast<std::size_t>(3 * size) * (kRows + 1) + 6 * HalvedRow::kMargin + HalvedRow::kBeyond;
 }
 
 /// Makes rows of a face that follow each other. `from`: all rows of the face that is halved.

@@ -132,21 +132,18 @@ struct Target {
 
 /// Returns the smallest channel of a level's texels.
 double least_of(const CubemapChain& chain, int level, const Control& control) {
-  constexpr int kTileRows = 96;
-  const int values = 3 * chain.level_size(level);
-  const int rows = 2 * values;
+  constexpr std::ptrdiff_t kTileValues = 65536;
+  const int size = chain.level_size(level);
+  const std::ptrdiff_t values = std::ptrdiff_t{18} * size * size;
   const float* const first = chain.face(level, 0);
-  std::vector<float> least(static_cast<std::size_t>((rows + kTileRows - 1) / kTileRows),
-                           std::numeric_limits<float>::max());
+  std::vector<float> least(static_cast<std::size_t>((values + kTileValues - 1) / kTileValues));
   const auto placement = least.size() < 4 ? jobs::Placement::calling_thread : jobs::Placement::arena;
-  jobs::run_tiles(
-      least.size(), placement, jobs::worker_count(placement), {control.stop, {}}, [&](std::size_t tile, std::size_t) {
-        const int begin = static_cast<int>(tile) * kTileRows;
-        for (int row = begin; row < std::min(rows, begin + kTileRows); ++row) {
-          const float* const at = first + static_cast<std::ptrdiff_t>(row) * values;
-          least[tile] = std::min(least[tile], projection::projection_kernels().measure_row(at, values).least);
-        }
-      });
+  jobs::run_tiles(least.size(), placement, jobs::worker_count(placement), {control.stop, {}},
+                  [&](std::size_t tile, std::size_t) {
+                    const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(tile) * kTileValues;
+                    const auto count = static_cast<int>(std::min(values - begin, kTileValues));
+                    least[tile] = projection::projection_kernels().measure_row(first + begin, count).least;
+                  });
   return static_cast<double>(*std::min_element(least.begin(), least.end()));
 }
 

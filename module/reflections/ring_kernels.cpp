@@ -50,7 +50,7 @@ void halve_row(const HalvedRow& row, float* rgb) {
   const int floats = 3 * row.size;
   float* const light = row.room + margin;
   for (int k = 0; k < margin; ++k) row.room[k] = light[floats + k] = 0.0F;
-  light[floats + margin] = 0.0F;
+  for (int k = 0; k < HalvedRow::kBeyond; ++k) light[floats + margin + k] = 0.0F;
   for (int first = 0; first < floats; first += kWidth) {
     Lanes sum(0.0F);
     for (int k = 0; k < row.count; ++k) sum += Lanes(row.shares[k]) * Lanes::load_unaligned(row.light[k] + first);
@@ -58,15 +58,21 @@ void halve_row(const HalvedRow& row, float* rgb) {
   }
   const int half = row.size / 2;
   const int count = half + 2 * beyond;
-  // each texel is written as four floats, of which the next one overwrites the fourth
-  for (int i = 0; i < count; ++i) {
-    const float* const from = row.room + 6 * i;
+  const auto sum = [](const float* from, auto zero) {
+    using Register = decltype(zero);
     const auto pair = [from](int near, int far) {
-      return Quad::load_unaligned(from + 3 * near) + Quad::load_unaligned(from + 3 * far);
+      return Register::load_unaligned(from + 3 * near) + Register::load_unaligned(from + 3 * far);
     };
-    const Quad sum = pair(0, 7) * Quad(kHalvedShares[0]) + pair(1, 6) * Quad(kHalvedShares[1]) +
-                     pair(2, 5) * Quad(kHalvedShares[2]) + pair(3, 4) * Quad(kHalvedShares[3]);
-    sum.store_unaligned(row.room + 3 * i);
+    return pair(0, 7) * Register(kHalvedShares[0]) + pair(1, 6) * Register(kHalvedShares[1]) +
+           pair(2, 5) * Register(kHalvedShares[2]) + pair(3, 4) * Register(kHalvedShares[3]);
+  };
+  // each texel is written as four floats, of which the next one overwrites the fourth
+  if constexpr (kWidth > Quad::size) {  // sums between texels of the result cost less than narrow registers
+    for (int first = 0; first < 6 * count; first += kWidth)
+      sum(row.room + first, Lanes(0.0F)).store_unaligned(row.room + first);
+    for (int i = 0; i < count; ++i) Quad::load_unaligned(row.room + 6 * i).store_unaligned(row.room + 3 * i);
+  } else {
+    for (int i = 0; i < count; ++i) sum(row.room + 6 * i, Quad(0.0F)).store_unaligned(row.room + 3 * i);
   }
   float* const inside = row.room + 3 * beyond;
   for (int end = 0; end < 2; ++end) {

@@ -54,10 +54,11 @@ struct HalvedRow {
 
   const float* light[kMostRows];  ///< packed RGB, radiance times steradians
   float shares[kMostRows];
-  int count;           ///< rows
-  int size;            ///< texels of a row: even, at least 16
-  const float* scale;  ///< of each texel of the result
-  float* room;         ///< 3 (size + 2 kMargin) + 1 floats
+  int count;                          ///< rows
+  int size;                           ///< texels of a row: even, at least 16
+  const float* scale;                 ///< of each texel of the result
+  float* room;                        ///< 3 (size + 2 kMargin) + kBeyond floats
+  static constexpr int kBeyond = 32;  ///< that registers may read
 };
 
 /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.

@@ -319,6 +319,21 @@ void synthesise_order(const LegendreRun& run, const float* coefficients, float* 
   }
 }
 
+void sum_functions(const float* functions, const float* coefficients, int degrees, float* column) {
+  for (int part = 0; part < kRingLanes; part += kWidth) {
+    Sums<kNumbers> even;
+    Sums<kNumbers> odd;
+    const float* function = functions + part;
+    for (int i = 0; i < degrees; i += 2, function += std::ptrdiff_t{2} * kRingLanes) {
+      const float* const here = coefficients + std::ptrdiff_t{kHarmonicFloats} * i;
+      even.add_all(Lanes::load_aligned(function), here);
+      odd.add_all(Lanes::load_aligned(function + kRingLanes), here + kHarmonicFloats);
+    }
+    even.store(column + part);
+    odd.store(column + kNumbers * kRingLanes + part);
+  }
+}
+
 // What happens to the numbers of one order m between Legendre sums and coefficients. Plain loops: compilers make
 // registers of them.
 
@@ -491,6 +506,7 @@ const LegendreKernels legendre_kernels_table = {
     .integrate_sums = integrate_sums,
     .scale_harmonics = scale_harmonics,
     .spline_rings = spline_rings,
+    .sum_functions = sum_functions,
 };
 
 }  // namespace welkin::transforms::WELKIN_ISA

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "math/elementary.h"
 #include "math/table_cache.h"
@@ -203,6 +204,60 @@ void LegendreFactors::fill_order(int m, int count) {
     alpha[i] = (l - 2.0) * beta[i - 1] / ((l + 1.0) * beta[i]);
   }
   for (int i = 1; i < count; ++i) beta[i] = gamma[i - 1] / ((m + i + 1.0) * beta[i]);
+}
+
+namespace {
+
+constexpr std::size_t kFunctionsCacheBytes = std::size_t{8} << 20U;
+constexpr std::size_t kMostFunctionBytes = std::size_t{1} << 20U;
+
+}  // namespace
+
+bool SplineFunctions::serve(int rings, int bands) noexcept {
+  const auto lanes = static_cast<std::size_t>(LegendreRings::groups_of(rings, RingPlaces::centres)) * kRingLanes;
+  const auto functions = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands + 2) / 2;
+  return functions * lanes * sizeof(float) <= kMostFunctionBytes;
+}
+
+std::shared_ptr<const SplineFunctions> SplineFunctions::get(int rings, int bands) {
+  static auto& cache = *new math::TableCache<std::pair<int, int>, SplineFunctions>(kFunctionsCacheBytes);  // as above
+  return cache.get({rings, bands}, [=] { return std::make_shared<const SplineFunctions>(rings, bands); });
+}
+
+// Six degrees of each parity at a time are sums of their own, in the places of the six numbers.
+SplineFunctions::SplineFunctions(int rings, int bands)
+    : bands_(bands), groups_(LegendreRings::groups_of(rings, RingPlaces::centres)) {
+  constexpr int kParity = 6;
+  std::size_t length = 0;
+  for (int m = 0; m < bands; ++m) {
+    starts_.push_back(length);
+    length += static_cast<std::size_t>(degrees(m));
+  }
+  values_ = platform::AlignedBuffer<float>(length * static_cast<std::size_t>(groups_) * kRingLanes);
+  const auto factors = LegendreFactors::get(bands);
+  const auto places = LegendreRings::get({rings, bands, RingPlaces::centres});
+  const LegendreKernels& kernels = legendre_kernels();
+  platform::AlignedBuffer<float> units(static_cast<std::size_t>(bands + 3) * kHarmonicFloats);
+  platform::AlignedBuffer<float> columns(static_cast<std::size_t>(groups_) * kColumnFloats);
+  platform::AlignedBuffer<float> scratch(spline_scratch_floats(groups_));
+  for (int m = 0; m < bands; ++m) {
+    for (int first = 0; first < degrees(m); first += 2 * kParity) {
+      const int count = std::min(2 * kParity, degrees(m) - first);
+      std::fill_n(units.data(), units.size(), 0.0F);
+      for (int i = first; i < std::min(first + count, bands - m); ++i)
+        units.data()[kHarmonicFloats * i + (i - first) / 2] = 1.0F;
+      kernels.synthesise_order(places->run(m, 0, groups_, *factors), units.data(), columns.data());
+      kernels.spline_rings({groups_, rings, m % 2 != 0}, columns.data(), scratch.data());
+      for (int group = 0; group < groups_; ++group) {
+        float* to = values_.data() + start(m, group) + std::ptrdiff_t{kRingLanes} * first;
+        for (int k = 0; k < count; ++k, to += kRingLanes) {
+          const int row = k % 2 * kParity + k / 2;
+          std::copy_n(columns.data() + std::ptrdiff_t{kColumnFloats} * group + std::ptrdiff_t{kRingLanes} * row,
+                      kRingLanes, to);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace welkin::transforms

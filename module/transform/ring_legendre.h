@@ -122,4 +122,33 @@ class LegendreRings {
   platform::AlignedBuffer<double> row_weights_;
 };
 
+/// Legendre functions of few bands, on the rings of a grid, as the coefficients of cubic B-splines down the meridians:
+/// sums of them need neither the recurrence nor the spline's, which take most of the time where there are few rings.
+class SplineFunctions {
+ public:
+  /// Whether they are few: at most 1 MiB.
+  [[nodiscard]] static bool serve(int rings, int bands) noexcept;
+  /// From a bounded cache, of those that serve.
+  static std::shared_ptr<const SplineFunctions> get(int rings, int bands);
+
+  SplineFunctions(int rings, int bands);
+
+  /// Degrees of order m: bands - m, or one more that is 0 to make them even.
+  [[nodiscard]] int degrees(int m) const noexcept { return (bands_ - m + 1) / 2 * 2; }
+  /// Those of order m on a group: [degrees(m)][kRingLanes].
+  [[nodiscard]] const float* of(int m, int group) const noexcept { return values_.data() + start(m, group); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return sizeof(*this) + values_.bytes(); }
+
+ private:
+  [[nodiscard]] std::size_t start(int m, int group) const noexcept {
+    const std::size_t before = starts_[static_cast<std::size_t>(m)] * static_cast<std::size_t>(groups_);
+    return (before + static_cast<std::size_t>(group) * static_cast<std::size_t>(degrees(m))) * kRingLanes;
+  }
+
+  int bands_;
+  int groups_;
+  std::vector<std::size_t> starts_;  ///< degrees of the orders before
+  platform::AlignedBuffer<float> values_;
+};
+
 }  // namespace welkin::transforms

@@ -328,6 +328,8 @@ class Synthesis {
         fourier_(RingFourier::get(grid.columns())),
         factors_(LegendreFactors::get(bands_)),
         rings_(LegendreRings::get({grid.rings(), bands_, RingPlaces::centres})),
+        functions_(spline_ && SplineFunctions::serve(grid.rings(), bands_) ? SplineFunctions::get(grid.rings(), bands_)
+                                                                           : nullptr),
         groups_(rings_->groups()),
         columns_(static_cast<std::size_t>(bands_) * static_cast<std::size_t>(groups_) * kColumnFloats) {}
 
@@ -352,6 +354,7 @@ class Synthesis {
   std::shared_ptr<const RingFourier> fourier_;
   std::shared_ptr<const LegendreFactors> factors_;
   std::shared_ptr<const LegendreRings> rings_;
+  std::shared_ptr<const SplineFunctions> functions_;  ///< null: they are too many
   int groups_;
   platform::AlignedBuffer<float> columns_;  ///< [m][group][kColumnFloats]
 };
@@ -376,6 +379,11 @@ void Synthesis::sum_order(int m, SynthesisScratch& room) noexcept {
                                     spectrum_.order(m), room.coefficients.data());
   float* const end = room.coefficients.data() + std::ptrdiff_t{kHarmonicFloats} * count;
   std::fill_n(end, (4 * fours_of(count) - count) * kHarmonicFloats, 0.0F);
+  for (int group = 0; functions_ && group < groups_; ++group) {
+    legendre_kernels_.sum_functions(functions_->of(m, group), room.coefficients.data(), functions_->degrees(m),
+                                    column(m, group));
+  }
+  if (functions_) return;
   legendre_kernels_.synthesise_order(rings_->run(m, 0, groups_, *factors_), room.coefficients.data(), column(m, 0));
   if (spline_) legendre_kernels_.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), room.rows.data());
 }

@@ -159,6 +159,10 @@ inline constexpr int kSplineMargin = 32;
   return std::size_t{12} * (static_cast<std::size_t>(groups) * kRingLanes + std::size_t{2} * kSplineMargin);
 }
 
+/// column = sum over l of coefficients[degrees][kHarmonicFloats] functions[degrees][kRingLanes], for one group and
+/// order m: degrees l = m, m + 2, ... in the even part, the others in the odd one. `degrees` is even.
+using SumFunctions = void (*)(const float* functions, const float* coefficients, int degrees, float* column);
+
 struct LegendreKernels {
   AnalyseOrder analyse_order;
   SynthesiseOrder synthesise_order;
@@ -167,6 +171,7 @@ struct LegendreKernels {
   IntegrateSums integrate_sums;
   ScaleHarmonics scale_harmonics;
   SplineRings spline_rings;
+  SumFunctions sum_functions;
 };
 WELKIN_KERNEL_TABLES(LegendreKernels, legendre_kernels)
 

@@ -346,6 +346,27 @@ TEST_CASE("faces: of a changed cubemap only the changed faces are read") {
   }
 }
 
+TEST_CASE("faces: after any sequence of updates their total is the whole projection") {
+  for (const int size : {1, 2, 3, 7, 64, 257}) {
+    INFO(size);
+    TestCubemap cubemap = make_cubemap(Content::high_range, size, 3, 7);
+    FaceHarmonics kept = project_faces(cubemap.view());
+    const std::size_t face_values = cubemap.pixels.size() / 6;
+    for (int step = 0; step < 9; ++step) {
+      const std::array faces{5 * step % 6, (5 * step + 1 + step % 5) % 6};  // every face, and some twice in a row
+      for (const int face : faces) {
+        float* const first = cubemap.pixels.data() + static_cast<std::size_t>(face) * face_values;
+        for (std::size_t k = 0; k < face_values; ++k)
+          first[k] *= 0.5F + static_cast<float>((k + static_cast<std::size_t>(step)) % 3);
+      }
+      const FaceHarmonics older = kept;
+      update_faces(kept, cubemap.view(), faces);
+      CHECK(same_bits(total(kept), project(cubemap.view())));
+      CHECK_FALSE(same_bits(total(older), total(kept)));
+    }
+  }
+}
+
 TEST_CASE("faces: the same pixels have the same sums on any face") {
   const TestCubemap cubemap = make_cubemap(Content::random, 40, 4, 2);
   CubemapView swapped = cubemap.view();
