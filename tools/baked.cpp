@@ -325,9 +325,8 @@ struct EnvChain {
 /// With the bounds that were picked for the bake's, if they were.
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
-  EnvChain chain{env_options(*whole.specular, options), env_pass(options)};
-  if (!contains_rgbd(options.files) || !specular) return chain;
-  chain.wanted = true;
+  if (!contains_rgbd(options.files) || !specular) return {};  // a fit to lookups would take milliseconds
+  EnvChain chain{env_options(*whole.specular, options), env_pass(options), true};
   chain.options.rms_error = specular->rms_error;
   chain.options.maximum_error = specular->maximum_error;
   chain.is_specular = chain.options == *specular;
@@ -455,7 +454,7 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   baked.env_is_specular = work.env.is_specular;
   explain(options, baked.plan);
   memory.env_size = work.env.options.size;
-  memory.env_mips = work.env.options.mips.value();
+  memory.env_mips = work.env.options.mips.value_or(0);
   check_memory(memory, options, baked.options);  // which holds the library's limit too
   return work;
 }
@@ -476,7 +475,7 @@ HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& 
                     planned.result_bytes + planned.working_bytes,
                     0,
                     chain.options.size,
-                    chain.options.mips.value(),
+                    chain.options.mips.value_or(0),
                     file.levels,
                     lat_long_bytes(file.shape, options, whole)};
   if (chain.second()) {

@@ -88,7 +88,7 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint, 
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(ErrorCode::file_access, "cannot be read (" + reason() + "); " + hint);
-  constexpr std::size_t kBlock = std::size_t{1} << 20U;
+  constexpr std::size_t kBlock = std::size_t{1} << 14U;  // sound ones have some kilobytes
   std::string text;
   while (stream) {
     const std::size_t before = text.size();

@@ -12,6 +12,7 @@
 #include "image/geometry.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/memory.h"
 #include "platform/standard_library.h"
 #include "welkin/environment_file.h"
 
@@ -69,6 +70,7 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
                                    "; raise the limit or reduce the picture");
   }
   Environment environment{info, platform::make_unique_for_overwrite<float[]>(bytes / sizeof(float))};
+  platform::advise_huge_pages(environment.pixels.get(), bytes);
   const std::uint64_t left = options.memory_limit_bytes - bytes;
   if (lies_as_in_memory(source)) {
     read_all_rows(source, left, control, environment.pixels.get());

@@ -59,6 +59,9 @@ class Lobe {
   /// A finite spectrum, whose first number is 1.
   explicit Lobe(std::vector<double> factors);
 
+  /// Returns the bytes of a lobe other than GGX whose spectrum and table were made, unless it is narrower than most.
+  [[nodiscard]] static constexpr std::size_t bytes() noexcept { return std::size_t{1} << 19U; }
+
   /// Returns GGX's alpha; 0 for any other lobe.
   [[nodiscard]] double alpha() const noexcept { return alpha_; }
   /// Returns the density per steradian.

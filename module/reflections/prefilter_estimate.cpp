@@ -226,23 +226,24 @@ std::vector<double> continued(std::span<const double> known, int bands) {
   return energies;
 }
 
-/// Returns the bands that a mip will take, more than the source's energies have, by their continuation.
-int foreseen_bands(const PrefilterPlan& plan, const SpectralSource& source, MipPlan mip) {
-  // what rings lose does not end with more bands, so that none would seem to do
-  const int most = std::min(transforms::kMaximumSpectrumBands, 5 * plan.bands / 2);
-  const std::vector<double> energies = continued(source.energies, most);
-  SpectralSource longer = source;
+/// Returns the bands that a mip will take, more than the plan has. `source`: with the degrees beyond foreseen.
+int foreseen_bands(PrefilterPlan plan, SpectralSource source, MipPlan mip) {
+  const auto most = static_cast<int>(source.energies.size());
   for (int bands = plan.bands + plan.bands / 8;; bands += bands / 16) {
-    bands = std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
-    longer.energies = std::span(energies).first(static_cast<std::size_t>(bands));
-    if (bands == most || error_of_bands(longer, bands, mip) <= kOfLobeBound * plan.bounds.rms) return bands;
+    plan.bands = std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
+    if (source.face_size > 0) source.rings = plan.rows_for_cubemap();
+    if (plan.bands == most || error_of_bands(source, plan.bands, mip) <= kOfLobeBound * plan.bounds.rms)
+      return plan.bands;
   }
 }
 
 }  // namespace
 
-int choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source) {
+int choose_bands_by_energy(PrefilterPlan& plan, SpectralSource source) {
   int wanted = plan.bands;
+  const std::vector<double> energies =
+      continued(source.energies, std::min(transforms::kMaximumSpectrumBands, 5 * plan.bands / 2));
+  source.energies = energies;
   for (std::size_t level = 0; level < plan.spectral_lobes.size(); ++level) {
     MipPlan mip;
     mip.lobe = plan.spectral_lobes[level];

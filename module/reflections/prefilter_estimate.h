@@ -33,9 +33,9 @@ struct SpectralSource {
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
 /// Chooses the bands of each spectral mip of a plan of lobes other than GGX, of at most `plan.bands`, by the picture's
-/// energies. Returns `plan.bands`, or the number of bands to look at if some lobe of the whole chain needs more. Throws
-/// `Error` (limit_exceeded) if there are no more.
-[[nodiscard]] int choose_bands_by_energy(PrefilterPlan& plan, const SpectralSource& source);
+/// energies, which go on as they fall. Returns `plan.bands`, or the number of bands to look at if some lobe of the
+/// whole chain needs more. Throws `Error` (limit_exceeded) if there are no more.
+[[nodiscard]] int choose_bands_by_energy(PrefilterPlan& plan, SpectralSource source);
 
 /// Returns a mip that has near sums with the factors of its far part, tapered at the end.
 [[nodiscard]] MipPlan with_far_part(MipPlan mip);

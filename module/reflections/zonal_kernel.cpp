@@ -5,6 +5,7 @@
 
 #include "image/pixels.h"
 #include "math/elementary.h"
+#include "math/table_cache.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "projection/sanitized_pixels.h"
@@ -44,10 +45,20 @@ std::shared_ptr<const reflections::Lobe> lobe_of(const std::function<double(doub
   return std::make_shared<const reflections::Lobe>(value, std::move(places));
 }
 
-/// Of a function of cosines above 0.
+/// Which function a kernel with a name is.
+struct Key {
+  LobeFamily family;
+  double number;
+  bool operator==(const Key&) const = default;
+};
+
+/// Returns the lobe of a function of cosines above 0. The latest ones are kept: their spectra and tables take longer
+/// than the blur of a small mip.
 template <class Value>
-std::shared_ptr<const reflections::Lobe> above_horizon(const Value& value) {
-  return lobe_of([&value](double cosine) { return cosine > 0.0 ? value(cosine) : 0.0; }, {0.0});
+std::shared_ptr<const reflections::Lobe> above_horizon(const Key& key, const Value& value) {
+  static auto& lobes =
+      *new math::TableCache<Key, reflections::Lobe>(16 * reflections::Lobe::bytes());  // never destroyed
+  return lobes.get(key, [&] { return lobe_of([&](double c) { return c > 0.0 ? value(c) : 0.0; }, {0.0}); });
 }
 
 }  // namespace
@@ -56,24 +67,27 @@ ZonalKernel ZonalKernel::charlie(double roughness) {
   const platform::FloatingPointScope floating_point;
   require_number("roughness of Charlie sheen", roughness, 0.01, 1.0);
   const double power = 0.5 / (roughness * roughness);
-  return {above_horizon([power](double cosine) { return cosine * power_of(1.0 - cosine, power); }), roughness};
+  return {above_horizon({LobeFamily::charlie, power},
+                        [power](double cosine) { return cosine * power_of(1.0 - cosine, power); }),
+          roughness};
 }
 
 ZonalKernel ZonalKernel::lambert() {
   const platform::FloatingPointScope floating_point;
-  return {above_horizon([](double cosine) { return cosine; }), 0.0};
+  return {above_horizon({LobeFamily::lambert, 0.0}, [](double cosine) { return cosine; }), 0.0};
 }
 
 ZonalKernel ZonalKernel::phong(double power) {
   const platform::FloatingPointScope floating_point;
   require_number("the power of Phong's lobe", power, 0.5, 1e6);
-  return {above_horizon([power](double cosine) { return power_of(cosine, power); }), 0.0};
+  return {above_horizon({LobeFamily::phong, power}, [power](double cosine) { return power_of(cosine, power); }), 0.0};
 }
 
 ZonalKernel ZonalKernel::blinn(double power) {
   const platform::FloatingPointScope floating_point;
   require_number("the power of Blinn's lobe", power, 0.0, 1e6);
   return {above_horizon(
+              {LobeFamily::blinn, power},
               [power](double cosine) { return cosine * power_of(std::min(1.0, 0.5 * (1.0 + cosine)), 0.5 * power); }),
           0.0};
 }

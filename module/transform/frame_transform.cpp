@@ -19,8 +19,10 @@ constexpr image::Frame kLatLong{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
 
 /// All seven transforms for one number of bands.
 struct Transforms {
-  explicit Transforms(int bands) : lat_long(kLatLong, bands) {
-    for (int face = 0; face < 6; ++face) faces.emplace_back(image::face_frame(face), bands);
+  explicit Transforms(int bands) {
+    const SphereRule rule(bands);
+    for (int face = 0; face < 6; ++face) faces.emplace_back(image::face_frame(face), rule);
+    lat_long = FrameTransform(kLatLong, rule);
   }
   std::vector<FrameTransform> faces;
   FrameTransform lat_long;
@@ -37,32 +39,40 @@ const Transforms& transforms(int bands) {
 
 }  // namespace
 
-// T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, for which
-// bands Gauss points in z and 2 bands equidistant azimuths are exact. Harmonics of different degrees do not mix.
-// Entries are sums of products of a few square roots; what is not one is rounding and dropped.
-FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions_(bands * bands) {
-  const auto count = static_cast<std::size_t>(functions_);
-  std::vector<double> matrix(count * count);
-  std::vector<double> canonical(count);
-  std::vector<double> local(count);
+SphereRule::SphereRule(int bands) : bands_(bands) {
+  const auto count = static_cast<std::size_t>(bands * bands);
   const math::GaussRule rule = math::gauss_legendre(bands);
   const int azimuths = 2 * bands;
+  values_.resize(static_cast<std::size_t>(rule.order * azimuths) * count);
+  double* values = values_.data();
   for (int i = 0; i < rule.order; ++i) {
     const double z = rule.nodes[i];
     const double ring = std::sqrt(1.0 - z * z);
     const double weight = rule.weights[i] * 2.0 * std::numbers::pi / azimuths;
-    for (int k = 0; k < azimuths; ++k) {
+    for (int k = 0; k < azimuths; ++k, values += count) {
       const math::SineCosine azimuth = math::sine_cosine_of_turns((k + 0.5) / azimuths);
-      const double x = ring * azimuth.cosine;
-      const double y = ring * azimuth.sine;
-      const glm::dvec3 world = x * frame.u + y * frame.v + z * frame.normal;
-      math::evaluate_basis(x, y, z, bands, local.data());
-      math::evaluate_basis(world.x, world.y, world.z, bands, canonical.data());
-      for (std::size_t first = 0, end = 1, width = 1; first < count; first = end, width += 2, end += width) {
-        for (std::size_t row = first; row < end; ++row) {
-          for (std::size_t column = first; column < end; ++column)
-            matrix[row * count + column] += weight * canonical[row] * local[column];
-        }
+      points_.push_back({ring * azimuth.cosine, ring * azimuth.sine, z, weight, values});
+      math::evaluate_basis(points_.back().x, points_.back().y, z, bands, values);
+    }
+  }
+}
+
+// T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, which the rule
+// integrates exactly. Harmonics of different degrees do not mix. Entries are sums of products of a few square roots;
+// what is not one is rounding and dropped.
+FrameTransform::FrameTransform(const image::Frame& frame, const SphereRule& rule)
+    : functions_(rule.bands() * rule.bands()) {
+  const auto count = static_cast<std::size_t>(functions_);
+  const int bands = rule.bands();
+  std::vector<double> matrix(count * count);
+  std::vector<double> canonical(count);
+  for (const SphereRule::Point& point : rule.points()) {
+    const glm::dvec3 world = point.x * frame.u + point.y * frame.v + point.z * frame.normal;
+    math::evaluate_basis(world.x, world.y, world.z, bands, canonical.data());
+    for (std::size_t first = 0, end = 1, width = 1; first < count; first = end, width += 2, end += width) {
+      for (std::size_t row = first; row < end; ++row) {
+        for (std::size_t column = first; column < end; ++column)
+          matrix[row * count + column] += point.weight * canonical[row] * point.harmonics[column];
       }
     }
   }

@@ -7,6 +7,7 @@
 
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
+#include "reflections/prefilter_estimate.h"
 #include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
@@ -120,6 +121,25 @@ TEST_CASE("Pictures too dark or too bright for floats are blurred by kernels thr
       REQUIRE(relative(static_cast<double>(found[k]), static_cast<double>(scale) * static_cast<double>(expected[k])) <
               1e-5);
   }
+}
+
+TEST_CASE("A kernel with a name is made once", "[zonal]") {
+  CHECK(ZonalKernel::charlie(0.3).lobe() == ZonalKernel::charlie(0.3).lobe());
+  CHECK(ZonalKernel::charlie(0.3).lobe() != ZonalKernel::charlie(0.4).lobe());
+  CHECK(ZonalKernel::phong(20.0).lobe() != ZonalKernel::blinn(20.0).lobe());
+}
+
+TEST_CASE("The transform that a cubemap needs for sheen is foreseen by the rings that it will have", "[zonal][bits]") {
+  reflections::PrefilterPlan plan =
+      reflections::plan_prefilter(PrefilterOptions{.size = 64, .mips = 1, .lobe = LobeFamily::charlie});
+  std::vector<double> energies;
+  for (int l = 0; l < plan.bands; ++l) energies.push_back((2.0 * l + 1.0) / (1.0 + std::pow(l, 3.0)));
+  const reflections::SpectralSource source{energies, 512, plan.rows_for_cubemap()};
+  const int first = plan.bands;
+  const int wanted = reflections::choose_bands_by_energy(plan, source);
+  CAPTURE(first, wanted);
+  CHECK(wanted > first);
+  CHECK(wanted < 2 * first);  // by the rings of the first transform none would do
 }
 
 }  // namespace welkin::test
