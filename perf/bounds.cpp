@@ -40,6 +40,15 @@ Subject chain_of(const Environment& picture, bool cubemap, const std::string& na
           }};
 }
 
+Subject irradiance_of(const Environment& picture, int size) {
+  const auto cube = std::make_shared<CubemapImage>(to_cubemap(picture.lat_long(), size));
+  BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
+  return {"cube " + std::to_string(size) + ", irradiance", [=](double bound) mutable {
+            options.irradiance->rms_error = bound;
+            static_cast<void>(bake(cube->view(), options));
+          }};
+}
+
 Subject probes_of(const Environment& picture, int mips) {
   constexpr int size = 64;
   constexpr std::size_t count = 64;
@@ -72,6 +81,7 @@ std::vector<Subject> subjects_of(const Environment& picture) {
   subjects.push_back(
       chain_of(picture, true, "cube 64, Charlie, 3 mips", {.size = 64, .mips = 3, .lobe = LobeFamily::charlie}));
   subjects.push_back(chain_of(picture, true, "cube 64, Lambert", {.size = 64, .lobe = LobeFamily::lambert}));
+  subjects.push_back(irradiance_of(picture, 64));
   subjects.push_back(probes_of(picture, 3));
   subjects.push_back(probes_of(picture, 5));
   return subjects;
