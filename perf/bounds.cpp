@@ -48,7 +48,7 @@ Subject chain_of(const Environment& picture, bool cubemap, const std::string& na
 Subject faces_of(const Environment& picture, PrefilterOptions options) {
   const auto source =
       std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
-  return {"of it face by face, with harmonics, from halves", [=](double bound) mutable {
+  return {"of it face by face, with harmonics, from half floats", [=](double bound) mutable {
             options.rms_error = bound;
             const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).with_near_sums(options.size);
             const projection::SanitizedSource clean(source->view(), {}, {});
@@ -57,6 +57,15 @@ Subject faces_of(const Environment& picture, PrefilterOptions options) {
             CubemapChain sharp(options.size, 1);
             reflections::fill_level(clean, sharp, 0, {});
             static_cast<void>(project(source->view()));
+          }};
+}
+
+Subject irradiance_of(const Environment& picture, int size) {
+  const auto cube = std::make_shared<CubemapImage>(to_cubemap(picture.lat_long(), size));
+  BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
+  return {"cube " + std::to_string(size) + ", irradiance", [=](double bound) mutable {
+            options.irradiance->rms_error = bound;
+            static_cast<void>(bake(cube->view(), options));
           }};
 }
 
@@ -93,6 +102,7 @@ std::vector<Subject> subjects_of(const Environment& picture) {
   subjects.push_back(
       chain_of(picture, true, "cube 64, Charlie, 3 mips", {.size = 64, .mips = 3, .lobe = LobeFamily::charlie}));
   subjects.push_back(chain_of(picture, true, "cube 64, Lambert", {.size = 64, .lobe = LobeFamily::lambert}));
+  subjects.push_back(irradiance_of(picture, 64));
   subjects.push_back(probes_of(picture, 3));
   subjects.push_back(probes_of(picture, 5));
   return subjects;

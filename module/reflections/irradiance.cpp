@@ -15,9 +15,6 @@ namespace {
 
 constexpr double kLambertAlpha = 1.0;  ///< the GGX lobe of roughness 1 is the clipped cosine
 
-/// Of the GGX lobe that texels are compared through: from 25 times the mean on they are lights.
-constexpr double kLightAlpha = 0.1;
-
 constexpr double kLeastByHarmonics = 1e-5;  ///< below, float sums leave too little of a bound
 constexpr double kLargestOverRms = 10.0;    ///< largest error of a texel over the rms error, of bounds
 constexpr double kIntegralError = 2e-7;     ///< of a sum in double that is rounded to floats
@@ -50,7 +47,7 @@ PrefilterPlan plan_irradiance(int size, double rms_error) {
   if (rms_error < kLeastByHarmonics) return plan;
   plan.bands = std::max(plan.irradiance->bands.bands(), bands_for_dark(plan.bounds));
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
-  plan.light_alpha = kLightAlpha;
+  plan.light_alpha = kMatteLightAlpha;
   plan.may_integrate = true;
   return plan;
 }

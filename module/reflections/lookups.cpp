@@ -24,7 +24,8 @@ constexpr int kSamples = 3;       ///< roughnesses that are looked at between tw
 
 double log2(double x) noexcept { return math::logarithm(x) / std::numbers::ln2; }
 
-/// Returns the mip, fractions too, at which the schedule's shader looks `roughness` up.
+}  // namespace
+
 double mip_by_formula(RoughnessSchedule schedule, double roughness, int mips, int size) {
   const int last = mips - 1;
   double mip = last * roughness;
@@ -37,8 +38,6 @@ double mip_by_formula(RoughnessSchedule schedule, double roughness, int mips, in
   }
   return std::clamp(mip, 0.0, static_cast<double>(last));
 }
-
-}  // namespace
 
 LookupFormula formula_of(const std::vector<double>& roughness, int size) {
   LookupFormula formula{std::nullopt, static_cast<int>(roughness.size()), size};

@@ -23,6 +23,9 @@ struct LookupFormula {
   bool operator==(const LookupFormula&) const = default;
 };
 
+/// Returns the mip, fractions too, at which a shader looks `roughness` up in a chain of `mips` from `size` texels.
+[[nodiscard]] double mip_by_formula(RoughnessSchedule schedule, double roughness, int mips, int size);
+
 /// Returns the formula of a chain of `size` with these roughnesses: that of the schedule that gives them, if one does.
 [[nodiscard]] LookupFormula formula_of(const std::vector<double>& roughness, int size);
 

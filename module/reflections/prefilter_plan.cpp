@@ -380,12 +380,27 @@ ZonalKernel kernel_of(LobeFamily lobe, double roughness) {
   switch (lobe) {
     case LobeFamily::charlie: return ZonalKernel::charlie(roughness);
     case LobeFamily::phong: return ZonalKernel::phong(std::max(1.0, power));
-    case LobeFamily::blinn: return ZonalKernel::blinn(std::max(0.0, power));
-    default: return ZonalKernel::lambert();
+    default: return ZonalKernel::blinn(std::max(0.0, power));
   }
 }
 
-/// Adds the mips of a family other than GGX.
+/// Adds the mips of the clipped cosine, which is the GGX lobe of roughness 1.
+void plan_lambert(const PrefilterOptions& options, const std::vector<double>& roughness,
+                  const std::vector<double>& lobes, PrefilterPlan& plan) {
+  const std::vector<double> rough(roughness.size(), 1.0);
+  plan_ggx(options, rough, rough, plan);
+  plan.family = LobeFamily::lambert;
+  plan.light_alpha = kMatteLightAlpha;
+  for (std::size_t level = 0; level < roughness.size(); ++level) {
+    MipPlan& mip = plan.mips[level];
+    mip.roughness = roughness[level];
+    mip.lobe_roughness = lobes[level];
+    mip.to_next.reset();
+    plan.family_numbers.push_back({lobes[level]});
+  }
+}
+
+/// Adds the mips of a family other than GGX and Lambert.
 void plan_family(const PrefilterOptions& options, const std::vector<double>& roughness,
                  const std::vector<double>& lobes, PrefilterPlan& plan) {
   if (options.lobe == LobeFamily::spectra && options.spectra.size() < roughness.size()) {
@@ -432,6 +447,8 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.may_integrate = options.method == PrefilterMethod::automatic;
   if (options.lobe == LobeFamily::ggx) {
     plan_ggx(options, roughness, lobes, plan);
+  } else if (options.lobe == LobeFamily::lambert) {
+    plan_lambert(options, roughness, lobes, plan);
   } else {
     plan_family(options, roughness, lobes, plan);
   }

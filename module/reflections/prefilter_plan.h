@@ -20,6 +20,10 @@ namespace welkin::reflections {
 /// No wider lobe has near sums, nor does it decide how others are made.
 inline constexpr double kMostNearAlpha = 0.25;
 
+/// Alpha of the GGX lobe that texels are compared through where a surface is matte: from 25 times the mean on they are
+/// lights.
+inline constexpr double kMatteLightAlpha = 0.1;
+
 struct MipPlan {
   int size = 0;
   double roughness = 0.0;

@@ -97,6 +97,8 @@ inline constexpr const char* kFirstCall = "--first-call";
 /// bound, threads. Throws `Error` as reading and prefiltering do.
 [[nodiscard]] double first_call_seconds(std::span<const std::string> arguments);
 
+[[nodiscard]] std::vector<PassRunner> lookup_passes();
+
 [[nodiscard]] std::vector<PassRunner> brdf_passes();
 
 /// One way to a cubemap in blocks.

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <glm/mat3x3.hpp>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "embedded_texts.h"
+#include "image/geometry.h"
 #include "perf/report/process.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -177,7 +181,49 @@ std::vector<float> rows_from_below(const float* rgb, int size) {
   return turned;
 }
 
+/// The chain that webgl_peers.mjs wrote and said this of.
+PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
+  const bool is_three = said.at("engine") == "three";
+  CubemapChain chain(said.at("size"), said.at("mips"));
+  const std::string bytes = text_of(folder / (said.at("engine").get<std::string>() + ".f32"));
+  std::size_t at = 0;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const auto level_bytes = std::size_t{18} * sizeof(float) * static_cast<std::size_t>(chain.level_size(level)) *
+                             static_cast<std::size_t>(chain.level_size(level));
+    if (bytes.size() - at < level_bytes) throw Error(ErrorCode::corrupt_file, "fewer texels than it said");
+    std::copy_n(bytes.data() + at, level_bytes, reinterpret_cast<char*>(chain.face(level, 0)));
+    at += level_bytes;
+  }
+  const Convention& engine = convention(is_three ? Engine::three : Engine::babylon);
+  // three.js mirrors cubemaps that are loaded; what it draws itself it reads as it is.
+  const dmat3 faces = is_three ? engine.from_welkin : *engine.faces_from_engine * engine.from_welkin;
+  return {said.at("version"),
+          is_three ? "PMREMGenerator" : "HDRFiltering",
+          std::to_string(chain.level_size(0)) + " texels, " + std::to_string(chain.levels()) + " mips",
+          from_axes(chain, faces),
+          is_three ? RoughnessSchedule::filament : RoughnessSchedule::babylon,
+          std::numeric_limits<double>::quiet_NaN()};
+}
+
 }  // namespace
+
+CubemapChain from_axes(const CubemapChain& chain, const dmat3& faces) {
+  CubemapChain result(chain.level_size(0), chain.levels());
+  for (int level = 0; level < chain.levels(); ++level) {
+    const int size = chain.level_size(level);
+    for (int face = 0; face < 6; ++face) {
+      for (int row = 0; row < size; ++row) {
+        for (int column = 0; column < size; ++column) {
+          const glm::dvec3 there = faces * glm::dvec3(image::point_of(size, {face, column, row}));
+          const image::CubeTexel from = image::texel_at(size, glm::ivec3(glm::round(there)));
+          std::copy_n(chain.face(level, from.face) + 3 * (from.row * size + from.column), 3,
+                      result.face(level, face) + 3 * (row * size + column));
+        }
+      }
+    }
+  }
+  return result;
+}
 
 Peers Peers::find(const std::filesystem::path& node_modules) {
   Peers peers;
@@ -195,6 +241,10 @@ Peers Peers::find(const std::filesystem::path& node_modules) {
   } else {
     peers.node_ = "node";
     peers.node_modules_ = std::filesystem::absolute(node_modules);
+    for (const char* const name : {"chromium-headless-shell", "chromium"})
+      if (!peers.browser_ && on_path(name)) peers.browser_ = name;
+    if (!peers.browser_)
+      peers.notes_.emplace_back("Chromium is not on this machine: chains of Babylon.js and three.js are left out.");
   }
   return peers;
 }
@@ -263,11 +313,36 @@ std::vector<PeerChain> Peers::prefilter_file(const std::filesystem::path& file, 
     const std::optional<double> seconds = process_seconds(arguments, stopwatch);
     if (!seconds) continue;
     try {
-      found.push_back(
-          {peer, std::to_string(count) + " samples", read_levels(output / file.stem(), size, levels), *seconds});
+      found.push_back({peer, "importance sampling", std::to_string(count) + " samples",
+                       read_levels(output / file.stem(), size, levels), RoughnessSchedule::filament, *seconds});
     } catch (const Error&) {
       continue;  // it wrote something else
     }
+  }
+  return found;
+}
+
+std::vector<PeerChain> Peers::prefilter_by_webgl(const std::filesystem::path& file, int size,
+                                                 const std::filesystem::path& folder) const {
+  if (!browser_) return {};
+  const std::filesystem::path output = folder / "webgl_found.json";
+  if (!std::filesystem::exists(output)) {
+    std::ofstream(folder / "webgl_peers.mjs") << tool::embedded_text("webgl_peers.mjs");
+    std::ofstream(folder / "webgl_peers.json") << Json{{"modules", node_modules_.string()},
+                                                       {"browser", *browser_},
+                                                       {"picture", std::filesystem::absolute(file).string()},
+                                                       {"size", size},
+                                                       {"folder", folder.string()}};
+    (void)run_process({*node_, (folder / "webgl_peers.mjs").string(), (folder / "webgl_peers.json").string()}, 0,
+                      Clock::wall, output);
+  }
+  std::vector<PeerChain> found;
+  try {
+    for (const Json& one : Json::parse(text_of(output))) found.push_back(webgl_chain(one, folder));
+  } catch (const Json::exception&) {
+    return {};
+  } catch (const Error&) {
+    return {};
   }
   return found;
 }

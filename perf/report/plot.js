@@ -31,6 +31,8 @@ function duration(seconds) {
 const methodOf = (one) => (one.peer === null ? one.method : `${one.peer}, ${one.method}`);
 const labelOf = (one) => `${methodOf(one)}, ${one.setting}`;
 const isDrawn = (one) => one.seconds !== null && one.error_rms !== null;
+/** Another program's error without a time: a line across the plot. */
+const isLine = (one) => one.seconds === null && one.error_rms !== null && one.peer !== null;
 const clockOf = (machine) => `${machine.clock} of a call, ${machine.threads} ${machine.threads === 1 ? "thread" : "threads"}`;
 
 const WIDTH = 860;
@@ -82,7 +84,13 @@ function labelPlaces() {
       }
     return null;
   };
-  return { place, keepFree: (left, top, right, bottom) => taken.push({ left, top, right, bottom }) };
+  const keepFree = (left, top, right, bottom) => taken.push({ left, top, right, bottom });
+  /** Takes a box unless something lies there. */
+  const takes = (left, top, right, bottom) => {
+    if (top < AREA.top || taken.some((other) => touch({ left, top, right, bottom }, other))) return false;
+    return keepFree(left, top, right, bottom) > 0;
+  };
+  return { place, keepFree, takes };
 }
 
 /** A power of ten in percent; with an exponent where zeros would not fit beside the axis. */
@@ -135,6 +143,25 @@ function targetsOf(errors, places) {
   return svg;
 }
 
+/** Errors without a time, each with its words where there is room. */
+function untimedOf(lines, errors, paint, places) {
+  let svg = "";
+  for (const one of lines) {
+    const at = errors.place(one.error_rms);
+    const text = `${methodOf(one)}, ${one.setting}: not timed`;
+    const colour = paint(one);
+    svg += `<g class="point"><title>${escaped(labelOf(one))}\n${percent(one.error_rms)} rms, ` +
+           `${percent(one.error_maximum)} at most</title>` +
+           line(AREA.left, at, AREA.right, at, `stroke="${colour}" stroke-width="1.4" stroke-dasharray="9 3"`) + "</g>";
+    for (const base of [at - 4, at + 12]) {
+      if (!places.takes(AREA.left + 6, base - 9, AREA.left + 6 + 6.2 * text.length, base + 2)) continue;
+      svg += words(AREA.left + 6, base, text, `fill="${colour}" font-size="11"`);
+      break;
+    }
+  }
+  return svg;
+}
+
 /** Returns the signs' meaning and its height. */
 function legendOf(series) {
   let svg = "";
@@ -160,7 +187,8 @@ function plotSvg(pass, measurements, machine) {
   const drawn = measurements.filter(isDrawn);
   if (drawn.length === 0) return "";
   const times = logAxis(drawn.map((one) => one.seconds), 1e-9, AREA.left, AREA.right);
-  const errors = logAxis(drawn.map((one) => one.error_rms), 1e-9, AREA.bottom, AREA.top);
+  const untimed = measurements.filter(isLine);
+  const errors = logAxis([...drawn, ...untimed].map((one) => one.error_rms), 1e-9, AREA.bottom, AREA.top);
   const places = labelPlaces();
   const [x, y] = [(one) => times.place(one.seconds), (one) => errors.place(one.error_rms)];
   const series = new Map(); // methods in the order in which they come; a peer's are its own
@@ -168,7 +196,7 @@ function plotSvg(pass, measurements, machine) {
     if (!series.has(methodOf(one))) series.set(methodOf(one), { members: [], paint: COLOURS[series.size % COLOURS.length] });
     series.get(methodOf(one)).members.push(one);
   }
-  const [legend, legendHeight] = legendOf(series);
+  const [legend, legendHeight] = legendOf(new Map([...series].filter(([, { members }]) => members.some(isDrawn))));
   let svg = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${WIDTH} ${HEIGHT + legendHeight}" width="${WIDTH}" ` +
             `height="${HEIGHT + legendHeight}" role="img" font-family="system-ui, sans-serif" font-size="12">\n` +
             `<title>${escaped(pass.title)}: error over time</title>\n<rect width="100%" height="100%" fill="#ffffff"/>\n` +
@@ -187,6 +215,7 @@ function plotSvg(pass, measurements, machine) {
              `${one.on_front ? ring(x(one), y(one), 7.5, 'fill="#ffffff"') : ""}${sign(one, x(one), y(one), paint)}</g>\n`;
       places.keepFree(x(one) - 6, y(one) - 6, x(one) + 6, y(one) + 6);
     }
+  svg += untimedOf(untimed, errors, (one) => series.get(methodOf(one)).paint, places);
   // The front's words first, then those of peers, then of the rest where there is room.
   const rest = drawn.filter((one) => !one.on_front);
   for (const one of [...front, ...rest.filter((one) => one.peer !== null), ...rest.filter((one) => one.peer === null)]) {

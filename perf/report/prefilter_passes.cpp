@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "perf/report/error_norms.h"
 #include "perf/report/importance_sampling.h"
@@ -65,7 +67,7 @@ Source source_of(const View& view) {
           mean_radiance(project(view).radiance)};
 }
 
-/// The truth of a chain's mips at the same texels for every method.
+/// The truth of chains' mips at the same texels for every method.
 class ChainTruth {
  public:
   ChainTruth(Source source, int probes) : source_(std::move(source)), count_(probes) {}
@@ -118,13 +120,12 @@ class ChainTruth {
   };
 
   const Mip& at(const CubemapChain& chain, int level, const std::vector<double>& roughness) {
-    const auto index = static_cast<std::size_t>(level);
-    if (mips_.size() <= index) mips_.resize(index + 1);
-    Mip& mip = mips_[index];
+    const double here = roughness[static_cast<std::size_t>(level)];
+    Mip& mip = mips_[{chain.level_size(level), here}];
     if (mip.probes.empty()) {
       mip.probes = probes_of(chain, level, count_, random_);
       mip.directions = directions_of(mip.probes, chain.level_size(level));
-      mip.truth = source_.integral(roughness[index], mip.directions);
+      mip.truth = source_.integral(here, mip.directions);
     }
     return mip;
   }
@@ -132,7 +133,7 @@ class ChainTruth {
   Source source_;
   int count_;
   std::mt19937 random_{11};
-  std::vector<Mip> mips_;
+  std::map<std::pair<int, double>, Mip> mips_;  ///< by size and roughness
 };
 
 /// Welkin by each of its bounds, from the tightest one on; none for a bound that no method reaches. `shape`: size and
@@ -239,10 +240,15 @@ std::vector<Measurement> chain(const PassContext& context, const std::string& pa
   progress(context, 2, 3);
   if (pass != kFromFile) return all;
   const std::vector<int> samples = sample_counts(std::min(context.scale.most_samples, 1024));
-  for (const PeerChain& peer :
-       context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch)) {
-    const ErrorNorms errors = truth.errors(peer.cubemap, shape.roughness);
-    all.push_back({"", kSampling, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
+  std::vector<PeerChain> peers =
+      context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch);
+  for (PeerChain& peer : context.peers.prefilter_by_webgl(file, shape.size, context.folder))
+    peers.push_back(std::move(peer));
+  for (const PeerChain& peer : peers) {
+    const CubemapChain& chain = peer.cubemap;
+    const ErrorNorms errors =
+        truth.errors(chain, roughness_of_mips(peer.schedule, chain.levels(), chain.level_size(0)));
+    all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
   }
   return all;
 }

@@ -14,7 +14,7 @@ namespace {
 std::vector<PassRunner> all_passes() {
   std::vector<PassRunner> all;
   for (const auto& make :
-       {projection_passes, prefilter_passes, irradiance_passes, brdf_passes, block_passes, sky_passes}) {
+       {projection_passes, prefilter_passes, lookup_passes, irradiance_passes, brdf_passes, block_passes, sky_passes}) {
     for (PassRunner& runner : make()) all.push_back(std::move(runner));
   }
   return all;

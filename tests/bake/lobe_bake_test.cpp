@@ -1,6 +1,7 @@
 // Lobes other than GGX in bakes: the bits of the direct calls, whichever way a bake is asked for.
 
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ double power(double roughness) { return 2.0 / (roughness * roughness * roughness
 
 struct Family {
   PrefilterOptions options;
-  std::vector<ZonalKernel> kernels;  ///< of the direct call
+  std::vector<ZonalKernel> kernels;  ///< of the direct call; none: that is the call by family
 };
 
 /// Wide lobes: narrow ones take long.
@@ -36,7 +37,7 @@ std::vector<Family> all_families() {
   return {
       {{.size = 8, .roughness = two, .lobe = LobeFamily::charlie},
        {ZonalKernel::charlie(0.5), ZonalKernel::charlie(0.8)}},
-      {{.size = 8, .lobe = LobeFamily::lambert}, {ZonalKernel::lambert()}},
+      {{.size = 8, .lobe = LobeFamily::lambert}, {}},
       {{.size = 8, .roughness = two, .lobe = LobeFamily::phong},
        {ZonalKernel::phong(power(0.5)), ZonalKernel::phong(power(0.8))}},
       {{.size = 8, .roughness = {1.0}, .lobe = LobeFamily::phong}, {ZonalKernel::phong(1.0)}},
@@ -52,6 +53,7 @@ BakeOptions bake_of(const PrefilterOptions& specular) {
 }
 
 PrefilteredSpecular direct(const EnvironmentView& view, const Family& family) {
+  if (family.kernels.empty()) return prefilter_specular(view, family.options);
   return prefilter_by_kernels(view, {.size = family.options.size, .kernels = family.kernels});
 }
 
@@ -97,6 +99,23 @@ TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call",
   for (const Family& family : all_families()) {
     check(wide.view(), family);
     check(cube.view(), family);
+  }
+}
+
+TEST_CASE("lobes: Lambert's is irradiance over pi, and looser bounds take fewer bands", "[bake][lobes]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 32, 3, 6);
+  int before = 1000;
+  for (const double bound : {1e-4, 1e-3, 3e-3, 1e-2}) {
+    INFO("within " << bound);
+    const PrefilteredSpecular lambert =
+        prefilter_specular(cube.view(), {.size = 16, .lobe = LobeFamily::lambert, .rms_error = bound});
+    CHECK(lambert.mips[0].bands < before);
+    before = lambert.mips[0].bands;
+    BakeOptions options{.background = {}, .specular = {}, .bands = 0, .brdf = {}};
+    options.irradiance = IrradianceOptions{.size = 16, .rms_error = bound};
+    const BakeResult made = bake(cube.view(), options);
+    for (std::size_t k = 0; k < made.irradiance->pixels.size(); ++k)
+      REQUIRE(lambert.cubemap.face(0, 0)[k] * std::numbers::pi == Approx(made.irradiance->pixels[k]).epsilon(1e-5));
   }
 }
 

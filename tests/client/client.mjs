@@ -2,6 +2,7 @@
 //
 //   node client.mjs --engine babylon|three --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR
 //                   [--shared HDR_DIR] [--most PICTURES] [--all-wrong] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
+//                   [--spheres FOLDER [--figure-of PICTURE.hdr]]
 //
 // For every picture: `welkin bake PICTURE.hdr -o DIR ...`, balls lit by what that wrote, the same balls lit by the engine's
 // own prefilter of the picture, and the same by cubemaps that hold each ball's own roughness (the truth). How far they are
@@ -33,6 +34,7 @@ const ktx = await load("ktx-parse");
 const PIXELS = 64; // to the square that a ball stands in
 const FIGURE_PIXELS = 104;
 const FIGURE_GAIN = 4; // of the differences in the figure's last row
+const BOUNDS_GAIN = 64; // the same of two error bounds
 
 const TYPES = { html: "text/html", js: "text/javascript" };
 
@@ -164,6 +166,25 @@ async function judge(ask, picture, isFirst) {
   }
 }
 
+const writePng = (path, dataUrl) => writeFileSync(path, Buffer.from(dataUrl.split(",")[1], "base64"));
+
+/**
+ * Two pictures in the folder of --spheres: a chain within 1 % above one within 0.01 %, and a chain above spheres that are
+ * integrated directly, in all pixels. Below both, the difference.
+ */
+async function drawSpheres(ask, picture) {
+  const halves = engine.files.find(({ kind }) => kind === "ktx2");
+  const [loose, tight] = ["1e-2", "1e-4"].map((bound) =>
+    ours(picture, { ...halves, name: `bound-${bound}` }, "--rms-error", bound));
+  writePng(join(flag("--spheres"), "spheres_bounds.png"), await ask("figure", loose, tight, FIGURE_PIXELS, BOUNDS_GAIN));
+  run("convert", join(files, picture), join(files, "picture.pfm"), "--size", `${PICTURE}`);
+  const chain = ours(picture, halves);
+  const direct = { kind: "direct", picture: "/picture.pfm", like: chain };
+  writePng(join(flag("--spheres"), "spheres_direct.png"), await ask("figure", chain, direct, PIXELS, FIGURE_GAIN));
+  const [read, integrated] = [await ask("measure", chain, PIXELS), await ask("measure", direct, PIXELS)];
+  console.log(tableRow(`${picture}, ${halves.name} - directly integrated spheres`, compare(read, integrated)));
+}
+
 await build({ entryPoints: [join(here, `${flag("--engine")}.source.js`)], bundle: true, format: "esm", logLevel: "error",
               nodePaths: [join(modules, "node_modules")], outfile: join(work, "page.js") });
 const list = pictures();
@@ -172,12 +193,13 @@ const { browser, ask } = await openPage(`http://127.0.0.1:${server.address().por
 try {
   console.log(`${await ask("about")}, in Chromium ${browser.version()}`);
   console.log(`| | ${BALLS.map(({ name }) => name).join(" | ")} |`);
-  for (const picture of list) await judge(ask, picture, picture === list[0]);
+  for (const picture of flags.includes("--spheres") ? [] : list) await judge(ask, picture, picture === list[0]);
+  if (flag("--spheres")) await drawSpheres(ask, flag("--figure-of") ?? list[list.length - 1]);
   if (flag("--figure")) {
     const picture = flag("--figure-of") ?? list[list.length - 1];
     const theirs = { kind: "picture", url: `/${picture}`, size: SIZE };
     const drawn = await ask("figure", ours(picture, engine.files[0]), theirs, FIGURE_PIXELS, FIGURE_GAIN);
-    writeFileSync(flag("--figure"), Buffer.from(drawn.split(",")[1], "base64"));
+    writePng(flag("--figure"), drawn);
   }
 } finally {
   await browser.close();

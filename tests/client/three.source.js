@@ -6,6 +6,7 @@ import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { read } from "ktx-parse";
 import { BALLS, HALF, centre, figure } from "./balls.js";
+import { pixelsOf, prefiltered, readPfm } from "./integral.js";
 
 const bytesOf = async (url) => (await fetch(url)).arrayBuffer();
 
@@ -48,30 +49,50 @@ async function panorama(url) {
 
 const OPEN = { dds: blocks, ktx2: halves, picture: panorama };
 
+const RADIANCE = "textureLod( envMap, envMapRotation * reflectVec, roughnessToMip( roughness ) )";
+const IRRADIANCE = "textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX_LOD )";
+const END = "gl_FragColor = vec4( outgoingLight, diffuseColor.a );";
+
 /**
- * Takes out of the shader that a ball's roughness grows with its curvature from pixel to pixel, so that a ball has one
- * roughness. `exact`: whatever it is, it is looked up in mip 0 (the truth for one ball).
+ * What a shader is changed to, by chunk: to look everything up in mip 0, whatever the roughness (`exact`, the truth for one
+ * ball); to show where it looks instead (`directions`, `normals`); or to take light from a picture, pixel by pixel, where it
+ * would look up reflections and the light that falls on it (`given`).
  */
-function settle(material, exact) {
+const CHANGES = {
+  ours: [],
+  exact: [["envmap_physical_pars_fragment", "roughnessToMip( roughness )", "0.0"]],
+  directions: [["envmap_physical_pars_fragment", RADIANCE, `${RADIANCE}; looked = reflectVec`],
+               ["opaque_fragment", END, "gl_FragColor = vec4( looked, 1.0 );"]],
+  normals: [["envmap_physical_pars_fragment", IRRADIANCE, `${IRRADIANCE}; looked = worldNormal`],
+            ["opaque_fragment", END, "gl_FragColor = vec4( looked, 1.0 );"]],
+  given: [["envmap_physical_pars_fragment", RADIANCE, "texelFetch( radianceGiven, ivec2( gl_FragCoord.xy ), 0 )"],
+          ["envmap_physical_pars_fragment", IRRADIANCE, "texelFetch( irradianceGiven, ivec2( gl_FragCoord.xy ), 0 )"]],
+};
+
+/** Takes out of the shader that a ball's roughness grows with its curvature from pixel to pixel, and makes the changes. */
+function settle(material, kind, uniforms = {}) {
   material.onBeforeCompile = (shader) => {
-    const change = (chunk, from, to) => {
-      const text = THREE.ShaderChunk[chunk];
-      if (!text.includes(from)) throw new Error(`three.js's ${chunk} is not what it was: it has no ${from}`);
-      shader.fragmentShader = shader.fragmentShader.replace(`#include <${chunk}>`, text.replaceAll(from, to));
-    };
-    change("lights_physical_fragment", "material.roughness += geometryRoughness;", "");
-    if (exact) change("envmap_physical_pars_fragment", "roughnessToMip( roughness )", "0.0");
+    Object.assign(shader.uniforms, uniforms);
+    const text = {};
+    for (const [chunk, from, to] of [["lights_physical_fragment", "material.roughness += geometryRoughness;", ""], ...CHANGES[kind]]) {
+      const before = text[chunk] ?? THREE.ShaderChunk[chunk];
+      if (!before.includes(from)) throw new Error(`three.js's ${chunk} is not what it was: it has no ${from}`);
+      text[chunk] = before.replaceAll(from, to);
+    }
+    for (const [chunk, changed] of Object.entries(text))
+      shader.fragmentShader = shader.fragmentShader.replace(`#include <${chunk}>`, () => changed);
+    shader.fragmentShader = `vec3 looked;\nuniform sampler2D radianceGiven, irradianceGiven;\n${shader.fragmentShader}`;
   };
-  material.customProgramCacheKey = () => `${exact}`;
+  material.customProgramCacheKey = () => kind;
   return material;
 }
 
-function row(scene, exact) {
+function row(scene, kind, uniforms) {
   const shape = new THREE.SphereGeometry(1, 128, 64);
   return BALLS.map(({ roughness, metallic, albedo }, index) => {
     const color = new THREE.Color().setRGB(albedo, albedo, albedo, THREE.LinearSRGBColorSpace);
     const material = new THREE.MeshStandardMaterial({ color, roughness, metalness: metallic });
-    const ball = new THREE.Mesh(shape, settle(material, exact));
+    const ball = new THREE.Mesh(shape, settle(material, kind, uniforms));
     ball.position.x = centre(index);
     scene.add(ball);
     return ball;
@@ -108,11 +129,11 @@ function watch(renderer) {
   });
 }
 
-/** Linear light of the row, `pixels` of them to a ball's square: floats, red green blue alpha, row 0 below. */
-async function measure(source, pixels) {
+/** Draws a row into floats, red green blue alpha, row 0 below: `pixels` of them to a ball's square. */
+async function draw(source, pixels, kind, uniforms) {
   const renderer = new THREE.WebGLRenderer();
   const scene = new THREE.Scene();
-  const balls = row(scene, source.kind === "truth");
+  const balls = row(scene, kind, uniforms);
   await light(scene, balls, source, renderer);
   const size = { width: BALLS.length * pixels, height: pixels };
   const target = new THREE.WebGLRenderTarget(size.width, size.height, { type: THREE.FloatType });
@@ -125,7 +146,47 @@ async function measure(source, pixels) {
   renderer.readRenderTargetPixels(target, 0, 0, size.width, size.height, values);
   renderer.dispose();
   renderer.forceContextLoss();
-  return { ...size, light: Array.from(values), frame };
+  return { ...size, light: values, frame };
+}
+
+/** Linear light of the row. */
+async function measure(source, pixels) {
+  const drawn = await (source.kind === "direct" ? direct(source, pixels)
+                                                : draw(source, pixels, source.kind === "truth" ? "exact" : "ours"));
+  return { ...drawn, light: Array.from(drawn.light) };
+}
+
+/**
+ * The row lit by sums over all pixels of a picture in place of lookups: for each of its own pixels in the direction in which
+ * the shader looks. `like`: a source whose chain makes the shader look at all.
+ */
+async function direct({ picture, like }, pixels) {
+  const [looked, normals] = [await draw(like, pixels, "directions"), await draw(like, pixels, "normals")];
+  const image = pixelsOf(readPfm(new Uint8Array(await bytesOf(picture))));
+  const sums = new Map(); // balls of the same roughness look in the same directions
+  const sum = ({ light, width }, column, row, roughness) => {
+    const at = 4 * (row * width + column);
+    if (light[at + 3] === 0) return [0, 0, 0];
+    const key = `${roughness} ${column % pixels} ${row}`;
+    if (!sums.has(key)) {
+      const [x, y, z] = light.subarray(at, at + 3);
+      const length = Math.hypot(x, y, z);
+      sums.set(key, prefiltered(image, [x / length, y / length, z / length], roughness));
+    }
+    return sums.get(key);
+  };
+  const texture = (drawn, roughnessOf) => {
+    const values = new Float32Array(drawn.light.length).fill(1);
+    sums.clear();
+    for (let row = 0; row < drawn.height; ++row)
+      for (let column = 0; column < drawn.width; ++column)
+        values.set(sum(drawn, column, row, roughnessOf(Math.floor(column / pixels))), 4 * (row * drawn.width + column));
+    const made = new THREE.DataTexture(values, drawn.width, drawn.height, THREE.RGBAFormat, THREE.FloatType);
+    return { value: Object.assign(made, { needsUpdate: true }) };
+  };
+  const uniforms = { radianceGiven: texture(looked, (ball) => Math.max(BALLS[ball].roughness, 0.045)),
+                     irradianceGiven: texture(normals, () => 1) }; // whose lobe is the cosine's
+  return draw(like, pixels, "given", uniforms);
 }
 
 function about() {

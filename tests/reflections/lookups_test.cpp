@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "image/geometry.h"
+#include "perf/report/lookups.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/shared_pictures.h"
@@ -24,49 +25,6 @@ constexpr RoughnessSchedule kSchedules[] = {RoughnessSchedule::linear, Roughness
                                             RoughnessSchedule::babylon, RoughnessSchedule::unity,
                                             RoughnessSchedule::unreal};
 
-/// A cubemap's level as graphics APIs read it: bilinear, across the edges of faces too.
-class Level {
- public:
-  Level(const CubemapChain& chain, int level) : chain_(chain), level_(level), size_(chain.level_size(level)) {}
-
-  [[nodiscard]] dvec3 at(const dvec3& direction) const {
-    const int face = image::face_of(direction);
-    const dvec3 centre = image::face_direction(2, face, 1.0, 1.0);
-    const auto coordinate = [&](const dvec3& edge) {
-      const dvec3 axis = edge / glm::dot(edge, centre) - centre;
-      return 0.5 * size_ * (1.0 + glm::dot(direction, axis) / glm::dot(direction, centre)) - 0.5;
-    };
-    const double x = coordinate(image::face_direction(2, face, 2.0, 1.0));
-    const double y = coordinate(image::face_direction(2, face, 1.0, 2.0));
-    const int column = static_cast<int>(std::floor(x));
-    const int row = static_cast<int>(std::floor(y));
-    const double u = x - column;
-    const double v = y - row;
-    return (1.0 - v) * ((1.0 - u) * texel(face, column, row) + u * texel(face, column + 1, row)) +
-           v * ((1.0 - u) * texel(face, column, row + 1) + u * texel(face, column + 1, row + 1));
-  }
-
- private:
-  [[nodiscard]] dvec3 value(const image::CubeTexel& texel) const {
-    const float* rgb = chain_.face(level_, texel.face) + 3 * (texel.row * size_ + texel.column);
-    return {rgb[0], rgb[1], rgb[2]};
-  }
-  [[nodiscard]] dvec3 texel(int face, int column, int row) const {
-    const int inner_column = std::clamp(column, 0, size_ - 1);
-    const int inner_row = std::clamp(row, 0, size_ - 1);
-    if (column == inner_column && row == inner_row) return value({face, column, row});
-    if (row == inner_row) return value(image::across_edge(size_, {face, column, row}));
-    if (column == inner_column) return value(image::across_edge(size_, {face, column, row}));
-    return (value({face, inner_column, inner_row}) + value(image::across_edge(size_, {face, column, inner_row})) +
-            value(image::across_edge(size_, {face, inner_column, row}))) /
-           3.0;
-  }
-
-  const CubemapChain& chain_;
-  int level_;
-  int size_;
-};
-
 /// Centres of texels of a cubemap that share no lines with a chain's.
 constexpr int kPlaces = 13;
 
@@ -75,8 +33,6 @@ double square_between(const LatLongView& source, const PrefilteredSpecular& chai
                       int mip) {
   const auto k = static_cast<std::size_t>(mip);
   const reflections::MipPair pair{mip, {chain.mips[k].roughness, chain.mips[k + 1].roughness}, {}, {}};
-  const Level first(chain.cubemap, mip);
-  const Level second(chain.cubemap, mip + 1);
   double sum = 0.0;
   constexpr int kLookups = 4;
   for (const reflections::Lookup& lookup : reflections::lookups_between(pair, by, kLookups)) {
@@ -91,7 +47,7 @@ double square_between(const LatLongView& source, const PrefilteredSpecular& chai
       const float* const rgb = truth.cubemap.face(0, face) + 3 * (row * kPlaces + column);
       const dvec3 right(rgb[0], rgb[1], rgb[2]);
       const dvec3 where = image::face_direction(kPlaces, face, column + 0.5, row + 0.5);
-      const dvec3 off = (1.0 - lookup.share) * first.at(where) + lookup.share * second.at(where) - right;
+      const dvec3 off = report::lookup(chain.cubemap, mip + lookup.share, where) - right;
       error += glm::dot(off, off);
       whole += glm::dot(right, right);
     }

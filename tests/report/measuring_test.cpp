@@ -221,6 +221,7 @@ TEST_CASE("report: the record is whole", "[report]") {
 
 TEST_CASE("report: recommended projections stay on the front", "[report]") { check_pass("project"); }
 TEST_CASE("report: recommended prefilters stay on the front", "[report][slow]") { check_pass("prefilter"); }
+TEST_CASE("report: lookups stay as near to the truth", "[report]") { check_pass("lookups"); }
 TEST_CASE("report: recommended bands stay on the front", "[report]") { check_pass("irradiance"); }
 TEST_CASE("report: recommended BRDF tables stay on the front", "[report]") { check_pass("brdf"); }
 TEST_CASE("report: recommended blocks stay on the front", "[report]") { check_pass("blocks"); }
