@@ -1,10 +1,11 @@
+#include "welkin/importance.h"
+
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "benchmarks.h"
 #include "subjects.h"
-#include "welkin/importance.h"
 
 namespace welkin::perf {
 

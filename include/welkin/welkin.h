@@ -74,7 +74,7 @@ typedef struct welkin_sky_view welkin_sky_view;
 typedef struct welkin_sky_curve welkin_sky_curve;
 /* The dynamic sky of an engine's loop: set the sun, get the light, every frame. For one thread at a time. */
 typedef struct welkin_sky_light welkin_sky_light;
-/* Runs jobs on threads of its own, or on the engine's (docs/threading.md). */
+/* Runs jobs on threads of its own, or on the engine's (docs/guides/worker.md). */
 typedef struct welkin_worker welkin_worker;
 /* A posted job. Handles are counted: a post gives one reference, `welkin_job_release` gives it back. A handle is valid
  * for as long as it is held, also when the worker is gone; a job runs to its end whether one is held or not. */
@@ -288,10 +288,10 @@ enum { WELKIN_ENGINE_WELKIN = 0, WELKIN_ENGINE_OPENEXR = 1, WELKIN_ENGINE_BABYLO
 
 /* Gets an engine's axes as matrices: one takes a direction in Welkin's axes to the engine's (a mirror for left-handed
  * engines), the other a direction in the engine's axes to the frames of a `welkin_environment`'s faces; zeros for
- * engines without cubemaps of their own. docs/engines.md has all conventions in words. */
+ * engines without cubemaps of their own. docs/reference/engines.md has all conventions in words. */
 WELKIN_API welkin_status welkin_get_axes(welkin_engine engine, double* from_welkin, double* faces_from_engine);
 
-/* Light in an engine's own form; docs/engines.md has the formulas. */
+/* Light in an engine's own form; docs/reference/engines.md has the formulas. */
 typedef struct welkin_engine_light {
   uint32_t struct_size;
   welkin_engine engine; /* whose form it is */
@@ -363,7 +363,7 @@ enum {
   WELKIN_ROUGHNESS_UNREAL = 5    /* 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1; to 1 texel */
 };
 
-/* Lobes of a chain whose mips have a roughness r each; docs/reflections.md has their formulas. */
+/* Lobes of a chain whose mips have a roughness r each; docs/maths/reflections.md has their formulas. */
 typedef int32_t welkin_lobe_family;
 enum {
   WELKIN_LOBE_FAMILY_GGX = 0,
@@ -523,7 +523,7 @@ WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* 
 
 /* ---- Sky ----
  * y is up; a sun's azimuth is counted from +z towards +x, its elevation from the horizon up. `sun` is a direction
- * towards it. docs/sky.md says what is computed. */
+ * towards it. docs/guides/moving_sky.md says what is computed. */
 
 /* Atmospheres to begin with. EARTH has clear air as measured, HAZY three times its aerosol, DUSTY desert dust, POLLUTED
  * the air near cities. HILLAIRE and BRUNETON are those of Hillaire 2020 and of Bruneton 2017, the latter almost without
@@ -906,7 +906,7 @@ enum { WELKIN_TEXEL_RGBA16F = 0, WELKIN_TEXEL_RGBA32F = 1, WELKIN_TEXEL_B10G11R1
        WELKIN_TEXEL_BC6H_UFLOAT = 4, WELKIN_TEXEL_BC6H_SFLOAT = 5,
        WELKIN_TEXEL_ASTC_4X4_HDR = 6, WELKIN_TEXEL_ASTC_6X6_HDR = 7 }; /* clang-format on */
 
-/* How long the encoder of BC6H and ASTC searches; docs/textures.md has errors and times. DEFAULT: NORMAL. */
+/* How long the encoder of BC6H and ASTC searches; docs/reference/textures.md has errors and times. DEFAULT: NORMAL. */
 typedef int32_t welkin_effort; /* clang-format off */
 enum { WELKIN_EFFORT_DEFAULT = 0, WELKIN_EFFORT_FASTEST = 1, WELKIN_EFFORT_FAST = 2,
        WELKIN_EFFORT_NORMAL = 3, WELKIN_EFFORT_SLOW = 4 }; /* clang-format on */

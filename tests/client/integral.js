@@ -5,7 +5,7 @@
 export function readPfm(bytes) {
   const [head] = new TextDecoder("latin1").decode(bytes.subarray(0, 64)).match(/^PF\s\d+\s\d+\s-[\d.]+\n/);
   const [width, height] = head.split(/\s/).slice(1, 3).map(Number);
-  return { width, height, rgb: new Float32Array(bytes.slice(head.length).buffer) };
+  return { width, height, rgb: new Float32Array(Uint8Array.from(bytes.subarray(head.length)).buffer) };
 }
 
 /** Where three.js's `equirectUv` has the point (column, row) of a picture. Row 0 is the lowest. */

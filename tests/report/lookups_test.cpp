@@ -9,10 +9,10 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/test_environments.h"
+#include "welkin/bake_file.h"
 #include "welkin/engines.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/bake_file.h"
 
 namespace welkin::test {
 namespace {
