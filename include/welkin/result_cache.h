@@ -147,7 +147,7 @@ class ResultCache {
   ResultCache& operator=(ResultCache&&) noexcept;
 
   /// As `project`, of light that is changed as `change` says.
-  [[nodiscard]] Projection project(const EnvironmentView& environment, const ProjectionOptions& options = {},
+  [[nodiscard]] Projection project(const EnvironmentView& source, const ProjectionOptions& options = {},
                                    const LightChange& change = {}, const Control& control = {});
 
   /// By the file's bytes: a hit decodes nothing. A folder of six faces is not kept.

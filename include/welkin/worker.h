@@ -236,10 +236,7 @@ struct Continuation {
 /// Goes on with a coroutine, whatever became of the job that it awaits.
 class Resumption final : public Computation {
  public:
-  Resumption(std::coroutine_handle<> coroutine, Place its_place) : coroutine_(coroutine) {
-    where = its_place;
-    runs_after_errors = true;
-  }
+  Resumption(std::coroutine_handle<> coroutine, Place its_place) : Computation(its_place), coroutine_(coroutine) {}
 
   void run(const Control&) override { coroutine_.resume(); }
   void abandon() override { coroutine_.resume(); }
@@ -252,13 +249,8 @@ class Resumption final : public Computation {
 template <class Result, class Callback>
 class DrainCallback final : public Computation {
  public:
-  DrainCallback(Job<Result> job, Callback callback) : job_(std::move(job)), callback_(std::move(callback)) {
-    // Members of the base, which no initializer of this class can name.
-    // NOLINTBEGIN(cppcoreguidelines-prefer-member-initializer)
-    where = Place::drain;
-    runs_after_errors = true;
-    // NOLINTEND(cppcoreguidelines-prefer-member-initializer)
-  }
+  DrainCallback(Job<Result> job, Callback callback)
+      : Computation(Place::drain), job_(std::move(job)), callback_(std::move(callback)) {}
 
   void run(const Control&) override { std::invoke(callback_, std::move(job_)); }
 
@@ -477,10 +469,7 @@ namespace detail {
 template <class Result>
 class PromiseKeeper final : public Computation {
  public:
-  explicit PromiseKeeper(Job<Result> job) : job_(std::move(job)) {
-    where = Place::at_once;
-    runs_after_errors = true;
-  }
+  explicit PromiseKeeper(Job<Result> job) : Computation(Place::at_once), job_(std::move(job)) {}
 
   [[nodiscard]] std::future<Result> future() { return promise_.get_future(); }
 

@@ -222,10 +222,7 @@ struct Posting {
 class CompletedCallback final : public detail::Computation {
  public:
   CompletedCallback(JobReference job, decltype(welkin_post_options::completed) completed, void* user)
-      : job_(std::move(job)), completed_(completed), user_(user) {
-    where = detail::Place::drain;
-    runs_after_errors = true;
-  }
+      : Computation(detail::Place::drain), job_(std::move(job)), completed_(completed), user_(user) {}
 
   void run(const Control&) override {
     if (!returns([this] { completed_(job_.get(), user_); })) refuse_thread_exit("completed");

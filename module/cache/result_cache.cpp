@@ -115,16 +115,16 @@ ResultCache& ResultCache::operator=(ResultCache&&) noexcept = default;
 
 CacheStatistics ResultCache::statistics() const { return store_->statistics(); }
 
-Projection ResultCache::project(const EnvironmentView& view, const ProjectionOptions& options,
+Projection ResultCache::project(const EnvironmentView& source, const ProjectionOptions& options,
                                 const LightChange& change, const Control& control) {
   const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   check(change);
   const Control hashing = jobs::part_of(control, 0.0, kHashing);
-  const bool by_faces = view.kind() == EnvironmentKind::cubemap && keeps_faces(view.cubemap(), options, change);
+  const bool by_faces = source.kind() == EnvironmentKind::cubemap && keeps_faces(source.cubemap(), options, change);
   std::array<ContentHash, 6> faces{};
-  if (by_faces) faces = hash_faces(view.cubemap(), hashing);
-  const ContentHash pixels = by_faces ? hash_of_faces(faces) : hash_pixels(view, hashing);
+  if (by_faces) faces = hash_faces(source.cubemap(), hashing);
+  const ContentHash pixels = by_faces ? hash_of_faces(faces) : hash_pixels(source, hashing);
   const EntryName name = projection_name(pixels, options);
   if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
@@ -132,8 +132,8 @@ Projection ResultCache::project(const EnvironmentView& view, const ProjectionOpt
   }
   const Control rest = jobs::part_of(control, kHashing, 1.0);
   std::size_t found_faces = 0;
-  Projection projection = by_faces ? project_by_faces(*store_, view.cubemap(), faces, options, found_faces, rest)
-                                   : welkin::project(view, options, rest);
+  Projection projection = by_faces ? project_by_faces(*store_, source.cubemap(), faces, options, found_faces, rest)
+                                   : welkin::project(source, options, rest);
   store_->store(name, [&] { return cache::encode(projection); });
   if (found_faces > 0) {
     std::vector<PassRecord>& passes = projection.diagnostics.passes;
@@ -168,24 +168,24 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
   return projection;
 }
 
-PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& view, const PrefilterOptions& options,
+PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,
                                                     const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
+  const ContentHash pixels = hash_pixels(source, jobs::part_of(control, 0.0, kHashing));
   cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
   const std::optional<reflections::PrefilterPlan> missing = chain.missing();
   const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
   auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
   std::uint64_t sanitized_bytes = 0;
   if (!sanitized || missing) {
-    const projection::SanitizedSource source(view, options.pixels, {control.stop, {}});
-    sanitized_bytes = source.bytes();
-    sanitized = cache::store_sanitized(*store_, sanitized_entry, source);
+    const projection::SanitizedSource texels(source, options.pixels, {control.stop, {}});
+    sanitized_bytes = texels.bytes();
+    sanitized = cache::store_sanitized(*store_, sanitized_entry, texels);
     if (missing) {
       // Only the whole chain is a result.
       Control making = jobs::part_of(control, kHashing, 1.0);
       making.memory = nullptr;
-      chain.add(reflections::prefilter(source, *missing, {}, making));
+      chain.add(reflections::prefilter(texels, *missing, {}, making));
     }
   }
   PrefilteredSpecular specular = chain.take();

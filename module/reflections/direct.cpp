@@ -197,20 +197,20 @@ constexpr double kLeastAlpha = 1e-6;
 
 }  // namespace
 
-std::vector<glm::dvec3> reference_specular(const EnvironmentView& view, double roughness,
+std::vector<glm::dvec3> reference_specular(const EnvironmentView& source, double roughness,
                                            const std::vector<glm::dvec3>& directions, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  image::check_view(view);
+  image::check_view(source);
   if (!(roughness >= 0.0 && roughness <= 1.0)) {
     throw Error(ErrorCode::invalid_argument, "roughness " + platform::number_text(roughness) + " is not from 0 to 1");
   }
   const std::vector<glm::dvec3> units = reflections::unit_directions(directions);
-  const projection::SanitizedSource source(view, {}, {control.stop, {}});
+  const projection::SanitizedSource texels(source, {}, {control.stop, {}});
   const double alpha = roughness * roughness;
-  if (alpha >= kLeastAlpha) return reflections::integrate_lobe(source, reflections::Lobe(alpha), units, control);
+  if (alpha >= kLeastAlpha) return reflections::integrate_lobe(texels, reflections::Lobe(alpha), units, control);
   std::vector<glm::dvec3> values;
   values.reserve(units.size());
-  for (const glm::dvec3& unit : units) values.push_back(reflections::radiance_towards(source, unit));
+  for (const glm::dvec3& unit : units) values.push_back(reflections::radiance_towards(texels, unit));
   return values;
 }
 

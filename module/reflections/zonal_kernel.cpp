@@ -144,12 +144,12 @@ PrefilteredSpecular prefilter_by_kernels(const EnvironmentView& source, const Ke
   return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
 }
 
-std::vector<dvec3> reference_by_kernel(const EnvironmentView& view, const ZonalKernel& kernel,
+std::vector<dvec3> reference_by_kernel(const EnvironmentView& source, const ZonalKernel& kernel,
                                        const std::vector<dvec3>& directions, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  image::check_view(view);
-  const projection::SanitizedSource source(view, {}, {control.stop, {}});
-  return reflections::integrate_lobe(source, *kernel.lobe(), reflections::unit_directions(directions), control);
+  image::check_view(source);
+  const projection::SanitizedSource texels(source, {}, {control.stop, {}});
+  return reflections::integrate_lobe(texels, *kernel.lobe(), reflections::unit_directions(directions), control);
 }
 
 }  // namespace welkin

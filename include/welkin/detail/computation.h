@@ -132,6 +132,8 @@ enum class Place {
 class Computation {
  public:
   Computation() = default;
+  /// A computation that follows a job whether that job failed or not.
+  explicit Computation(Place its_place) noexcept : runs_after_errors(true), where(its_place) {}
   virtual ~Computation() = default;
   Computation(const Computation&) = delete;
   Computation& operator=(const Computation&) = delete;
@@ -151,9 +153,8 @@ class Computation {
     }
   }
 
-  // Constant.
-  bool runs_after_errors = false;  ///< also if the job that it follows has failed
-  Place where = Place::worker;
+  const bool runs_after_errors = false;  ///< also if the job that it follows has failed
+  const Place where = Place::worker;
 
   std::atomic<double> progress{0.0};  ///< 0 to 1, never falling
   std::exception_ptr failure;         ///< the error of the job that it follows; set before it starts
