@@ -19,6 +19,7 @@ const QUALITIES = ['normal', 'fast', 'reference'];
 const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
+const TABLES = ['coarse', 'full'];
 
 function failure(code, message) {
   return { welkin: true, code, message };
@@ -289,8 +290,8 @@ const OPERATIONS = {
 
   sky(instance, request) {
     instance.call('welkin_sky', [request.sunElevation ?? 30, request.sunAzimuth ?? 0, request.altitude ?? 0,
-      numberOf(AEROSOLS, request.aerosol ?? 'clear', 'aerosol'), request.quality === 'high' ? 1 : 0, request.faceSize ?? 128,
-      request.sunDisc ? 1 : 0, ...light(request)]);
+      numberOf(AEROSOLS, request.aerosol ?? 'clear', 'aerosol'), numberOf(TABLES, request.tables ?? 'coarse', 'tables'),
+      request.faceSize ?? 128, request.sunDisc ? 1 : 0, ...light(request)]);
     return { ...lightOf(instance, request), sun: sunOf(instance.take(7, Float64Array)) };
   },
 };

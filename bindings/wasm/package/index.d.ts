@@ -209,8 +209,8 @@ export interface SkyOptions extends CallOptions, LightOptions {
   /** The observer's height above the ground in metres. Default: 0. */
   altitude?: number;
   aerosol?: 'clear' | 'hazy' | 'dusty' | 'polluted';
-  /** How fine the tables are. Those of one sky are kept, so that a sun that moves costs less. Default: 'low'. */
-  quality?: 'low' | 'high';
+  /** How fine the sky's tables are. Those of the last sky are kept, so moving the sun costs less. Default: 'coarse'. */
+  tables?: 'coarse' | 'full';
   /** Texels along an edge of the faces that are baked. Default: 128. */
   faceSize?: number;
   /** The sun's disc is in the picture. Default: false: it is the directional light `sun`. */

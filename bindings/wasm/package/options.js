@@ -14,7 +14,7 @@ const OPTIONS = {
   prefilterCubemap: [...CALL, ...SOURCE, ...CHAIN],
   prefilterEquirect: [...CALL, ...SOURCE, ...CHAIN, ...EQUIRECT],
   bakeEnvironment: [...CALL, ...PIXELS, ...LIGHT, 'name', 'layout', 'takeOutSun'],
-  sky: [...CALL, ...LIGHT, 'sunElevation', 'sunAzimuth', 'altitude', 'aerosol', 'quality', 'faceSize', 'sunDisc'],
+  sky: [...CALL, ...LIGHT, 'sunElevation', 'sunAzimuth', 'altitude', 'aerosol', 'tables', 'faceSize', 'sunDisc'],
 };
 
 /** What an engine's shaders need of a chain. */

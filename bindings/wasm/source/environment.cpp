@@ -150,16 +150,16 @@ void bake_bytes(const Options& options) {
   give(std::vector<double>{width, height});
 }
 
-enum SkyOption { kSkyElevation, kSkyAzimuth, kSkyAltitude, kSkyAerosol, kSkyQuality, kSkySize, kSkyDisc, kSkyLight };
+enum SkyOption { kSkyElevation, kSkyAzimuth, kSkyAltitude, kSkyAerosol, kSkyTables, kSkySize, kSkyDisc, kSkyLight };
 
 /// The tables of one sky at a time: a turned sun needs no new ones.
-std::shared_ptr<const SkyTables> sky_tables(int aerosol, int quality, const Control& control) {
+std::shared_ptr<const SkyTables> sky_tables(int aerosol, bool full, const Control& control) {
   static auto& kept = *new std::shared_ptr<const SkyTables>;
   static int kept_aerosol = -1;
-  static int kept_quality = -1;
-  if (kept && kept_aerosol == aerosol && kept_quality == quality) return kept;
+  static bool kept_full = false;
+  if (kept && kept_aerosol == aerosol && kept_full == full) return kept;
   SkyTableOptions tables;
-  if (quality == 0) {
+  if (!full) {
     tables.heights = 8;
     tables.view_zeniths = 64;
     tables.sun_zeniths = 32;
@@ -169,13 +169,13 @@ std::shared_ptr<const SkyTables> sky_tables(int aerosol, int quality, const Cont
   Atmosphere air = earth({680.0, 550.0, 440.0}, static_cast<AerosolKind>(aerosol));
   kept = std::make_shared<const SkyTables>(precompute_sky(air, tables, control));
   kept_aerosol = aerosol;
-  kept_quality = quality;
+  kept_full = full;
   return kept;
 }
 
 /// Results: those of `give_light` of the sky without its disc; the sun (direction, irradiance, radius in degrees).
 void compute_sky(const Options& options) {
-  const auto tables = sky_tables(options.whole(kSkyAerosol), options.whole(kSkyQuality), part(0.0, 0.7));
+  const auto tables = sky_tables(options.whole(kSkyAerosol), options.whole(kSkyTables) != 0, part(0.0, 0.7));
   const SkyView view(tables, options.number(kSkyAltitude));
   const dvec3 direction = sun_direction(options.number(kSkyElevation), options.number(kSkyAzimuth));
   require_edge("size", options.whole(kSkySize));

@@ -153,6 +153,7 @@ test('errors are rejections with a code and words', async () => {
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { schedule: 'steep' }), 'invalid_argument', /steep/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { lobe: 'velvet' }), 'invalid_argument', /velvet/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { sise: 256 }), 'invalid_argument', /no option sise; did you mean size\?/);
+  await rejects(welkin.sky({ tables: 'high' }), 'invalid_argument', /tables is "high"; it may be coarse, full/);
   await rejects(welkin.sky({ sun: 20 }), 'invalid_argument', /did you mean sunElevation\?/);
   await rejects(welkin.projectCubemap(even(4, 3, 1), { size: 4 }), 'invalid_argument', /no option size; it has signal,.*targetSize/);
   await rejects(welkin.sky({ for: 'unity' }), 'invalid_argument', /three, babylon/);
@@ -165,7 +166,7 @@ test('errors are rejections with a code and words', async () => {
 test('a signal ends a call at once, the one that runs and the one that waits; others go on', async () => {
   const running = new AbortController();
   const waiting = new AbortController();
-  const long = welkin.sky({ quality: 'high', faceSize: 16, size: 16, signal: running.signal });
+  const long = welkin.sky({ tables: 'full', faceSize: 16, size: 16, signal: running.signal });
   const queued = welkin.projectCubemap(even(4, 3, 1), { signal: waiting.signal });
   const last = welkin.projectCubemap(even(4, 3, 2));
   waiting.abort();
@@ -200,7 +201,7 @@ test('several workers work side by side, and the same call gives the same bits',
 });
 
 test('disposing rejects what is left, and the next call works again', async () => {
-  const long = welkin.sky({ quality: 'high', size: 16 });
+  const long = welkin.sky({ tables: 'full', size: 16 });
   welkin.dispose();
   await assert.rejects(long, { code: 'stopped' });
   near((await welkin.projectCubemap(even(4, 3, 2))).radiance[0], c00, 1e-6);

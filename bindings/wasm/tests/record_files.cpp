@@ -3,7 +3,7 @@
 //
 //   g++ -std=c++20 -Iinclude -I/usr/include/OpenEXR -I/usr/include/Imath bindings/wasm/tests/record_files.cpp
 //     build/release/module/libwelkin-files.a build/release/module/libwelkin-core.a -lOpenEXR-3_1 -lImath-3_1
-//     -lIlmThread-3_1 -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -o /tmp/record_files
+//     -lIlmThread-3_1 -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -lastcenc -o /tmp/record_files
 //   /tmp/record_files >bindings/wasm/tests/data/files.json
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
