@@ -103,78 +103,12 @@ void fold_halves(const void* first, const void* second, const FetchAhead& ahead,
 
 // Planes times weights, summed: the one loop that all projections share.
 
-/// The running sums of one class: `count` registers, named apart by recursion. (An array indexed in a loop
-/// stays in memory with GCC 12: measured, the loop then takes twice as long.)
-template <int count>
-struct Sums {
-  Lanes here = Lanes(0.0F);  // braces would ask xsimd 8.1 for a list of lanes
-  Sums<count - 1> next;
-
-  WELKIN_INLINE void add(const float* plane, const float* weights) { add_value(Lanes::load_aligned(plane), weights); }
-  WELKIN_INLINE void add_value(Lanes value, const float* weights) {
-    here = here + value * Lanes::load_aligned(weights);
-    next.add_value(value, weights + kChunk);
-  }
-  WELKIN_INLINE void store(float* lanes) const {
-    here.store_aligned(lanes);
-    next.store(lanes + kLanes);
-  }
-};
-
-template <>
-struct Sums<0> {
-  WELKIN_INLINE void add(const float*, const float*) {}
-  WELKIN_INLINE void add_value(Lanes, const float*) {}
-  WELKIN_INLINE void store(float*) const {}
-};
-
-/// Where one channel's loop goes on asking for the lines ahead.
-struct FetchPlan {
-  const FetchAhead* ahead;
-  int first_line;
-};
-
-/// One channel; n0 to n3 weights for classes 0 to 3, all kept in registers while the loop runs: nine for
-/// three bands, which leaves AVX2's sixteen registers room for the planes. Narrow registers walk the whole
-/// chunk once for each part of the group.
-///
-/// Each of the iterations asks for `fetched` more cache lines of each of the four stretches.
-template <int n0, int n1, int n2, int n3, int fetched>
-WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int groups, const FetchPlan& plan,
-                               double* sums) {
-  constexpr int total = n0 + n1 + n2 + n3;
-  alignas(64) float lanes[total * kLanes];
-  for (int part = 0; part < kLanes; part += kWidth) {
-    Sums<n0> class0;
-    Sums<n1> class1;
-    Sums<n2> class2;
-    Sums<n3> class3;
-    const int end = groups * kLanes + part;
-    for (int k = part; k < end; k += kLanes) {
-      if constexpr (fetched > 0) {
-        // Narrow registers come by several times, and ask once.
-        const int first_line = plan.first_line + k / kLanes * fetched;
-        for (int line = 0; line < fetched && part == 0 && first_line + line < plan.ahead->lines; ++line) {
-          for (const char* stretch : plan.ahead->stretches) fetch_line(stretch, first_line + line);
-        }
-      }
-      class0.add(planes + k, weights + k);
-      class1.add(planes + kChunk + k, weights + n0 * kChunk + k);
-      class2.add(planes + 2 * kChunk + k, weights + (n0 + n1) * kChunk + k);
-      class3.add(planes + 3 * kChunk + k, weights + (n0 + n1 + n2) * kChunk + k);
-    }
-    class0.store(lanes + part);
-    class1.store(lanes + n0 * kLanes + part);
-    class2.store(lanes + (n0 + n1) * kLanes + part);
-    class3.store(lanes + (n0 + n1 + n2) * kLanes + part);
-  }
-  for (int w = 0; w < total; ++w) add_to_double_lanes(lanes + w * kLanes, sums + w * kSumLanes);
-}
-
-/// As `Sums`, of three channels: each weight is loaded once for all of them.
+/// The running sums of `count` weights for three channels: registers named apart by recursion. (An array indexed in a
+/// loop stays in memory with GCC 12: measured, the loop then takes twice as long.) Each weight is loaded once for all
+/// channels.
 template <int count>
 struct RgbSums {
-  Lanes red = Lanes(0.0F);
+  Lanes red = Lanes(0.0F);  // braces would ask xsimd 8.1 for a list of lanes
   Lanes green = Lanes(0.0F);
   Lanes blue = Lanes(0.0F);
   RgbSums<count - 1> next;
@@ -187,66 +121,98 @@ struct RgbSums {
     blue = blue + values.blue * Lanes(weight);
     next.add(values, weights + kChunk);
   }
-  /// To the sums of the first of `total` weights of each channel.
-  WELKIN_INLINE void store(int total, double* sums) const {
-    alignas(64) float lanes[kLanes];
+  /// To one part of a group's lanes, [count][3][kLanes].
+  WELKIN_INLINE void store(float* lanes) const {
     red.store_aligned(lanes);
-    add_to_double_lanes(lanes, sums);
-    green.store_aligned(lanes);
-    add_to_double_lanes(lanes, sums + total * kSumLanes);
-    blue.store_aligned(lanes);
-    add_to_double_lanes(lanes, sums + std::ptrdiff_t{2} * total * kSumLanes);
-    next.store(total, sums + kSumLanes);
+    green.store_aligned(lanes + kLanes);
+    blue.store_aligned(lanes + 2 * kLanes);
+    next.store(lanes + 3 * kLanes);
   }
 };
 
 template <>
 struct RgbSums<0> {
   WELKIN_INLINE void add(const Rgb&, const float*) {}
-  WELKIN_INLINE void store(int, double*) const {}
+  WELKIN_INLINE void store(float*) const {}
 };
 
-/// `count` of a class's `total` weights, for three channels that lie `channel` floats apart.
+/// From [count][3][kLanes] to the sums of the first of `total` weights of each channel.
+WELKIN_INLINE void add_to_sums(const float* lanes, int count, int total, double* sums) {
+  for (int w = 0; w < count; ++w) {
+    for (int c = 0; c < 3; ++c) {
+      add_to_double_lanes(lanes + (3 * w + c) * kLanes, sums + (std::ptrdiff_t{c} * total + w) * kSumLanes);
+    }
+  }
+}
+
+/// What FoldQuadrants has left of the lines ahead, asked for a few at a time. (What comes last needs time to arrive, so
+/// the first two thirds of a chunk's products ask for all.)
+class LinesLeft {
+ public:
+  WELKIN_INLINE LinesLeft(const FetchAhead& ahead, int groups, int iterations)
+      : ahead_(ahead), line_(groups), at_once_((3 * (ahead.lines - groups) + 2 * iterations - 1) / (2 * iterations)) {}
+
+  WELKIN_INLINE void fetch() {
+    for (const int end = line_ + at_once_; line_ < end && line_ < ahead_.lines; ++line_) {
+      for (const char* stretch : ahead_.stretches) fetch_line(stretch, line_);
+    }
+  }
+
+ private:
+  const FetchAhead& ahead_;
+  int line_;
+  int at_once_;
+};
+
+/// `count` of a class's `total` weights, for three channels that lie `channel` floats apart. Narrow registers walk the
+/// whole chunk once for each part of the group.
 template <int count>
 WELKIN_INLINE void sum_class(const float* plane, int channel, const float* weights, int groups, int total,
-                             double* sums) {
-  RgbSums<count> class_sums;
-  for (int k = 0; k < groups * kLanes; k += kLanes) {
-    class_sums.add({Lanes::load_aligned(plane + k), Lanes::load_aligned(plane + channel + k),
-                    Lanes::load_aligned(plane + 2 * channel + k)},
-                   weights + k);
+                             LinesLeft& ahead, double* sums) {
+  alignas(64) float lanes[3 * count * kLanes];
+  for (int part = 0; part < kLanes; part += kWidth) {
+    RgbSums<count> class_sums;
+    for (int k = part; k < groups * kLanes; k += kLanes) {
+      if (part == 0) ahead.fetch();
+      class_sums.add({Lanes::load_aligned(plane + k), Lanes::load_aligned(plane + channel + k),
+                      Lanes::load_aligned(plane + 2 * channel + k)},
+                     weights + k);
+    }
+    class_sums.store(lanes + part);
   }
-  class_sums.store(total, sums);
+  add_to_sums(lanes, count, total, sums);
 }
 
-/// As many of the `left` weights as there are in steps of `count`.
-template <int count>
-WELKIN_INLINE void sum_steps(const float* plane, int channel, const float*& weights, int groups, int total, int& left,
-                             double*& sums) {
-  for (; left >= count; left -= count, weights += count * kChunk, sums += count * kSumLanes) {
-    sum_class<count>(plane, channel, weights, groups, total, sums);
-  }
-}
-
-/// Any number of weights, for three channels at once: class by class, eight at a time.
-[[maybe_unused]] WELKIN_INLINE void sum_any_at_once(const float* planes, int class_count, const float* weights,
-                                                    const ClassCounts& counts, int groups, double* sums) {
+/// Any number of weights, for three channels at once: class by class, as many at a time as have registers.
+WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
+                           int groups, const FetchAhead& ahead, double* sums) {
   const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
   const int channel = class_count * kChunk;
+  LinesLeft lines(ahead, groups, groups * class_count);
   for (int c = 0; c < class_count; ++c) {
+    const float* const plane = planes + c * kChunk;
+    const auto step = [&]<int count>() WELKIN_INLINE_LAMBDA {
+      sum_class<count>(plane, channel, weights, groups, total, lines, sums);
+      weights += count * kChunk;
+      sums += count * kSumLanes;
+    };
     int left = counts.count[c];
-    sum_steps<8>(planes + c * kChunk, channel, weights, groups, total, left, sums);
-    sum_steps<4>(planes + c * kChunk, channel, weights, groups, total, left, sums);
-    sum_steps<2>(planes + c * kChunk, channel, weights, groups, total, left, sums);
-    sum_steps<1>(planes + c * kChunk, channel, weights, groups, total, left, sums);
+    if constexpr (kWidth == kLanes) {
+      for (; left >= 8; left -= 8) step.template operator()<8>();
+      for (; left >= 4; left -= 4) step.template operator()<4>();
+    } else {
+      for (; left > 4 || left == 3; left -= 3) step.template operator()<3>();  // 15 of 16 registers
+    }
+    for (; left >= 2; left -= 2) step.template operator()<2>();
+    if (left == 1) step.template operator()<1>();
   }
 }
 
 /// The three channels in one pass, where a group is one register and all 27 sums have registers. (A pass for each
 /// channel loads 39 registers for 54 multiplications and additions, and AVX-512 loads one of them in a cycle.)
 template <int n0, int n1, int n2, int n3>
-WELKIN_INLINE void sum_three_at_once(const float* planes, int class_count, const float* weights, int groups,
-                                     const FetchAhead& ahead, double* sums) {
+[[maybe_unused]] WELKIN_INLINE void sum_three_at_once(const float* planes, int class_count, const float* weights,
+                                                      int groups, const FetchAhead& ahead, double* sums) {
   constexpr int total = n0 + n1 + n2 + n3;
   const int channel = class_count * kChunk;
   const auto load = [&](const float* plane) WELKIN_INLINE_LAMBDA {
@@ -257,86 +223,39 @@ WELKIN_INLINE void sum_three_at_once(const float* planes, int class_count, const
   RgbSums<n1> class1;
   RgbSums<n2> class2;
   RgbSums<n3> class3;
-  // What folding has left to be asked for, in the first two thirds of the iterations: the rest has time to arrive.
-  const int an_iteration = (3 * (ahead.lines - groups) + 2 * groups - 1) / (2 * groups);
-  int line = groups;
+  LinesLeft lines(ahead, groups, groups);
   for (int k = 0; k < groups * kLanes; k += kLanes) {
-    for (const int end = line + an_iteration; line < end && line < ahead.lines; ++line) {
-      for (const char* stretch : ahead.stretches) fetch_line(stretch, line);
-    }
+    lines.fetch();
     class0.add(load(planes + k), weights + k);
     class1.add(load(planes + kChunk + k), weights + n0 * kChunk + k);
     if constexpr (n2 > 0) class2.add(load(planes + 2 * kChunk + k), weights + (n0 + n1) * kChunk + k);
     if constexpr (n3 > 0) class3.add(load(planes + 3 * kChunk + k), weights + (n0 + n1 + n2) * kChunk + k);
   }
-  class0.store(total, sums);
-  class1.store(total, sums + n0 * kSumLanes);
-  class2.store(total, sums + (n0 + n1) * kSumLanes);
-  class3.store(total, sums + (n0 + n1 + n2) * kSumLanes);
+  alignas(64) float lanes[3 * total * kLanes];
+  class0.store(lanes);
+  class1.store(lanes + 3 * n0 * kLanes);
+  class2.store(lanes + 3 * (n0 + n1) * kLanes);
+  class3.store(lanes + 3 * (n0 + n1 + n2) * kLanes);
+  add_to_sums(lanes, total, total, sums);
 }
 
-/// Any number of weights: class by class, four at a time.
-[[maybe_unused]] WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights,
-                                            const ClassCounts& counts, int groups, double* sums) {
-  int w = 0;
-  for (int c = 0; c < class_count; ++c) {
-    const float* const plane = planes + c * kChunk;
-    int left = counts.count[c];
-    for (; left >= 4; left -= 4, w += 4) {
-      sum_classes<4, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
-    }
-    for (; left > 0; --left, ++w) {
-      sum_classes<1, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
-    }
-  }
-}
-
-/// Three channels with their sums in registers. The first two ask for the lines ahead, so that those have the
-/// third's time to arrive.
-template <int n0, int n1, int n2, int n3>
-WELKIN_INLINE void sum_three(const float* planes, int class_count, const float* weights, int groups,
-                             const FetchAhead& ahead, double* sums) {
-  if constexpr (kWidth == kLanes) {
-    sum_three_at_once<n0, n1, n2, n3>(planes, class_count, weights, groups, ahead, sums);
-    return;
-  }
-  constexpr int total = n0 + n1 + n2 + n3;
-  const int lines = ahead.lines - groups;
-  const int an_iteration = (lines + 2 * groups - 1) / (2 * groups);
-  for (int channel = 0; channel < 3; ++channel) {
-    const float* const channel_planes = planes + channel * class_count * kChunk;
-    double* const channel_sums = sums + channel * total * kSumLanes;
-    const int lines_before = channel * groups * an_iteration;
-    const FetchPlan plan{&ahead, groups + lines_before};
-    if (lines_before >= lines) {
-      sum_classes<n0, n1, n2, n3, 0>(channel_planes, weights, groups, plan, channel_sums);
-    } else if (an_iteration == 1) {
-      sum_classes<n0, n1, n2, n3, 1>(channel_planes, weights, groups, plan, channel_sums);
-    } else {
-      sum_classes<n0, n1, n2, n3, 2>(channel_planes, weights, groups, plan, channel_sums);
-    }
-  }
-}
-
-constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
+[[maybe_unused]] constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
   return counts.count[0] == n0 && counts.count[1] == n1 && counts.count[2] == n2 && counts.count[3] == n3;
 }
 
 void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
                    const FetchAhead& ahead, double* sums) {
-  if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
-    sum_three<4, 2, 2, 1>(planes, class_count, weights, groups, ahead, sums);
-  } else if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
-    sum_three<3, 2, 0, 0>(planes, class_count, weights, groups, ahead, sums);
-  } else if constexpr (kWidth == kLanes) {
-    sum_any_at_once(planes, class_count, weights, counts, groups, sums);
-  } else {
-    const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
-    for (int channel = 0; channel < 3; ++channel) {
-      sum_any(planes + channel * class_count * kChunk, class_count, weights, counts, groups,
-              sums + channel * total * kSumLanes);
+  if constexpr (kWidth == kLanes) {
+    if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
+      sum_three_at_once<4, 2, 2, 1>(planes, class_count, weights, groups, ahead, sums);
+      return;
+    }
+    if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
+      sum_three_at_once<3, 2, 0, 0>(planes, class_count, weights, groups, ahead, sums);
+      return;
     }
   }
+  sum_any(planes, class_count, weights, counts, groups, ahead, sums);
 }
 
 void fold_sum_lanes(const double* lanes, int count, double* sums) {
