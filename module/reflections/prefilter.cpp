@@ -417,8 +417,9 @@ bool LobeChain::shows_dark(const Target& target, const MipPlan& mip, const Contr
 bool LobeChain::settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
                              const std::vector<BrightTexel>& texels) const {
   for (int k = spectral_.tightenings + 1; !keeps_rms_error(mip, target.bounds.rms, source, texels); ++k) {
-    if (k > kMostTightenings || mip.bands.bands() >= most) return false;
-    mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), most);
+    if (mip.bands.bands() >= most) return false;
+    mip.bands = k > kMostTightenings ? tapered_lobe(mip.alpha, most)
+                                     : choose_bands(mip.alpha, target.bounds.tightened(k), most);
   }
   return mip.bands.bands() <= most;
 }
