@@ -61,14 +61,10 @@ void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, 
 
 namespace {
 
-/// Of a cubemap's rings.
-int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
-  return source.cubemap() ? plan.rows_for_cubemap() : 0;
-}
-
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
+constexpr int kFewTexels = 48;            ///< along an edge: wider ones' weights in near sums are to be estimated
 
 using Faces = std::array<float*, 6>;
 
@@ -208,8 +204,12 @@ class LobeChain {
     const int texels = source_.cubemap() ? 2 * source_.columns() : rows;  // along a meridian
     const int face = spectral_.face_for_cubemap(source_.columns());
     const bool halved = source_.cubemap() && face < source_.columns();
-    return {energies_, source_.cubemap() ? source_.columns() : 0, rows, texels > 2 * spectral_.bands,
-            halved ? 2.0 / face : 0.0};
+    return {energies_,
+            source_.cubemap() ? source_.columns() : 0,
+            rows,
+            texels > 2 * spectral_.bands,
+            halved ? 2.0 / face : 0.0,
+            contrast_};
   }
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
@@ -257,6 +257,7 @@ class LobeChain {
   std::size_t extracted_ = 0;
   std::vector<double> energies_;         ///< of the harmonics, degree by degree
   std::vector<float> picture_energies_;  ///< with the bright texels; empty: unknown
+  double contrast_ = 0.0;                ///< see `SpectralSource`
   PackedFaces faces_;                    ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
@@ -308,17 +309,20 @@ void LobeChain::run_spectral(const Control& control) {
 int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
                              const Control& control) {
   const Stopwatch watch;
-  const int wanted = rows_of(spectral_, source_);
+  const int wanted = source_.cubemap() ? spectral_.rows_for_cubemap() : 0;
   const int face = spectral_.face_for_cubemap(source_.columns());
   const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), face, wanted) : 0;
   memory_.take(bringing);
   if (source_.cubemap()) {
     int finest = face;
-    for (const MipPlan& mip : spectral_.near_mips) finest = std::max(finest, mip.near.face);
+    for (const MipPlan& mip : spectral_.near_mips)
+      finest = std::max(finest, std::min(mip.near.face, source_.columns()));
     memory_.give_back(faces_.owned.bytes());
     faces_ = {};
     faces_ = faces_without(texels, source_, finest, control);
     memory_.take(faces_.owned.bytes());
+    if (!spectral_.near_mips.empty() && faces_.size < kFewTexels)
+      contrast_ = contrast_of_faces(faces_.rows(), faces_.size);
   }
   const Rings rings = source_.cubemap()
                           ? rings_of_cubemap(halved(faces_, face, control).view(), wanted, {control.stop, {}})
@@ -378,13 +382,11 @@ LobeChain::Levels LobeChain::run_rings(const std::vector<BrightTexel>& texels, c
 /// Adds the near part of its lobe to a mip's faces.
 void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const PackedFaces faces = halved(faces_, mip.near.face, control);
-  const std::size_t bytes = faces.owned.bytes() + near_sums_bytes(mip.near);
+  const PackedFaces faces = halved(faces_, std::min(mip.near.face, faces_.size), control);
+  const CutRows cut(faces.rows(), faces.size, mip.near);
+  const std::size_t bytes = faces.owned.bytes() + cut.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
-  std::vector<const float*> rows;
-  rows.reserve(static_cast<std::size_t>(6 * faces.size));
-  for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
-  reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
+  reflections::add_near_sums(cut.rows, {{NearTable::get(mip.near), target.faces()}}, control);
   if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
@@ -549,7 +551,7 @@ void LobeChain::run_narrow(const Control& control) {
   graph.run(jobs::part_of(control, 0.2, 0.5));
 
   const Stopwatch near;
-  const CutRows cut(source_, split);
+  const CutRows cut(rows_of(source_), source_.columns(), split);
   std::size_t bytes = cut.owned.bytes();
   for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
   memory_.take(bytes);

@@ -39,6 +39,7 @@ constexpr double kHalvedOrder = 0.0085;     ///< of (l h)^4, what faces lose tha
 constexpr double kHalvedScattered = 0.03;   ///< of h, by which those scatter fine degrees
 constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edges gain or lose by it
 constexpr double kNearWeights = 1e-5;       ///< of near sums, over the mip's own root mean square
+constexpr double kNearTexels = 0.0028;      ///< of the contrast times h^2, which weights of texels of h err by
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kFinerToTheEnd = 2e-5;     ///< the same where the last harmonics count as much as the first
@@ -112,7 +113,7 @@ double tail_of(std::span<const double> energies) {
 
 /// The same of near sums, over faces that were halved: of the near part of each degree's lobe.
 double near_square(const MipPlan& mip, const SpectralSource& source) {
-  if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
+  if (mip.near.face == 0 || mip.near.face >= source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
   const std::vector<double> lobe = mip.lobe->spectrum(degrees);
   const std::vector<double>& far = NearTable::get(mip.near)->far();
@@ -167,7 +168,13 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   const double square =
       (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
   const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
-  double rounding = kRounding + (source.finer ? finer : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  double rounding = kRounding + (source.finer ? finer : 0.0);
+  if (mip.near.face > 0) {
+    const double texel = 2.0 / mip.near.face;
+    const double steps =
+        std::sqrt(std::min(1.0, 1.0 * source.face_size / mip.near.face));  // parts of one differ by none
+    rounding += kNearWeights + kNearTexels * texel * texel * steps * source.contrast / rms;
+  }
   if (cube) {
     rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
     rounding += kHalvedEdges * of_cube.halved * of_cube.halved;

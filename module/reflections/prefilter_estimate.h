@@ -22,6 +22,7 @@ struct SpectralSource {
   int rings = 0;                     ///< that it was read on
   bool finer = false;                ///< whether its texels are finer than the transform's bands
   double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
+  double contrast = 0.0;             ///< of a cubemap of few texels, see `contrast_of`
 };
 
 /// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
@@ -45,8 +46,8 @@ struct SpectralSource {
 [[nodiscard]] bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
                                    const std::vector<BrightTexel>& lights);
 
-/// Returns what the end of a GGX mip's bands leaves of such a picture far from what is bright, root mean square over the
-/// sphere: mostly by the lobe's kink at the horizon, a quarter of a turn away, where it may be dark.
+/// Returns what the end of a GGX mip's bands leaves of such a picture far from what is bright, root mean square over
+/// the sphere: mostly by the lobe's kink at the horizon, a quarter of a turn away, where it may be dark.
 [[nodiscard]] double truncated_afar(const MipPlan& mip, std::span<const double> energies);
 
 /// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the bound that was asked for.

@@ -188,6 +188,16 @@ int bands_of_step(double alpha, const ErrorBounds& bounds, int tightenings) {
                   bands_for_dark(bounds.tightened(tightenings - 1)));
 }
 
+/// Returns the texels along an edge of the faces of a lobe's near sums. Few are cut into parts, as their weights err by
+/// a share of the square of their size.
+int face_of_near_sums(int face, double alpha, const ErrorBounds& bounds) {
+  const double bound = least_of(bounds);
+  const int least = bound > 5e-4 ? 14 : bound > 5e-5 ? 28 : 56;
+  int near = halved_to(face, face_texels_within(alpha, 0, bounds), bounds);
+  while (near < least) near *= 2;
+  return near;
+}
+
 /// Returns a GGX lobe's mip with near sums, or without if harmonics alone take no longer.
 MipPlan split_where_cheaper(const PrefilterPlan& plan, std::shared_ptr<const Lobe> lobe, int size, int face) {
   const ErrorBounds bounds = plan.tight();
@@ -197,8 +207,8 @@ MipPlan split_where_cheaper(const PrefilterPlan& plan, std::shared_ptr<const Lob
   mip.size = size;
   mip.method = MipMethod::spectral;
   if (mip.alpha >= kMostNearAlpha || size % 2 != 0) return mip;
-  const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds), bounds);
-  const NearSplit near = cheapest_split(halved, size, mip.alpha, bands_of_reach(least_of(bounds)));
+  const NearSplit near =
+      cheapest_split(face_of_near_sums(face, mip.alpha, bounds), size, mip.alpha, bands_of_reach(least_of(bounds)));
   constexpr double kWorth = 0.6;  // of the harmonics' time: what is gained is to make up for a step that fails
   const int whole = bands_of_step(mip.alpha, plan.bounds, plan.tightenings);
   if (near.bands > 0 && milliseconds_of(near) < kWorth * milliseconds_of_harmonics(whole)) mip.near = near;
@@ -343,7 +353,7 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
     if (mip.method == MipMethod::spectral) {
       mip.bands = tapered_lobe(mip.alpha,
                                std::min(transforms::kMaximumSpectrumBands, first_bands_within(mip.alpha, plan.bounds)));
-      take_in(mip, mip.bands.bands(), plan);
+      take_in(mip, std::max(mip.bands.bands(), bands_for_dark(plan.bounds)), plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_size = std::max(plan.narrow_size, mip.size);
     plan.mips.push_back(std::move(mip));
