@@ -50,7 +50,7 @@ Subject faces_of(const Environment& picture, PrefilterOptions options) {
       std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
   return {"of it face by face, with harmonics, from half floats", [=](double bound) mutable {
             options.rms_error = bound;
-            const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).with_near_sums(options.size);
+            const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, options.size);
             const projection::SanitizedSource clean(source->view(), {}, {});
             const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
             static_cast<void>(reflections::faces_without(bright, clean, plan.face_for_cubemap(options.size), {}));

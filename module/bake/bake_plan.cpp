@@ -124,34 +124,35 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
-/// What the prefilter holds when all of its mips are being made.
-std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& first_choice) {
-  const reflections::PrefilterPlan plan = first_choice.largest();
+/// What one step of the prefilter holds when all mips are being made.
+std::uint64_t bytes_of_step(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
-  if (source.cubemap && plan.bands > 0) {  // or near sums; harmonics alone where those do not keep the bounds
-    const reflections::PrefilterPlan split = first_choice.with_near_sums(source.columns);
-    std::uint64_t near = spectral_bytes(source, split);
-    for (const reflections::MipPlan& mip : split.near_mips)
-      near += reflections::NearTable::most_bytes(mip.near) + reflections::near_sums_bytes(mip.near) +
-              kTexelBytes * 6 * squared(mip.near.face);
-    bytes = std::max(bytes, near);
-  }
+  for (const reflections::MipPlan& mip : plan.near_mips)
+    bytes += reflections::NearTable::most_bytes(mip.near) + reflections::near_sums_bytes(mip.near) +
+             kTexelBytes * 6 * squared(mip.near.face);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     // wide lobes may take more
     const bool is_ggx = plan.lights.of == reflections::LightsOf::ggx;
-    const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.tight())) : 0;
+    const int dark = is_ggx ? std::min(plan.bands, reflections::bands_for_dark(plan.bounds)) : 0;
     const int bands = std::max(mip.bands.bands(), dark);
     bytes += grid_bytes(bands, is_ggx ? transforms::grid_for_bands(bands) : mip.grid());
   }
   if (plan.irradiance) {
-    const reflections::ErrorBounds tightest = plan.irradiance_bounds.tightened(reflections::kMostTightenings);
-    const int bands = std::min(plan.bands, reflections::bands_for_dark(tightest));
+    const int dark = reflections::bands_for_dark(plan.irradiance_bounds);
+    const int bands = std::min(plan.bands, std::max(plan.irradiance->bands.bands(), dark));
     bytes += kTexelBytes * 6 * squared(plan.irradiance->size) + grid_bytes(bands, transforms::grid_for_bands(bands));
   }
+  return bytes;
+}
+
+std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+  std::uint64_t bytes = 0;
+  for (int step = 0; step <= reflections::kMostTightenings; ++step)
+    bytes = std::max(bytes, bytes_of_step(source, plan.at_step(step, source.cubemap ? source.columns : 0)));
   return bytes;
 }
 

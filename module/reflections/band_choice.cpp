@@ -63,10 +63,18 @@ double bands_of_kink(const ErrorBounds& bounds) noexcept {
   return std::clamp(kKinkBands * tighter, kLeastKinkBands, kMostKinkBands);
 }
 
+double bands_of_reach(double alpha, const ErrorBounds& bounds) noexcept {
+  return std::min(1e6, reach_within(bounds) / (2.0 * alpha));
+}
+
 }  // namespace
 
 int bands_within(double alpha, const ErrorBounds& bounds) noexcept {
-  return whole_bands(std::max(std::min(1e6, reach_within(bounds) / (2.0 * alpha)), bands_of_kink(bounds)));
+  return whole_bands(std::max(bands_of_reach(alpha, bounds), bands_of_kink(bounds)));
+}
+
+int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept {
+  return whole_bands(std::max(bands_of_reach(alpha, bounds), std::min(kKinkBands, bands_of_kink(bounds))));
 }
 
 int bands_for_dark(const ErrorBounds& bounds) noexcept { return whole_bands(kOfDark * bands_of_kink(bounds)); }

@@ -35,6 +35,9 @@ inline constexpr int kMostTightenings = 2;
 /// alpha in (0, 1].
 [[nodiscard]] int bands_within(double alpha, const ErrorBounds& bounds) noexcept;
 
+/// Returns the bands to begin with: by the kink no more than at the default bounds, which do for most pictures.
+[[nodiscard]] int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept;
+
 /// Returns the fewest rings of latitude that a cubemap is read on where `alpha` is that of the narrowest lobe.
 [[nodiscard]] double rings_within(double alpha, const ErrorBounds& bounds) noexcept;
 
@@ -55,7 +58,7 @@ struct BandChoice {
 /// Returns the factors of at most `most` bands.
 [[nodiscard]] BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most);
 
-/// Returns the bands that wide lobes take for a picture with dark parts. A transform has as many at least.
+/// Returns the bands that wide lobes take for a picture with dark parts.
 [[nodiscard]] int bands_for_dark(const ErrorBounds& bounds) noexcept;
 
 /// Returns 1 up to the last fifth of the bands, then half a cosine down to 0. Without it every light would ring over

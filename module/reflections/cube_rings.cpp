@@ -58,6 +58,13 @@ bool follow_each_other(const projection::SanitizedSource& source) {
 
 CubemapView PackedFaces::view() const { return image::packed_cubemap(rgb, size); }
 
+std::vector<const float*> PackedFaces::rows() const {
+  std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(6 * size));
+  for (int row = 0; row < 6 * size; ++row) rows.push_back(rgb + std::ptrdiff_t{3} * size * row);
+  return rows;
+}
+
 PackedFaces faces_without(const std::vector<BrightTexel>& bright, const projection::SanitizedSource& source, int size,
                           const Control& control) {
   PackedFaces faces{size};
@@ -75,11 +82,8 @@ PackedFaces faces_without(const std::vector<BrightTexel>& bright, const projecti
 
 PackedFaces halved(const PackedFaces& faces, int size, const Control& control) {
   if (size == faces.size) return {size, faces.rgb};
-  std::vector<const float*> rows;
-  rows.reserve(static_cast<std::size_t>(6 * faces.size));
-  for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
   PackedFaces result{size};
-  result.owned = halved_faces(rows, size, {control.stop, {}});
+  result.owned = halved_faces(faces.rows(), size, {control.stop, {}});
   result.rgb = result.owned.data();
   return result;
 }

@@ -24,6 +24,8 @@ struct Rings {
 /// Six packed RGB faces, one after the other.
 struct PackedFaces {
   [[nodiscard]] CubemapView view() const;
+  /// Returns the rows, face after face.
+  [[nodiscard]] std::vector<const float*> rows() const;
 
   int size = 0;
   const float* rgb = nullptr;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "math/elementary.h"
@@ -50,21 +51,20 @@ NearSplit narrow_split(int columns, int rows, int size, double alpha) {
   return split;
 }
 
-CutRows::CutRows(const projection::SanitizedSource& source, const NearSplit& split) {
-  const int cut_rows = source.cubemap() ? 6 * split.face : split.rows;
-  const int across = split.face / source.columns();
-  const int down = cut_rows / source.rows();
+CutRows::CutRows(std::vector<const float*> source, int columns, const NearSplit& split) {
+  const auto cut_rows = static_cast<std::size_t>(split.cubemap() ? 6 * split.face : split.rows);
+  const int across = split.face / columns;
+  const std::size_t down = cut_rows / source.size();
   if (across == 1 && down == 1) {
-    for (int row = 0; row < source.rows(); ++row) rows.push_back(source.row(row));
+    rows = std::move(source);
     return;
   }
-  owned = platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) *
-                                         static_cast<std::size_t>(source.rows()));
+  owned = platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) * source.size());
   float* next = owned.data();
-  for (int row = 0; row < source.rows(); ++row) {
-    rows.insert(rows.end(), static_cast<std::size_t>(down), next);
+  for (const float* const row : source) {
+    rows.insert(rows.end(), down, next);
     for (int column = 0; column < split.face; ++column)
-      next = std::copy_n(source.row(row) + std::ptrdiff_t{3} * (column / across), 3, next);
+      next = std::copy_n(row + std::ptrdiff_t{3} * (column / across), 3, next);
   }
 }
 
@@ -115,18 +115,6 @@ Steps steps_of(const float* here, const float* below, const float* left, int col
   return steps;
 }
 
-/// All texels count alike, as their solid angles nearly do.
-double contrast_of_cubemap(const projection::SanitizedSource& source) {
-  Steps all;
-  for (int row = 0; row < source.rows(); ++row) {
-    const bool face_ends = (row + 1) % source.columns() == 0;
-    const float* const here = source.row(row);
-    const Steps own = steps_of(here, face_ends ? here : source.row(row + 1), here, source.columns());
-    all = {all.across + own.across, all.down + own.down};
-  }
-  return std::sqrt((all.across + all.down) / (static_cast<double>(source.rows()) * source.columns()));
-}
-
 /// Edges of meridians are a row high at all latitudes, those of rows as long as their columns are wide.
 double edges_of_lat_long(const projection::SanitizedSource& source) {
   const double columns_a_radian = source.columns() / (2.0 * kPi);
@@ -148,8 +136,25 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
 
 }  // namespace
 
+std::vector<const float*> rows_of(const projection::SanitizedSource& source) {
+  std::vector<const float*> rows;
+  for (int row = 0; row < source.rows(); ++row) rows.push_back(source.row(row));
+  return rows;
+}
+
+// All texels count alike, as their solid angles nearly do.
+double contrast_of_faces(const std::vector<const float*>& rows, int columns) {
+  Steps all;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const bool face_ends = (row + 1) % static_cast<std::size_t>(columns) == 0;
+    const Steps own = steps_of(rows[row], face_ends ? rows[row] : rows[row + 1], rows[row], columns);
+    all = {all.across + own.across, all.down + own.down};
+  }
+  return std::sqrt((all.across + all.down) / (static_cast<double>(rows.size()) * columns));
+}
+
 double contrast_of(const projection::SanitizedSource& source) {
-  return source.cubemap() ? contrast_of_cubemap(source) : edges_of_lat_long(source);
+  return source.cubemap() ? contrast_of_faces(rows_of(source), source.columns()) : edges_of_lat_long(source);
 }
 
 double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast) {

@@ -31,7 +31,8 @@ inline constexpr double kFarLights = 2.0;
 
 /// A source's rows, their texels cut as a split has them.
 struct CutRows {
-  CutRows(const projection::SanitizedSource& source, const NearSplit& split);
+  /// `source`: packed RGB, of a cubemap face after face; they are to outlive this.
+  CutRows(std::vector<const float*> source, int columns, const NearSplit& split);
 
   std::vector<const float*> rows;
   platform::AlignedBuffer<float> owned;  ///< where they are cut
@@ -48,6 +49,11 @@ struct CutRows {
 /// texels along both axes. For lat-longs it is the root of the sum over edges between texels of squared step times
 /// length, per unit of solid angle: a lobe of width w is cut by an edge on w times that length.
 [[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
+/// The same of a cubemap's packed rows, face after face.
+[[nodiscard]] double contrast_of_faces(const std::vector<const float*>& rows, int columns);
+
+/// Returns a source's rows, of a cubemap face after face.
+[[nodiscard]] std::vector<const float*> rows_of(const projection::SanitizedSource& source);
 
 struct NarrowMip {
   int size = 0;

@@ -391,15 +391,13 @@ double milliseconds_of(const NearSplit& split) noexcept {
 
 NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept {
   constexpr double kMostReach = 0.5;
-  constexpr double kMostTexel = 2.5;  // over alpha: the points of the weights' quadrature see no narrower lobe
   constexpr int kStep = 8;
   NearSplit best{face, size, alpha, 0.0, 0};
-  if (2.0 / face > kMostTexel * alpha) return best;
   for (int bands = kStep; bands <= 1024; bands += bands < 128 ? kStep : 2 * kStep) {
     const double reach = bands_of_reach / bands;
     if (reach > kMostReach) continue;
     const NearSplit split{face, size, alpha, reach, bands};
-    if (!split.serves()) break;
+    if (reach < std::max(split.reach_of_lobe(), split.reach_of_texels())) break;
     if (best.bands == 0 || milliseconds_of(split) < milliseconds_of(best)) best = split;
   }
   return best;

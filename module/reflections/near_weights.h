@@ -25,8 +25,10 @@ struct NearSplit {
   [[nodiscard]] bool cubemap() const noexcept { return rows == 0; }
   /// Returns q + s where the near part ends, see `kFarPart`.
   [[nodiscard]] double end() const noexcept;
-  /// Whether the reach has some texels, and the far part is wider than the lobe.
-  [[nodiscard]] bool serves() const noexcept { return reach * face >= 5.0 && reach >= 2.0 * alpha; }
+  /// Returns the reach of a far part that is wider than the lobe.
+  [[nodiscard]] double reach_of_lobe() const noexcept { return 2.5 * alpha; }
+  /// Returns the reach that has some texels.
+  [[nodiscard]] double reach_of_texels() const noexcept { return 5.0 / face; }
   bool operator==(const NearSplit&) const = default;
 };
 

@@ -1,7 +1,6 @@
 #include "reflections/prefilter.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -62,16 +61,10 @@ void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, 
 
 namespace {
 
-/// Of a cubemap's rings.
-int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
-  return source.cubemap() ? plan.rows_for_cubemap() : 0;
-}
-
 constexpr double kPi = std::numbers::pi;
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 constexpr double kLeftOut = 0.1;          ///< of lights, over the darkest texel and the bound
-constexpr double kMostSharp = 2.6;        ///< over the reach: of lobes whose dark parts mostly take more bands
-constexpr int kFewBands = 72;             ///< these take no longer than to look whether fewer do
+constexpr int kFewTexels = 48;            ///< along an edge: wider ones' weights in near sums are to be estimated
 
 using Faces = std::array<float*, 6>;
 
@@ -119,7 +112,6 @@ struct Target {
   MipRecord& record;
   std::string name;    ///< in passes
   ErrorBounds bounds;  ///< asked for
-  int tightenings;     ///< that the level's bands are chosen for
 
   [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
   /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.
@@ -162,7 +154,7 @@ class LobeChain {
  public:
   LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : source_(source), plan_(plan), spectral_(source.cubemap() ? plan.with_near_sums(source.columns()) : plan) {
+      : source_(source), plan_(plan), spectral_(step_of(0)) {
     const auto levels = static_cast<int>(plan_.mips.size());
     if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     if (plan_.irradiance) irradiance_ = CubemapChain(plan_.irradiance->size, 1);
@@ -197,17 +189,27 @@ class LobeChain {
  private:
   [[nodiscard]] MipRecord& record(std::size_t level) { return result_.mips[level]; }
   [[nodiscard]] Target target(std::size_t level) {
-    return {result_.cubemap, static_cast<int>(level),
-            record(level),   "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)),
-            plan_.bounds,    spectral_.tightenings};
+    return {result_.cubemap, static_cast<int>(level), record(level),
+            "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)), plan_.bounds};
   }
+  [[nodiscard]] Target target_of_irradiance() {
+    return {irradiance_, 0, irradiance_record_, "irradiance", plan_.irradiance_bounds};
+  }
+  [[nodiscard]] PrefilterPlan step_of(int step) const {
+    return plan_.at_step(step, source_.cubemap() ? source_.columns() : 0);
+  }
+  [[nodiscard]] bool last_step() const { return spectral_.tightenings == kMostTightenings; }
 
   [[nodiscard]] SpectralSource source_on(int rows) const {
     const int texels = source_.cubemap() ? 2 * source_.columns() : rows;  // along a meridian
     const int face = spectral_.face_for_cubemap(source_.columns());
     const bool halved = source_.cubemap() && face < source_.columns();
-    return {energies_, source_.cubemap() ? source_.columns() : 0, rows, texels > 2 * spectral_.bands,
-            halved ? 2.0 / face : 0.0};
+    return {energies_,
+            source_.cubemap() ? source_.columns() : 0,
+            rows,
+            texels > 2 * spectral_.bands,
+            halved ? 2.0 / face : 0.0,
+            contrast_};
   }
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
@@ -218,8 +220,10 @@ class LobeChain {
   void run_spectral(const Control& control);
   [[nodiscard]] int analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
                                   const Control& control);
-  [[nodiscard]] bool settle_bands(const std::vector<BrightTexel>& texels, int rows);
-  [[nodiscard]] bool run_rings(const std::vector<BrightTexel>& texels, const Control& control);
+  using Levels = std::vector<std::optional<std::size_t>>;  ///< of spectral mips; none: the irradiance
+  [[nodiscard]] Levels run_rings(const std::vector<BrightTexel>& texels, const Levels& levels, const Control& control);
+  [[nodiscard]] bool settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
+                                  const std::vector<BrightTexel>& texels) const;
   void blur(const Target& target, std::span<const double> zonal, const transforms::GridSize& grid_size,
             bool not_negative, const transforms::Spectrum& spectrum, const Control& control);
   void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control) {
@@ -228,8 +232,8 @@ class LobeChain {
   }
   void add_near_sums(const Target& target, const MipPlan& mip, const Control& control);
   [[nodiscard]] bool shows_dark(const Target& target, const MipPlan& mip, const Control& control) const;
-  void spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
-                    const transforms::Spectrum& spectrum, int rows, const Control& control);
+  [[nodiscard]] bool spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
+                                  const transforms::Spectrum& spectrum, int rows, const Control& control);
   [[nodiscard]] IrradianceMap irradiance_times(double factor);
   void run_narrow(const Control& control);
   [[nodiscard]] NearSplit split_of(const MipPlan& mip) const;
@@ -245,16 +249,16 @@ class LobeChain {
 
   const projection::SanitizedSource& source_;
   const PrefilterPlan& plan_;
-  PrefilterPlan spectral_;  ///< by which spectral mips are made: `plan_`, or with more bands
+  PrefilterPlan spectral_;  ///< by which spectral mips are made, see `at_step`
   PrefilteredSpecular result_;
   CubemapChain irradiance_;  ///< over pi
   MipRecord irradiance_record_;
   BrightLights bright_;
   std::size_t extracted_ = 0;
-  std::vector<double> energies_;          ///< of the harmonics, degree by degree
-  std::vector<float> picture_energies_;   ///< with the bright texels; empty: unknown
-  std::atomic<bool> near_fails_ = false;  ///< whether a mip's near sums do not keep the bounds
-  PackedFaces faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
+  std::vector<double> energies_;         ///< of the harmonics, degree by degree
+  std::vector<float> picture_energies_;  ///< with the bright texels; empty: unknown
+  double contrast_ = 0.0;                ///< see `SpectralSource`
+  PackedFaces faces_;                    ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
   Memory memory_;
@@ -283,33 +287,42 @@ void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatc
 void LobeChain::run_spectral(const Control& control) {
   const Stopwatch watch;
   const std::size_t most = plan_.lights.of == LightsOf::ggx ? kMostBright : kMostBrightFar;
-  const std::vector<BrightTexel> texels = find_bright_texels(source_, spectral_.light_alpha, most, {control.stop, {}});
+  const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, most, {control.stop, {}});
   bright_ = BrightLights(texels, PictureShape::of(source_), plan_.lights, plan_.reach);
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
-  if (run_rings(texels, control)) return;
-  memory_.give_back(bright_.bytes());
-  near_fails_ = false;
-  spectral_ = plan_;  // by harmonics alone
-  run_spectral(control);
+  Levels left;
+  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+    if (plan_.mips[level].method == MipMethod::spectral) left.emplace_back(level);
+  }
+  if (plan_.irradiance) left.emplace_back(std::nullopt);
+  left = run_rings(texels, left, control);
+  while (!left.empty()) {
+    spectral_ = step_of(spectral_.tightenings + 1);
+    note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
+    left = run_rings(texels, left, {control.stop, {}});
+  }
 }
 
 /// Returns the number of rings.
 int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms::Spectrum& spectrum,
                              const Control& control) {
   const Stopwatch watch;
-  const int wanted = rows_of(spectral_, source_);
+  const int wanted = source_.cubemap() ? spectral_.rows_for_cubemap() : 0;
   const int face = spectral_.face_for_cubemap(source_.columns());
   const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), face, wanted) : 0;
   memory_.take(bringing);
   if (source_.cubemap()) {
     int finest = face;
-    for (const MipPlan& mip : spectral_.near_mips) finest = std::max(finest, mip.near.face);
+    for (const MipPlan& mip : spectral_.near_mips)
+      finest = std::max(finest, std::min(mip.near.face, source_.columns()));
     memory_.give_back(faces_.owned.bytes());
     faces_ = {};
     faces_ = faces_without(texels, source_, finest, control);
     memory_.take(faces_.owned.bytes());
+    if (!spectral_.near_mips.empty() && faces_.size < kFewTexels)
+      contrast_ = contrast_of_faces(faces_.rows(), faces_.size);
   }
   const Rings rings = source_.cubemap()
                           ? rings_of_cubemap(halved(faces_, face, control).view(), wanted, {control.stop, {}})
@@ -329,67 +342,51 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
   return rings.view.height;
 }
 
-/// Returns whether the bands do for this picture, which energies_ are of; if not, there are more of them in
-/// `spectral_`.
-bool LobeChain::settle_bands(const std::vector<BrightTexel>& texels, int rows) {
-  if (plan_.lights.of == LightsOf::any) {
-    const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
-    return std::exchange(spectral_.bands, wanted) == wanted;
-  }
-  if (spectral_.tightenings == kMostTightenings || !spectral_.near_mips.empty()) return true;
-  if (keeps_rms_error(spectral_, source_on(rows), texels)) return true;
-  spectral_ = spectral_.tightened(1);
-  return false;
-}
-
-/// Returns false, with nothing made, if near sums do not keep the bounds.
-bool LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
+/// Makes those mips for which this step's bands and near sums do. Returns the others, none after the last step. By
+/// itself alone each mip goes on to a next step, so that it has the same bits whatever other mips there are.
+LobeChain::Levels LobeChain::run_rings(const std::vector<BrightTexel>& texels, const Levels& levels,
+                                       const Control& control) {
   transforms::Spectrum spectrum;
   int rows = 0;
   for (Control part = jobs::part_of(control, 0.0, 0.4);; part.progress = {}) {
     rows = analyse_rings(texels, spectrum, part);
     energies_ = energies_of(spectrum);
-    for (const MipPlan& mip : spectral_.near_mips) {
-      if (keeps_rms_error(mip, plan_.bounds.rms, source_on(rows), texels)) continue;
-      memory_.give_back(spectrum.bytes());
-      note("energies", "more than near sums allow", 0.0);
-      return false;
-    }
-    if (settle_bands(texels, rows)) break;
+    if (plan_.lights.of == LightsOf::ggx) break;
+    const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
+    if (std::exchange(spectral_.bands, wanted) == wanted) break;
     memory_.give_back(spectrum.bytes());
     note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
   }
-
-  if (plan_.lights.of == LightsOf::ggx && !plan_.mips.empty())
+  if (plan_.lights.of == LightsOf::ggx && !plan_.mips.empty() && spectral_.tightenings == 0)
     picture_energies_ = whole_energies(energies_, texels, PictureShape::of(source_), {control.stop, {}});
 
   jobs::TaskGraph graph;
-  const auto add = [&](const Target& target, const MipPlan& mip) {
+  std::vector<char> made(levels.size());
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const MipPlan& mip = levels[k] ? spectral_.mips[*levels[k]] : *spectral_.irradiance;
+    const Target to = levels[k] ? target(*levels[k]) : target_of_irradiance();
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
-              [this, target, &mip, &texels, &spectrum, rows](const Control& part) {
-                spectral_mip(target, mip, texels, spectrum, rows, part);
+              [this, to, k, &mip, &made, &texels, &spectrum, rows](const Control& part) {
+                made[k] = spectral_mip(to, mip, texels, spectrum, rows, part) ? 1 : 0;
               });
-  };
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    if (spectral_.mips[level].method == MipMethod::spectral) add(target(level), spectral_.mips[level]);
   }
-  if (plan_.irradiance)
-    add({irradiance_, 0, irradiance_record_, "irradiance", plan_.irradiance_bounds, 0}, *plan_.irradiance);
   graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
-  return !near_fails_;
+  Levels left;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    if (made[k] == 0) left.push_back(levels[k]);
+  }
+  return left;
 }
 
 /// Adds the near part of its lobe to a mip's faces.
 void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const PackedFaces faces = halved(faces_, mip.near.face, control);
-  const std::size_t bytes = faces.owned.bytes() + near_sums_bytes(mip.near);
+  const PackedFaces faces = halved(faces_, std::min(mip.near.face, faces_.size), control);
+  const CutRows cut(faces.rows(), faces.size, mip.near);
+  const std::size_t bytes = faces.owned.bytes() + cut.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
-  std::vector<const float*> rows;
-  rows.reserve(static_cast<std::size_t>(6 * faces.size));
-  for (int row = 0; row < 6 * faces.size; ++row) rows.push_back(faces.rgb + std::ptrdiff_t{3} * faces.size * row);
-  reflections::add_near_sums(rows, {{NearTable::get(mip.near), target.faces()}}, control);
+  reflections::add_near_sums(cut.rows, {{NearTable::get(mip.near), target.faces()}}, control);
   if (!source_.has_negatives()) make_not_negative(mip.size, target.faces());
   memory_.give_back(bytes);
   note(target.name + ": near sums", std::to_string(mip.near.face) + " texels along an edge", watch.milliseconds());
@@ -412,27 +409,38 @@ void LobeChain::blur(const Target& target, std::span<const double> zonal, const 
 
 /// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
 bool LobeChain::shows_dark(const Target& target, const MipPlan& mip, const Control& control) const {
-  constexpr double kOfTruncated = 6.0;  // over the root mean square: the largest error that wide lobes' bands leave
+  constexpr double kOfTruncated = 8.0;  // over the root mean square: the largest error
   const double least = least_of(target.chain, target.level, control);
-  return kOfTruncated * truncated_rms(mip, energies_) <= target.bounds.maximum * least;
+  return kOfTruncated * truncated_afar(mip, energies_) <= target.bounds.maximum * least;
 }
 
-void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
+/// Chooses the bands of a GGX lobe that harmonics alone make. Returns whether the spectrum has as many as the picture's
+/// energies take.
+bool LobeChain::settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
+                             const std::vector<BrightTexel>& texels) const {
+  for (int k = spectral_.tightenings + 1; !keeps_rms_error(mip, target.bounds.rms, source, texels); ++k) {
+    if (mip.bands.bands() >= most) return false;
+    mip.bands = k > kMostTightenings ? tapered_lobe(mip.alpha, most)
+                                     : choose_bands(mip.alpha, target.bounds.tightened(k), most);
+  }
+  return mip.bands.bands() <= most;
+}
+
+/// Returns false where a next step is to make the mip.
+bool LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vector<BrightTexel>& texels,
                              const transforms::Spectrum& spectrum, int rows, const Control& control) {
   const Stopwatch watch;
   const bool near = mip.near.face > 0;
+  const bool ggx = mip.alpha > 0.0;
   if (near) mip = with_far_part(std::move(mip));
-  for (int k = target.tightenings + 1; mip.alpha > 0.0 && !near && k <= kMostTightenings; ++k) {
-    if (keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)) break;
-    mip.bands = choose_bands(mip.alpha, target.bounds.tightened(k), spectrum.bands());
-  }
-  const ErrorBounds tight = target.bounds.tightened(target.tightenings);
-  const int of_dark = mip.alpha > 0.0 ? std::min(spectrum.bands(), bands_for_dark(tight)) : 0;
-  const bool sharp = 2.0 * mip.alpha * of_dark < kMostSharp * reach_within(tight);
-  if (of_dark <= kFewBands && mip.bands.bands() < of_dark && sharp) mip.bands = tapered_lobe(mip.alpha, of_dark);
+  const bool does = !ggx || (near ? keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)
+                                  : settle_bands(target, mip, source_on(rows), spectrum.bands(), texels));
+  if (!does && !last_step()) return false;
+  const int of_dark = ggx && spectral_.tightenings == 0 ? bands_for_dark(target.bounds) : 0;
   blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   if (near) add_near_sums(target, mip, {control.stop, {}});
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {
+    if (near || of_dark > spectrum.bands()) return false;
     mip.bands = tapered_lobe(mip.alpha, of_dark);
     blur(target, mip, spectrum, {control.stop, {}});
   }
@@ -450,7 +458,10 @@ void LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   const double by_chance = mip.alpha > 0.0 ? 1.0 : std::min(2.0, 1.0 + 4.0 / mip.size);
   target.record.error_estimate =
       by_chance * spectral_rms_error(mip, source_on(rows), bright_.error(*mip.lobe, mip.size, rms) + left_out, rms);
+  // more bands may do
+  if (near && !last_step() && *target.record.error_estimate > target.bounds.rms) return false;
   keep_or_integrate(target, mip, watch, control);
+  return true;
 }
 
 /// Ends a mip that keeps the bound by its estimate; integrates it otherwise, or throws.
@@ -459,10 +470,6 @@ void LobeChain::keep_or_integrate(const Target& target, const MipPlan& mip, cons
   const double estimate = *target.record.error_estimate;
   if (estimate <= target.bounds.rms) {
     end_mip(target, mip, watch, control);
-    return;
-  }
-  if (mip.method == MipMethod::spectral && !spectral_.near_mips.empty()) {  // more bands may do
-    near_fails_ = true;
     return;
   }
   if (!may_integrate(target, mip)) refuse_rms_error(estimate, target.bounds.rms, target.name);
@@ -544,7 +551,7 @@ void LobeChain::run_narrow(const Control& control) {
   graph.run(jobs::part_of(control, 0.2, 0.5));
 
   const Stopwatch near;
-  const CutRows cut(source_, split);
+  const CutRows cut(rows_of(source_), source_.columns(), split);
   std::size_t bytes = cut.owned.bytes();
   for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
   memory_.take(bytes);
@@ -629,7 +636,7 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (plan.bands == 0) return;
-  const PrefilterPlan own = plan.with_near_sums(face_size);
+  const PrefilterPlan own = plan.at_step(0, face_size);
   for (const MipPlan& mip : own.near_mips) static_cast<void>(NearTable::get(mip.near));
   RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }

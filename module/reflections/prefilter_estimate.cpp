@@ -38,7 +38,8 @@ constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatte
 constexpr double kHalvedOrder = 0.0085;     ///< of (l h)^4, what faces lose that are halved to texels of h
 constexpr double kHalvedScattered = 0.03;   ///< of h, by which those scatter fine degrees
 constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edges gain or lose by it
-constexpr double kNearWeights = 4e-5;       ///< of near sums, over the mip's own root mean square
+constexpr double kNearWeights = 1e-5;       ///< of near sums, over the mip's own root mean square
+constexpr double kNearTexels = 0.0028;      ///< of the contrast times h^2, which weights of texels of h err by
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kFiner = 2.5e-6;           ///< of texels so fine that none of the harmonics shows them
 constexpr double kFinerToTheEnd = 2e-5;     ///< the same where the last harmonics count as much as the first
@@ -112,7 +113,7 @@ double tail_of(std::span<const double> energies) {
 
 /// The same of near sums, over faces that were halved: of the near part of each degree's lobe.
 double near_square(const MipPlan& mip, const SpectralSource& source) {
-  if (mip.near.face == 0 || mip.near.face == source.face_size) return 0.0;
+  if (mip.near.face == 0 || mip.near.face >= source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
   const std::vector<double> lobe = mip.lobe->spectrum(degrees);
   const std::vector<double>& far = NearTable::get(mip.near)->far();
@@ -167,7 +168,13 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   const double square =
       (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
   const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
-  double rounding = kRounding + (source.finer ? finer : 0.0) + (mip.near.face > 0 ? kNearWeights : 0.0);
+  double rounding = kRounding + (source.finer ? finer : 0.0);
+  if (mip.near.face > 0) {
+    const double texel = 2.0 / mip.near.face;
+    const double steps =
+        std::sqrt(std::min(1.0, 1.0 * source.face_size / mip.near.face));  // parts of one differ by none
+    rounding += kNearWeights + kNearTexels * texel * texel * steps * source.contrast / rms;
+  }
   if (cube) {
     rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
     rounding += kHalvedEdges * of_cube.halved * of_cube.halved;
@@ -294,24 +301,24 @@ bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource&
   return spectral_rms_error(own, source, 0.0, rms) <= kOfBound * rms_error;
 }
 
-bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source, const std::vector<BrightTexel>& lights) {
-  MipPlan narrowest;
-  narrowest.alpha = plan.lights.least_alpha;
-  narrowest.lobe = std::make_shared<const Lobe>(plan.lights.least_alpha);
-  narrowest.bands =
-      choose_bands(plan.lights.least_alpha, plan.bounds.tightened(kMostTightenings), plan.bands);  // at most
-  return keeps_rms_error(narrowest, plan.bounds.rms, source, lights);
-}
-
-double truncated_rms(const MipPlan& mip, std::span<const double> energies) {
+double truncated_afar(const MipPlan& mip, std::span<const double> energies) {
+  constexpr double kWide = 0.25;      // alpha of a lobe that is smooth enough for its kink alone to be left out
+  constexpr double kOfNarrow = 40.0;  // of alpha^2, the share of narrower lobes' kinks in that of kWide
+  constexpr double kAfar = 0.01;      // of what is left out of their middles
   const int bands = mip.bands.bands();
-  const std::vector<double> lobe = mip.lobe->spectrum(bands + bands / 2);
-  double sum = 0.0;
-  for (std::size_t l = 0; l < std::min(lobe.size(), energies.size()); ++l) {
-    const double lost = lobe[l] - (l < mip.bands.zonal.size() ? mip.bands.zonal[l] : 0.0);
-    sum += energies[l] * lost * lost;
-  }
-  return std::sqrt(sum / (4.0 * kPi));
+  const double tail = tail_of(energies);
+  const auto lost_of = [&](const std::vector<double>& lobe) {
+    double sum = 0.0;
+    for (std::size_t l = 0; l < lobe.size(); ++l) {
+      const double lost = lobe[l] * (1.0 - (static_cast<int>(l) < bands ? taper(static_cast<int>(l), bands) : 0.0));
+      sum += (l < energies.size() ? energies[l] : tail) * lost * lost;
+    }
+    return std::sqrt(sum / (4.0 * kPi));
+  };
+  const int known = bands + bands / 2;
+  const double own = lost_of(mip.near.face > 0 ? NearTable::get(mip.near)->far() : mip.lobe->spectrum(known));
+  if (mip.alpha >= kWide) return own;
+  return kAfar * own + std::min(1.0, kOfNarrow * mip.alpha * mip.alpha) * lost_of(lobe_spectrum(kWide, known));
 }
 
 void refuse_rms_error(double estimate, double rms_error, const std::string& what) {

@@ -22,6 +22,7 @@ struct SpectralSource {
   int rings = 0;                     ///< that it was read on
   bool finer = false;                ///< whether its texels are finer than the transform's bands
   double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
+  double contrast = 0.0;             ///< of a cubemap of few texels, see `contrast_of`
 };
 
 /// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
@@ -45,13 +46,9 @@ struct SpectralSource {
 [[nodiscard]] bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
                                    const std::vector<BrightTexel>& lights);
 
-/// Returns whether bands and rings of a plan of GGX lobes keep `rms_error` for the narrowest lobe of its whole chain:
-/// by that alone a mip has the same bits whatever other mips there are.
-[[nodiscard]] bool keeps_rms_error(const PrefilterPlan& plan, const SpectralSource& source,
-                                   const std::vector<BrightTexel>& lights);
-
-/// Returns what the end of `mip`'s bands leaves out of such a picture, root mean square over the sphere.
-[[nodiscard]] double truncated_rms(const MipPlan& mip, std::span<const double> energies);
+/// Returns what the end of a GGX mip's bands leaves of such a picture far from what is bright, root mean square over
+/// the sphere: mostly by the lobe's kink at the horizon, a quarter of a turn away, where it may be dark.
+[[nodiscard]] double truncated_afar(const MipPlan& mip, std::span<const double> energies);
 
 /// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the bound that was asked for.
 [[noreturn]] void refuse_rms_error(double estimate, double rms_error, const std::string& what);

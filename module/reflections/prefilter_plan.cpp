@@ -172,7 +172,7 @@ namespace {
 /// leaves of a picture by 3 to 4.
 double bands_of_reach(double bound) noexcept {
   constexpr double kAtPercent = 7.0;
-  constexpr double kOfLogarithm = 0.55;
+  constexpr double kOfLogarithm = 0.7;
   constexpr double kLessFromThousandth = 0.15;  // up to a percent
   const double looser = std::clamp(math::logarithm(bound / 1e-3), 0.0, math::logarithm(10.0));
   return kAtPercent + kOfLogarithm * std::max(0.0, math::logarithm(1e-2 / bound)) - kLessFromThousandth * looser;
@@ -181,96 +181,122 @@ double bands_of_reach(double bound) noexcept {
 /// Returns the bound on the root mean square error that both amount to.
 double least_of(const ErrorBounds& bounds) noexcept { return std::min(bounds.rms, 0.1 * bounds.maximum); }
 
+/// Returns the bands of a lobe that harmonics alone make.
+int bands_of_step(double alpha, const ErrorBounds& bounds, int tightenings) {
+  if (tightenings == 0) return first_bands_within(alpha, bounds);
+  return std::max(bands_within(alpha, bounds.tightened(tightenings)),
+                  bands_for_dark(bounds.tightened(tightenings - 1)));
+}
+
+/// Returns the texels along an edge of the faces of a lobe's near sums. Few are cut into parts, as their weights err by
+/// a share of the square of their size.
+int face_of_near_sums(int face, double alpha, const ErrorBounds& bounds) {
+  const double bound = least_of(bounds);
+  const int least = bound > 5e-4 ? 14 : bound > 5e-5 ? 28 : 56;
+  int near = halved_to(face, face_texels_within(alpha, 0, bounds), bounds);
+  while (near < least) near *= 2;
+  return near;
+}
+
 /// Returns a GGX lobe's mip with near sums, or without if harmonics alone take no longer.
-MipPlan split_where_cheaper(std::shared_ptr<const Lobe> lobe, int size, int face, const ErrorBounds& bounds) {
-  constexpr double kWorth = 1.0;  // of the harmonics' time alone
+MipPlan split_where_cheaper(const PrefilterPlan& plan, std::shared_ptr<const Lobe> lobe, int size, int face) {
+  const ErrorBounds bounds = plan.tight();
   MipPlan mip;
   mip.lobe = std::move(lobe);
   mip.alpha = mip.lobe->alpha();
   mip.size = size;
   mip.method = MipMethod::spectral;
   if (mip.alpha >= kMostNearAlpha || size % 2 != 0) return mip;
-  const int halved = halved_to(face, face_texels_within(mip.alpha, 0, bounds), bounds);
-  const NearSplit near = cheapest_split(halved, size, mip.alpha, bands_of_reach(least_of(bounds)));
-  if (near.bands > 0 && milliseconds_of(near) < kWorth * milliseconds_of_harmonics(bands_within(mip.alpha, bounds)))
-    mip.near = near;
+  const NearSplit near =
+      cheapest_split(face_of_near_sums(face, mip.alpha, bounds), size, mip.alpha, bands_of_reach(least_of(bounds)));
+  constexpr double kWorth = 0.6;  // of the harmonics' time: what is gained is to make up for a step that fails
+  const int whole = bands_of_step(mip.alpha, plan.bounds, plan.tightenings);
+  if (near.bands > 0 && milliseconds_of(near) < kWorth * milliseconds_of_harmonics(whole)) mip.near = near;
   return mip;
 }
 
-/// Gives all splits the bands of the largest, whose reach is shorter then. Returns false if that is too short for one,
-/// whose lobe is then left to harmonics.
+/// Gives all splits the bands of the largest, whose reach is shorter then. Returns false if that is too short for a
+/// lobe, which is then left to harmonics.
 bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
-  plan.bands = bands_for_dark(plan.bounds);
+  plan.bands = plan.tightenings > 0 ? bands_for_dark(plan.bounds.tightened(plan.tightenings - 1)) : kBandStep;
   plan.ring_alpha = 1.0;
   for (const MipPlan& mip : mips)
-    plan.bands = std::max(plan.bands, mip.near.face > 0 ? mip.near.bands : bands_within(mip.alpha, plan.bounds));
+    plan.bands = std::max(plan.bands,
+                          mip.near.face > 0 ? mip.near.bands : bands_of_step(mip.alpha, plan.bounds, plan.tightenings));
   for (MipPlan& mip : mips) {
     if (mip.near.face > 0) {
       mip.near.bands = plan.bands;
-      mip.near.reach = std::min(mip.near.reach, bands_of_reach(least_of(plan.bounds)) / plan.bands);
-      if (!mip.near.serves()) {
+      const double shorter = std::min(mip.near.reach, bands_of_reach(least_of(plan.tight())) / plan.bands);
+      if (shorter < mip.near.reach_of_lobe()) {
         mip.near = {};
         return false;
       }
+      mip.near.reach = std::max(mip.near.reach_of_texels(), shorter);
     }
     plan.ring_alpha = std::min(plan.ring_alpha, mip.ring_alpha());
   }
   return true;
 }
 
-}  // namespace
-
-PrefilterPlan PrefilterPlan::with_near_sums(int face) const {
-  constexpr double kLeastBound = 9e-4;  // weights err by less
-  if (!may_integrate || lights.of != LightsOf::ggx || bands == 0 || least_of(bounds) < kLeastBound || face % 2 != 0)
-    return *this;
+PrefilterPlan with_near_sums(PrefilterPlan plan, int face) {
+  constexpr double kLeastBound = 9e-5;
+  if (!plan.may_integrate || plan.bands == 0 || least_of(plan.bounds) < kLeastBound || face % 2 != 0) return plan;
   std::vector<MipPlan> own;
-  for (std::size_t k = 0; k < spectral_lobes.size(); ++k)
-    own.push_back(split_where_cheaper(spectral_lobes[k], spectral_sizes[k], face, bounds));
-  PrefilterPlan plan = *this;
-  while (!share_bands(plan, own)) {
+  for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k)
+    own.push_back(split_where_cheaper(plan, plan.spectral_lobes[k], plan.spectral_sizes[k], face));
+  PrefilterPlan split = plan;
+  while (!share_bands(split, own)) {
   }
   for (MipPlan& mip : own) {
     if (mip.near.face == 0) continue;
-    mip.bands.zonal.assign(static_cast<std::size_t>(plan.bands), 0.0);
-    for (MipPlan& made : plan.mips) {
+    mip.bands.zonal.assign(static_cast<std::size_t>(split.bands), 0.0);
+    for (MipPlan& made : split.mips) {
       if (made.lobe != mip.lobe) continue;
       made.near = mip.near;
       made.bands = mip.bands;
     }
-    plan.near_mips.push_back(std::move(mip));
+    split.near_mips.push_back(std::move(mip));
   }
-  return plan.near_mips.empty() ? *this : plan;
+  return split.near_mips.empty() ? plan : split;
 }
 
-PrefilterPlan PrefilterPlan::tightened(int steps) const {
-  PrefilterPlan tighter = *this;
-  tighter.tightenings += steps;
-  const ErrorBounds tight = tighter.tight();
-  for (MipPlan& mip : tighter.mips) {
-    if (mip.method == MipMethod::spectral)
-      mip.bands = choose_bands(mip.alpha, tight, transforms::kMaximumSpectrumBands);
+/// Returns a plan of GGX lobes with more bands and rings.
+PrefilterPlan tightened(PrefilterPlan plan, int step) {
+  plan.tightenings = step;
+  const auto bands_of = [&](double alpha, const ErrorBounds& bounds) {
+    return std::min(transforms::kMaximumSpectrumBands, bands_of_step(alpha, bounds, step));
+  };
+  for (MipPlan& mip : plan.mips) {
+    if (mip.method == MipMethod::spectral) mip.bands = tapered_lobe(mip.alpha, bands_of(mip.alpha, plan.bounds));
   }
-  if (bands == 0) return tighter;
-  for (const auto& lobe : spectral_lobes) {
-    const int wanted = std::max(bands_within(lobe->alpha(), tight), bands_for_dark(tight));
-    tighter.bands = std::max(tighter.bands, std::min(transforms::kMaximumSpectrumBands, wanted));
+  if (plan.bands == 0) return plan;
+  for (const auto& lobe : plan.spectral_lobes) plan.bands = std::max(plan.bands, bands_of(lobe->alpha(), plan.bounds));
+  if (plan.irradiance) {  // whose bounds are not tighter than the chain's
+    MipPlan& mip = *plan.irradiance;
+    mip.bands = tapered_lobe(mip.alpha, std::min(plan.bands, bands_of(mip.alpha, plan.irradiance_bounds)));
   }
-  return tighter;
+  return plan;
 }
 
-PrefilterPlan PrefilterPlan::largest() const {
-  if (lights.of == LightsOf::ggx) return tightened(kMostTightenings);
-  PrefilterPlan most = *this;
-  if (bands == 0) return most;
+/// Returns a plan of other lobes that no picture makes this one exceed.
+PrefilterPlan largest(PrefilterPlan plan) {
+  if (plan.bands == 0) return plan;
   const auto ends = [](const auto& lobe) { return lobe->last_band() > 0; };
-  if (!platform::ranges::all_of(spectral_lobes, ends)) most.bands = transforms::kMaximumSpectrumBands;
-  for (MipPlan& mip : most.mips) {
+  if (!platform::ranges::all_of(plan.spectral_lobes, ends)) plan.bands = transforms::kMaximumSpectrumBands;
+  for (MipPlan& mip : plan.mips) {
     if (mip.method != MipMethod::spectral) continue;
     const int last = mip.lobe->last_band();
-    mip.bands.zonal.assign(static_cast<std::size_t>(last > 0 ? last : most.bands), 0.0);
+    mip.bands.zonal.assign(static_cast<std::size_t>(last > 0 ? last : plan.bands), 0.0);
   }
-  return most;
+  return plan;
+}
+
+}  // namespace
+
+PrefilterPlan PrefilterPlan::at_step(int step, int face) const {
+  if (lights.of != LightsOf::ggx) return step > 0 ? largest(*this) : *this;
+  const PrefilterPlan plan = step > 0 ? reflections::tightened(*this, step) : *this;
+  return face > 0 ? with_near_sums(plan, face) : plan;
 }
 
 double narrow_reach(const PrefilterPlan& plan) noexcept {
@@ -325,7 +351,8 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
     mip.method = method_for(options, plan.reach, mip);
     if (mip.method != MipMethod::copy) mip.lobe = std::make_shared<const Lobe>(mip.alpha);
     if (mip.method == MipMethod::spectral) {
-      mip.bands = choose_bands(mip.alpha, plan.bounds, transforms::kMaximumSpectrumBands);
+      mip.bands = tapered_lobe(mip.alpha,
+                               std::min(transforms::kMaximumSpectrumBands, first_bands_within(mip.alpha, plan.bounds)));
       take_in(mip, std::max(mip.bands.bands(), bands_for_dark(plan.bounds)), plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_size = std::max(plan.narrow_size, mip.size);

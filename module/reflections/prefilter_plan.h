@@ -90,14 +90,11 @@ struct PrefilterPlan {
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
-  /// Returns a plan of GGX lobes with more bands and rings, for a picture with more energy in them than most have.
-  [[nodiscard]] PrefilterPlan tightened(int steps) const;
-  /// Returns a plan that no picture makes this one exceed, in bands, rings and so in memory.
-  [[nodiscard]] PrefilterPlan largest() const;
-
-  /// Returns this plan for a cubemap of `face` texels along an edge, with near sums for lobes for which those and fewer
-  /// harmonics are cheaper.
-  [[nodiscard]] PrefilterPlan with_near_sums(int face) const;
+  /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMostTightenings`: of GGX
+  /// lobes, for a picture with more energy than most, or with dark parts. `face`: texels along an edge of a cubemap,
+  /// where near sums serve lobes for which those and fewer harmonics are cheaper; 0: of a lat-long. Other lobes have
+  /// one step, whose bands the picture decides: step 0 is where it begins, any other no picture makes it exceed.
+  [[nodiscard]] PrefilterPlan at_step(int step, int face) const;
 
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
