@@ -189,7 +189,7 @@ namespace {
 
 constexpr int kLeafEdge = LightField::kMostEdge;
 constexpr int kLeafTexels = kLeafEdge * kLeafEdge;
-constexpr int kTileEdge = 64;   ///< of the areas that threads share out
+constexpr int kTileEdge = LightField::kMostWide;  ///< of the areas that threads share out
 constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
 constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
@@ -488,9 +488,11 @@ void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightFiel
   room.stack.assign(room.pending.rbegin(), room.pending.rend() - static_cast<std::ptrdiff_t>(first));
   choose(block, Step::field, room);
   add_to_field(area, lobe, field, room);
-  if (leaf) {
+  if (room.pending.size() == end) {
+    if (!field.dark()) field.add_to(area, lobe.scale, rgb);
+  } else if (leaf) {
     add_to_leaf(area, lobe, block, field, end, rgb, room);
-  } else if (!field.dark() || room.pending.size() > end) {
+  } else {
     const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
     for (int row = area.row; row < area.end_row; row += half(area.down())) {
       for (int column = area.column; column < area.end_column; column += half(area.across())) {
