@@ -21,9 +21,9 @@ constexpr int kOrder = 4;           ///< points along a rule's edge
 constexpr double kWidest = 0.25;    ///< radius of a node: places on it are still all but linear in rows and columns
 constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
 
-constexpr double kDefaultReach = 9.25;  ///< of `reach_for`
-constexpr double kLeastFar = 0.5;       ///< of what a node's distance must be at the default bounds
-constexpr double kMostLoosened = 2.3;
+constexpr double kDefaultReach = 9.25;    ///< of `reach_for`
+constexpr double kLeastFar = 0.5;         ///< of what a node's distance must be at the default bounds
+constexpr double kMostLoosened = 1.4;     ///< of the reach, for what the horizon cuts
 constexpr double kMostCutRadius = 0.012;  ///< of a node that the horizon may cut as one light, at the default bounds
 constexpr int kLeastCutTexels = 4;        ///< of such a node
 constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
