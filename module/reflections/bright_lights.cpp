@@ -26,6 +26,7 @@ constexpr double kHorizon =
     0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/maths/reflections.md
 constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
+constexpr double kField = 1e-5;     ///< of lights that are interpolated, at `kFar`: falls with its fourth power too
 
 // Constants of lobes in tables. They were fitted in several rounds to some hundred random environments
 // (docs/maths/reflections.md). Over its scale:
@@ -60,7 +61,7 @@ double smooth_table_error(double radians, double alpha, int points) {
 
 }  // namespace
 
-double BrightLights::ggx_error(double alpha, double rms) const {
+double BrightLights::ggx_error(double alpha, int size, double rms) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
@@ -70,7 +71,9 @@ double BrightLights::ggx_error(double alpha, double rms) const {
   const double of_width = std::min(1.0, far_ * most_merged_ * std::sqrt(1.0 - square) / (2.0 * alpha)) * kFar / far_;
   const double share = kMerged * of_width * of_width * of_width * of_width;
   const double smooth = smooth_error(edge_, alpha, smooth_points_);
-  const double lost = kLost + std::sqrt(share * share + smooth * smooth);
+  const double looser = kFar / far_;
+  const double interpolated = size < kSmallMip ? 0.0 : kField * looser * looser * looser * looser;
+  const double lost = kLost + std::sqrt(share * share + smooth * smooth + interpolated * interpolated);
   const double field = norm(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;  // of one light with all of it
   const double merged = lost * std::min(field, rms);
   return std::sqrt(horizon * horizon + merged * merged);
@@ -104,7 +107,7 @@ double BrightLights::table_error(const Lobe& lobe, int size, double rms) const {
 
 double BrightLights::error(const Lobe& lobe, int size, double rms) const {
   if (nodes_.empty()) return 0.0;
-  return lobe.alpha() > 0.0 ? ggx_error(lobe.alpha(), rms) : table_error(lobe, size, rms);
+  return lobe.alpha() > 0.0 ? ggx_error(lobe.alpha(), size, rms) : table_error(lobe, size, rms);
 }
 
 /// A lobe, and what all blocks need of it.
@@ -189,7 +192,7 @@ namespace {
 
 constexpr int kLeafEdge = LightField::kMostEdge;
 constexpr int kLeafTexels = kLeafEdge * kLeafEdge;
-constexpr int kTileEdge = 64;   ///< of the areas that threads share out
+constexpr int kTileEdge = LightField::kMostWide;  ///< of the areas that threads share out
 constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
 constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
@@ -488,9 +491,11 @@ void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightFiel
   room.stack.assign(room.pending.rbegin(), room.pending.rend() - static_cast<std::ptrdiff_t>(first));
   choose(block, Step::field, room);
   add_to_field(area, lobe, field, room);
-  if (leaf) {
+  if (room.pending.size() == end) {
+    if (!field.dark()) field.add_to(area, lobe.scale, rgb);
+  } else if (leaf) {
     add_to_leaf(area, lobe, block, field, end, rgb, room);
-  } else if (!field.dark() || room.pending.size() > end) {
+  } else {
     const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
     for (int row = area.row; row < area.end_row; row += half(area.down())) {
       for (int column = area.column; column < area.end_column; column += half(area.across())) {

@@ -132,7 +132,7 @@ class BrightLights {
                    std::size_t first, float* rgb, Room& room) const;
   void add_to_area(const FaceArea& area, const Blur& lobe, LightField field, std::size_t first, float* rgb,
                    Room& room) const;
-  [[nodiscard]] double ggx_error(double alpha, double rms) const;
+  [[nodiscard]] double ggx_error(double alpha, int size, double rms) const;
   [[nodiscard]] double table_error(const Lobe& lobe, int size, double rms) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do

@@ -69,21 +69,71 @@ LightField LightField::within(const FaceArea& area, const FaceArea& part) const 
   return field;
 }
 
+namespace {
+
+/// Each point's share of the values at the centres of so many texels.
+class TexelShares {
+ public:
+  static constexpr std::size_t kMost = LightField::kMostWide;
+  using Texels = std::array<float, kMost>;
+
+  [[nodiscard]] static const std::array<Texels, LightField::kEdge>& of(int texels) {
+    static const TexelShares kept;
+    return kept.by_texels_[static_cast<std::size_t>(texels)];
+  }
+
+ private:
+  TexelShares() {
+    for (int texels = 1; texels <= LightField::kMostWide; ++texels) {
+      const Span span(0, texels, texels);
+      for (int k = 0; k < texels; ++k)
+        span.share(place_on_face(k, texels), static_cast<std::size_t>(k), by_texels_[static_cast<std::size_t>(texels)]);
+    }
+  }
+
+  std::array<std::array<Texels, LightField::kEdge>, kMost + 1> by_texels_{};
+};
+
+}  // namespace
+
 void LightField::write(const FaceArea& area, int count, float* sums) const {
   Shares<kMostEdge> down{};
   Shares<kMostEdge> across{};
-  const Span rows(area.row, area.end_row, area.size);
-  const Span columns(area.column, area.end_column, area.size);
-  for (int k = 0; k < area.down(); ++k)
-    rows.share(place_on_face(area.row + k, area.size), static_cast<std::size_t>(k), down);
-  for (int k = 0; k < area.across(); ++k)
-    columns.share(place_on_face(area.column + k, area.size), static_cast<std::size_t>(k), across);
+  for (std::size_t k = 0; k < kEdge; ++k) {
+    std::copy_n(TexelShares::of(area.down())[k].begin(), area.down(), down[k].begin());
+    std::copy_n(TexelShares::of(area.across())[k].begin(), area.across(), across[k].begin());
+  }
   std::array<float, std::size_t{3} * kMostEdge * kMostEdge> all;
   interpolate(down, across, all.data());
   for (int c = 0; c < 3; ++c) {
     for (int row = 0; row < area.down(); ++row)
       std::copy_n(all.data() + kMostEdge * (kMostEdge * c + row), area.across(),
                   sums + c * count + row * area.across());
+  }
+}
+
+void LightField::add_to(const FaceArea& area, float scale, float* rgb) const {
+  const auto& down = TexelShares::of(area.down());
+  const auto& across = TexelShares::of(area.across());
+  const auto wide = static_cast<std::size_t>(area.across());
+  std::array<std::array<float, kMostWide>, 3> light;
+  for (int row = area.row; row < area.end_row; ++row) {
+    const auto k = static_cast<std::size_t>(row - area.row);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* const from = values_.data() + c * kPoints;
+      std::array<float, kEdge> line{};
+      for (std::size_t i = 0; i < kEdge; ++i) {
+        line[i] = scale * ((down[0][k] * from[i] + down[1][k] * from[kEdge + i]) +
+                           (down[2][k] * from[2 * kEdge + i] + down[3][k] * from[3 * kEdge + i]));
+      }
+      for (std::size_t j = 0; j < wide; ++j)
+        light[c][j] =
+            (line[0] * across[0][j] + line[1] * across[1][j]) + (line[2] * across[2][j] + line[3] * across[3][j]);
+    }
+    float* const texels = rgb + 3 * (std::ptrdiff_t{row} * area.size + area.column);
+    for (std::size_t j = 0; j < wide; ++j) {
+      for (std::size_t c = 0; c < 3; ++c) texels[3 * j + c] += light[c][j];
+    }
   }
 }
 

@@ -29,7 +29,8 @@ class LightField {
  public:
   static constexpr int kEdge = 4;
   static constexpr int kPoints = kEdge * kEdge;
-  static constexpr int kMostEdge = 8;  ///< texels of an area that `write` takes
+  static constexpr int kMostEdge = 8;   ///< texels of an area that `write` takes
+  static constexpr int kMostWide = 64;  ///< columns of an area that `add_to` takes
 
   /// Where point k is, along one axis, of an area's texels [first, end).
   [[nodiscard]] static double point(int first, int end, int size, std::size_t k) noexcept;
@@ -46,6 +47,9 @@ class LightField {
 
   /// Writes its values at the centres of the area's texels, row by row, to sums[3][count].
   void write(const FaceArea& area, int count, float* sums) const;
+
+  /// Adds them times `scale` to the area's texels in a face, packed RGB.
+  void add_to(const FaceArea& area, float scale, float* rgb) const;
 
  private:
   template <std::size_t Places>

@@ -22,6 +22,8 @@ constexpr double kWidest = 0.25;    ///< radius of a node: places on it are stil
 constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
 
 constexpr double kDefaultReach = 9.25;    ///< of `reach_for`
+constexpr double kLeastFar = 0.5;         ///< of what a node's distance must be at the default bounds
+constexpr double kMostLoosened = 1.4;     ///< of the reach, for what the horizon cuts
 constexpr double kMostCutRadius = 0.012;  ///< of a node that the horizon may cut as one light, at the default bounds
 constexpr int kLeastCutTexels = 4;        ///< of such a node
 constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
@@ -444,7 +446,7 @@ class LightTree {
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
                            double reach)
-    : far_(kFar * std::sqrt(std::sqrt(math::exponential(std::max(0.0, reach - kDefaultReach))))) {
+    : far_(kFar * std::max(kLeastFar, std::sqrt(std::sqrt(math::exponential(reach - kDefaultReach))))) {
   if (texels.empty()) return;
   const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
@@ -453,7 +455,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
     texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
-  double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(0.0, kDefaultReach - reach));
+  double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(kMostLoosened, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
   make_rooms();

@@ -338,20 +338,31 @@ double rms_of_level(const CubemapChain& chain, int level, int samples) {
   const int size = chain.level_size(level);
   const int step = (size + samples - 1) / samples;
   const auto angles = image::FaceSolidAngles::get(size);
-  constexpr std::size_t kSums = 8;  // side by side: one addition after the other would take the time
+  constexpr std::size_t kSums = 12;  // four texels side by side: one addition after the other would take the time
   std::array<double, kSums> squares{};
   double whole = 0.0;
-  std::vector<double> steradians;  // of a row's texels
+  const auto seen = static_cast<std::size_t>((size - step / 2 + step - 1) / step);
+  const std::size_t padded = (3 * seen + kSums - 1) / kSums * kSums;
+  std::vector<double> steradians(padded);  // of a row's texels, for each channel
+  std::vector<float> texels(padded);
   for (int row = step / 2; row < size; row += step) {
-    steradians.clear();
-    for (int column = step / 2; column < size; column += step) steradians.push_back(angles->at(row, column));
-    whole += 6.0 * std::accumulate(steradians.begin(), steradians.end(), 0.0);
+    for (std::size_t k = 0; k < seen; ++k) {
+      const double own = angles->at(row, step / 2 + static_cast<int>(k) * step);
+      for (std::size_t c = 0; c < 3; ++c) steradians[3 * k + c] = own;
+      whole += 6.0 * own;
+    }
     for (int face = 0; face < 6; ++face) {
-      const float* rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
-      for (std::size_t k = 0; k < steradians.size(); ++k, rgb += std::ptrdiff_t{3} * step) {
-        const glm::dvec3 texel(rgb[0], rgb[1], rgb[2]);
-        squares[k % kSums] += steradians[k] * glm::dot(texel, texel);
+      const float* const rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
+      for (std::size_t k = 0; k < seen; ++k)
+        std::copy_n(rgb + 3 * k * static_cast<std::size_t>(step), 3, &texels[3 * k]);
+      std::array<double, kSums> sums = squares;
+      for (std::size_t first = 0; first < padded; first += kSums) {
+        for (std::size_t k = 0; k < kSums; ++k) {
+          const auto value = static_cast<double>(texels[first + k]);
+          sums[k] += steradians[first + k] * (value * value);
+        }
       }
+      squares = sums;
     }
   }
   return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / whole);

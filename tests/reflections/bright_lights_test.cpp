@@ -127,6 +127,35 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
   }
 }
 
+TEST_CASE("Lights are merged and interpolated sooner at looser bounds, and their estimate says so",
+          "[specular][bright][truth]") {
+  const reflections::PictureShape shape{false, 1024, 512};
+  for (const int radius : {6, 0}) {
+    const std::vector<reflections::BrightTexel> texels = disc(shape, radius);
+    const auto lights_within = [&](double bound) {
+      return reflections::BrightLights(texels, shape, {reflections::LightsOf::ggx, 0.012},
+                                       reflections::reach_for(bound, 10.0 * bound));
+    };
+    const reflections::BrightLights strict = lights_within(1e-3);
+    for (const double bound : {1e-2, 0.1}) {
+      const reflections::BrightLights loose = lights_within(bound);
+      for (const double alpha : {0.05, 0.4}) {
+        const reflections::Lobe ggx(alpha);
+        const auto lobe = [alpha](double cosine) {
+          return reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
+        };
+        const int size = radius > 0 ? 64 : 100;
+        const Off off = off_of(texels, shape, loose, {ggx}, lobe, size, radius > 0 ? 47 : 19, 1e-3);
+        CAPTURE(bound, alpha);
+        CHECK(off.rms < 5e-3);
+        CHECK(off.rms < 4.0 * loose.error(ggx, size, off.whole) / off.whole);
+        CHECK(off.relative < 0.05);
+        if (alpha == 0.05) CHECK(loose.error(ggx, size, off.whole) > 3.0 * strict.error(ggx, size, off.whole));
+      }
+    }
+  }
+}
+
 TEST_CASE("Lights may be left out of texels where they are dim, and of no others", "[specular][bright]") {
   constexpr int size = 64;
   constexpr std::size_t values = std::size_t{18} * size * size;
