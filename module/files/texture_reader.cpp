@@ -274,8 +274,7 @@ std::string words_for(const TextureLayout& layout) {
 /// At once, whole blocks of them.
 int whole_rows(TexelKind kind, int rows) { return rows / block_edge(kind) * block_edge(kind); }
 
-void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, int rows_at_once,
-               const stop_token& stop) {
+void read_face(TextureReader& reader, Cubemap& chain, int level, int face, int rows_at_once, const stop_token& stop) {
   const int size = chain.level_size(level);
   for (int row = 0; row < size; row += rows_at_once) {
     jobs::throw_if_cancelled(stop);
@@ -508,7 +507,7 @@ CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_b
   const std::size_t workers = jobs::worker_count(placement);
   files::check_memory(input.path(), layout, memory_limit_bytes, workers);
 
-  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
+  CubemapTexture texture{Cubemap(layout.size, static_cast<int>(layout.levels.size()), control.memory),
                          files::words_for(layout), layout.metadata};
   const int rows_at_once = files::whole_rows(layout.kind, files::kRowsAtOnce);
   std::vector<std::unique_ptr<files::TextureReader>> readers(workers);

@@ -54,7 +54,7 @@ void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 
   sample_faces(grid, size, faces, {}, jobs::part_of(control, kShareOfCopy, 1.0));
 }
 
-void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control) {
+void fill_cubemap(const LatLongView& source, Cubemap& chain, ResampleFilter filter, const Control& control) {
   fill_cubemap(source, chain.size(), faces_of(chain, 0), filter, control);
 }
 

@@ -141,15 +141,15 @@ void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 
                   const Control& control);
 
 /// The same into level 0 of a chain.
-void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control);
+void fill_cubemap(const LatLongView& source, Cubemap& chain, ResampleFilter filter, const Control& control);
 
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
 
 /// `chain` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
-[[nodiscard]] CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory);
+[[nodiscard]] Cubemap shaped(Cubemap chain, int size, int levels, memory_resource* memory);
 
 /// The six faces of a level.
-[[nodiscard]] std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept;
+[[nodiscard]] std::array<float*, 6> faces_of(Cubemap& chain, int level) noexcept;
 
 }  // namespace welkin::image
