@@ -75,13 +75,13 @@ Cubemap::Cubemap(int size, std::span<const float> pixels) : Cubemap(size) {
                                                  std::to_string(values_) + " floats, not " +
                                                  std::to_string(pixels.size()));
   }
-  std::ranges::copy(pixels, pixels_.get());
+  std::copy(pixels.begin(), pixels.end(), pixels_.get());
 }
 
 Cubemap::Cubemap(const Cubemap& other) {
   if (other.levels() == 0) return;
   Cubemap copy(other.size(), other.levels());
-  std::ranges::copy(other.pixels(), copy.pixels_.get());
+  std::copy_n(other.pixels_.get(), other.values_, copy.pixels_.get());
   swap(copy);
 }
 

@@ -56,7 +56,7 @@ void fill_level(const projection::SanitizedSource& source, Cubemap& chain, int l
     if (control.progress) control.progress(1.0);
   } else {
     const Cubemap image = to_cubemap(cube, size, glm::dmat3(1.0), ResampleFilter::area, control);
-    std::ranges::copy(image.pixels(), chain.face(level, 0));
+    std::copy(image.pixels().begin(), image.pixels().end(), chain.face(level, 0));
   }
 }
 

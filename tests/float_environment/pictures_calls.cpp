@@ -238,7 +238,7 @@ void call_upload(Calls& calls, const Cubemap& cube) {
       store_texels(mips.view(0), targets.front());
       return bytes();
     });
-    calls.call("store_texels(Cubemap", [&] {
+    calls.call("store_texels(Cubemap const", [&] {
       store_texels(mips, targets);
       return bytes();
     });

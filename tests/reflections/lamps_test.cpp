@@ -202,7 +202,7 @@ TEST_CASE("Sheen and diffuse light of lamps with large texels are within the bou
     const bool cubemap = width == 4;
     std::vector<float> pixels(std::size_t{3} * (cubemap ? 96 : 128), 1.0F);
     std::fill_n(pixels.begin() + 3 * 37, 3, 1e6F);
-    const Cubemap cube{4, cubemap ? pixels : std::vector<float>()};
+    const Cubemap cube = cubemap ? Cubemap(4, pixels) : Cubemap();
     const LatLongImage lat_long{16, 8, cubemap ? std::vector<float>() : pixels};
     const KernelChainOptions options{.size = 8, .kernels = {ZonalKernel::charlie(0.35), ZonalKernel::lambert()}};
     const PrefilteredSpecular result =
