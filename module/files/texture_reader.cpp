@@ -27,18 +27,15 @@ void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, co
 
 }  // namespace
 
-TexelKind kind_of(TexelFormat format) noexcept {
-  switch (format) {
-    case TexelFormat::rgba16f: return TexelKind::rgba16f;
-    case TexelFormat::rgba32f: return TexelKind::rgba32f;
-    case TexelFormat::b10g11r11: return TexelKind::b10g11r11;
-    case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
-    case TexelFormat::bc6h_ufloat: return TexelKind::bc6h_ufloat;
-    case TexelFormat::bc6h_sfloat: return TexelKind::bc6h_sfloat;
-    case TexelFormat::astc_4x4_hdr: return TexelKind::astc_4x4_hdr;
-    case TexelFormat::astc_6x6_hdr: return TexelKind::astc_6x6_hdr;
+std::uint32_t number_of(std::span<const KindNumber> table, TexelKind kind) noexcept {
+  return std::find_if(table.begin(), table.end(), [kind](const KindNumber& k) { return k.kind == kind; })->number;
+}
+
+std::optional<TexelKind> kind_of(std::span<const KindNumber> table, std::uint32_t number) noexcept {
+  for (const KindNumber& known : table) {
+    if (known.number == number) return known.kind;
   }
-  return TexelKind::rgba16f;
+  return std::nullopt;
 }
 
 const char* name(TexelKind kind) noexcept {
