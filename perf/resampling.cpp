@@ -50,7 +50,7 @@ void add_lat_long_to_cubemap(int width, int size, int threads) {
                   cube_texels(size), bytes, [=]() -> std::function<void()> {
                     const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
                     const auto chain = std::make_shared<Cubemap>(size, 1);
-                    return [=] { image::fill_cubemap(view, *chain, filter, {}); };
+                    return [=] { image::fill_cubemap(view, *chain, 0, filter, {}); };
                   });
   }
 }

@@ -259,7 +259,7 @@ Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, 
   if (image::cube_symmetry_of(turn)) {
     const bool upright = turn == glm::dmat3(1.0);
     Cubemap result(size, 1, control.memory);
-    image::fill_cubemap(source, result, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
+    image::fill_cubemap(source, result, 0, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
     return turned(std::move(result), turn, jobs::part_of(control, kShareOfFilling, 1.0));
   }
   return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
@@ -455,7 +455,6 @@ void for_each_row(int rows, int width, const Control& control, const Move& move)
 std::optional<Cubemap> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
   const std::optional<WholeMatrix> forward = cube_symmetry_of(turn);
   if (!forward) return {};
-  const WholeMatrix& matrix = *forward;
   const int size = source.size;
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size);
   Cubemap result(size, 1, control.memory);
@@ -464,7 +463,7 @@ std::optional<Cubemap> turned_exactly(const CubemapView& source, const glm::dmat
     const std::size_t texel_bytes = bytes_per_texel(source.format);
     for (int column = 0; column < size; ++column, rgb += 3) {
       const glm::ivec3 point = point_of(size, {strip_row / size, column, strip_row % size});
-      const CubeTexel from = texel_at(size, point * matrix);  // the inverse: the transpose from the left
+      const CubeTexel from = texel_at(size, point * *forward);  // the inverse: the transpose from the left
       const auto* row = static_cast<const std::byte*>(row_of(source, from.face, from.row));
       decode_texels(source.format, row + static_cast<std::size_t>(from.column) * texel_bytes, 1, rgb);
     }

@@ -45,7 +45,7 @@ void fill_level(const projection::SanitizedSource& source, Cubemap& chain, int l
   const int size = chain.level_size(level);
   const CubemapView& cube = source.cube();
   if (!source.cubemap()) {
-    image::fill_cubemap(source.lat_long(), size, image::faces_of(chain, level), ResampleFilter::area, control);
+    image::fill_cubemap(source.lat_long(), chain, level, ResampleFilter::area, control);
   } else if (cube.size == size) {
     const std::size_t row_values = 3 * static_cast<std::size_t>(size);
     float* to = chain.face(level, 0);
