@@ -79,7 +79,7 @@ void add_bake(const std::string& variant, int threads, bool sun, bool background
       if (table == Table::cold) {
         benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = false}, {}));
       }
-      benchmark::DoNotOptimize(result->irradiance->pixels.data());
+      benchmark::DoNotOptimize(result->irradiance->face(0));
     };
   });
 }
@@ -93,7 +93,7 @@ void add_bake_of(int size, int width, int threads) {
     auto result = std::make_shared<BakeResult>();
     return [=] {
       bake_into(*result, source->view(), bake_options(size, false));
-      benchmark::DoNotOptimize(result->irradiance->pixels.data());
+      benchmark::DoNotOptimize(result->irradiance->face(0));
     };
   });
 }
@@ -104,12 +104,12 @@ void add_bake_of_cubemap(PixelFormat format, int size, int threads) {
   const double bytes = texels * static_cast<double>(bytes_per_texel(format));
   add_benchmark("Bake", "cube-" + name(format), std::to_string(size), threads, texels, bytes,
                 [=]() -> std::function<void()> {
-                  const CubemapImage picture = to_cubemap(bake_picture(1024, false)->view(), size);
+                  const Cubemap picture = to_cubemap(bake_picture(1024, false)->view(), size);
                   auto source = std::make_shared<report::FormattedCubemap>(picture, format);
                   auto result = std::make_shared<BakeResult>();
                   return [=] {
                     bake_into(*result, source->view(), bake_options(size, false));
-                    benchmark::DoNotOptimize(result->irradiance->pixels.data());
+                    benchmark::DoNotOptimize(result->irradiance->face(0));
                   };
                 });
 }
@@ -123,7 +123,7 @@ void add_bake_many(int threads, bool in_one_call) {
   const std::string variant = in_one_call ? "rgba16f" : "rgba16f-single-calls";
   add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), threads, texels, 8.0 * texels,
                 [=]() -> std::function<void()> {
-                  const CubemapImage picture = to_cubemap(bake_picture(1024, false)->view(), 64);
+                  const Cubemap picture = to_cubemap(bake_picture(1024, false)->view(), 64);
                   auto source = std::make_shared<report::FormattedCubemap>(picture, PixelFormat::rgba16f);
                   const UploadLayout layout{.size = 64, .levels = 5};
                   auto memory = std::make_shared<std::vector<std::byte>>(kMany * upload_bytes(layout));

@@ -25,14 +25,14 @@ struct NamedEffort {
 constexpr std::array kEfforts{NamedEffort{"fast", Bc6hEffort::fast}, NamedEffort{"normal", Bc6hEffort::normal},
                               NamedEffort{"slow", Bc6hEffort::slow}};
 
-CubemapChain whole_chain(const LatLongView& picture, int size) {
+Cubemap whole_chain(const LatLongView& picture, int size) {
   PrefilterOptions options;
   options.size = size;
   options.mips = full_chain_levels(size);
   return prefilter_specular(picture, options).cubemap;
 }
 
-double texels_of(const CubemapChain& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
+double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
 
 std::string percent(double value) {
   char text[32];
@@ -41,7 +41,7 @@ std::string percent(double value) {
 }
 
 /// The most that a channel's mean over a level is off.
-double largest_bias(const CubemapChain& decoded, const CubemapChain& given, int level) {
+double largest_bias(const Cubemap& decoded, const Cubemap& given, int level) {
   const auto edge = static_cast<std::size_t>(given.level_size(level));
   std::array<double, 3> sums{};
   std::array<double, 3> wanted{};
@@ -54,11 +54,11 @@ double largest_bias(const CubemapChain& decoded, const CubemapChain& given, int 
   return largest;
 }
 
-std::string row_of(const std::string& name, const CubemapChain& chain, const report::BlockWay& way) {
+std::string row_of(const std::string& name, const Cubemap& chain, const report::BlockWay& way) {
   const auto bytes = report::texture_bytes(chain, way.options);
   if (!bytes) return "";
-  const CubemapChain decoded = read_texture({*bytes, "chain.ktx2"}).cubemap;
-  const auto values = [](const CubemapChain& of, int level) {
+  const Cubemap decoded = read_texture({*bytes, "chain.ktx2"}).cubemap;
+  const auto values = [](const Cubemap& of, int level) {
     const auto edge = static_cast<std::size_t>(of.level_size(level));
     return std::span<const float>(of.face(level, 0), 18 * edge * edge);
   };
@@ -81,7 +81,7 @@ std::string row_of(const std::string& name, const CubemapChain& chain, const rep
 
 void add_bc6h(const std::vector<int>& thread_counts) {
   const auto chain = [](int size) {
-    return std::make_shared<const CubemapChain>(
+    return std::make_shared<const Cubemap>(
         whole_chain(sky_picture({.grain = 0.3, .ripples = 0.0, .tinted = true, .sun = 500.0}).view(), size));
   };
   for (const int threads : thread_counts) {
@@ -117,7 +117,7 @@ std::string block_error_table(const std::vector<std::filesystem::path>& argument
     }
     const Environment environment = read_environment(argument);
     if (environment.info.layout != Layout::lat_long) continue;
-    const CubemapChain chain = whole_chain(environment.lat_long(), size);
+    const Cubemap chain = whole_chain(environment.lat_long(), size);
     for (const report::BlockWay& way : report::block_ways()) table += row_of(argument.stem().string(), chain, way);
   }
   return table;

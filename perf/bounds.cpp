@@ -35,7 +35,7 @@ struct Subject {
 double processor_milliseconds() { return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Subject chain_of(const Environment& picture, bool cubemap, const std::string& name, PrefilterOptions options) {
-  auto cube = std::make_shared<CubemapImage>();
+  auto cube = std::make_shared<Cubemap>();
   if (cubemap) *cube = to_cubemap(picture.lat_long(), options.size);
   return {name, [=, &picture](double bound) mutable {
             options.rms_error = bound;
@@ -54,14 +54,14 @@ Subject faces_of(const Environment& picture, PrefilterOptions options) {
             const projection::SanitizedSource clean(source->view(), {}, {});
             const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
             static_cast<void>(reflections::faces_without(bright, clean, plan.face_for_cubemap(options.size), {}));
-            CubemapChain sharp(options.size, 1);
+            Cubemap sharp(options.size, 1);
             reflections::fill_level(clean, sharp, 0, {});
             static_cast<void>(project(source->view()));
           }};
 }
 
 Subject irradiance_of(const Environment& picture, int size) {
-  const auto cube = std::make_shared<CubemapImage>(to_cubemap(picture.lat_long(), size));
+  const auto cube = std::make_shared<Cubemap>(to_cubemap(picture.lat_long(), size));
   BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
   return {"cube " + std::to_string(size) + ", irradiance", [=](double bound) mutable {
             options.irradiance->rms_error = bound;

@@ -36,7 +36,7 @@ using platform::number_text;
 /// What a child reads; pixels as raw floats, so that it decodes nothing by the library.
 struct Pixels {
   LatLongImage lat_long;
-  CubemapImage cube;
+  Cubemap cube;
 };
 
 enum class Kind { none, lat_long, cube };
@@ -151,18 +151,18 @@ void add_others(std::vector<Operation>& operations) {
 }
 
 void add_workers(std::vector<Operation>& operations) {
-  const auto post = [](Worker& worker, const std::shared_ptr<const CubemapImage>& cube) {
+  const auto post = [](Worker& worker, const std::shared_ptr<const Cubemap>& cube) {
     use(worker.post(Project{EnvironmentSource(cube), {}}).get());
   };
   operations.push_back({"worker made, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
-                          const auto cube = std::make_shared<const CubemapImage>(pixels.cube);
+                          const auto cube = std::make_shared<const Cubemap>(pixels.cube);
                           return [=] {
                             Worker worker;
                             post(worker, cube);
                           };
                         }});
   operations.push_back({"worker kept, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
-                          const auto cube = std::make_shared<const CubemapImage>(pixels.cube);
+                          const auto cube = std::make_shared<const Cubemap>(pixels.cube);
                           const auto worker = std::make_shared<std::unique_ptr<Worker>>();
                           return [=] {
                             if (!*worker) *worker = std::make_unique<Worker>();
@@ -240,14 +240,17 @@ class Sources {
   [[nodiscard]] LatLongImage lat_long(int width) const {
     return (file_.empty() ? report::built_in_environment(width) : report::environment_from(file_, width)).image;
   }
-  [[nodiscard]] CubemapImage cube(int size) const { return to_cubemap(lat_long(1024).view(), size); }
+  [[nodiscard]] Cubemap cube(int size) const { return to_cubemap(lat_long(1024).view(), size); }
 
   /// The folder of the pixels that an operation reads.
   [[nodiscard]] std::filesystem::path write(const Operation& operation) const {
     return scratch_file(file_of(operation),
                         [&](const std::filesystem::path& path) {
                           std::vector<float> values;
-                          if (operation.kind == Kind::cube) values = cube(operation.source).pixels;
+                          if (operation.kind == Kind::cube) {
+                            const Cubemap made = cube(operation.source);
+                            values.assign(made.pixels().begin(), made.pixels().end());
+                          }
                           if (operation.kind == Kind::lat_long) values = lat_long(operation.source).pixels;
                           std::ofstream(path, std::ios::binary)
                               .write(reinterpret_cast<const char*>(values.data()),

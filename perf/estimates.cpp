@@ -14,7 +14,7 @@ namespace {
 constexpr int kPictureSize = 64;
 constexpr int kAtATime = 100;  ///< environments from table to table
 
-CubemapImage reduced(const std::filesystem::path& file) {
+Cubemap reduced(const std::filesystem::path& file) {
   const Environment environment = read_environment(file);
   return to_cubemap(environment.view(), kPictureSize);
 }
@@ -38,7 +38,7 @@ std::string estimate_table(const std::vector<std::filesystem::path>& arguments) 
   int count = 10'000;
   std::uint32_t seed = 1;
   test::RoughnessSpan of{0.02, 1.0};
-  std::vector<CubemapImage> pictures;
+  std::vector<Cubemap> pictures;
   for (const std::filesystem::path& argument : arguments) {
     const std::string word = argument.string();
     if (word.rfind("--seed=", 0) == 0) {

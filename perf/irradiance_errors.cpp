@@ -65,7 +65,7 @@ std::optional<WithoutSun> without_sun(const Environment& environment, const Proj
   };
   if (environment.info.layout != Layout::lat_long) {
     const int size = environment.face_size();
-    return without_sun(CubemapImage{size, {rgb, rgb + count(size, 6 * size)}}, options, whole);
+    return without_sun(Cubemap(size, {rgb, count(size, 6 * size)}), options, whole);
   }
   const LatLongView view = environment.lat_long();
   return without_sun(LatLongImage{view.width, view.height, {rgb, rgb + count(view.width, view.height)}}, options,
@@ -98,13 +98,13 @@ std::string sun_row(const Environment& environment, const ProjectionOptions& opt
 }
 
 /// Rms over the rms of the truth, and the largest error of a texel's channel over its own value.
-std::string error_text(const CubemapImage& found, const CubemapImage& truth) {
+std::string error_text(const Cubemap& found, const Cubemap& truth) {
   double squares = 0.0;
   double whole = 0.0;
   double largest = 0.0;
-  for (std::size_t k = 0; k < truth.pixels.size(); ++k) {
-    const auto wanted = static_cast<double>(truth.pixels[k]);
-    const double difference = static_cast<double>(found.pixels[k]) - wanted;
+  for (std::size_t k = 0; k < truth.pixels().size(); ++k) {
+    const auto wanted = static_cast<double>(truth.pixels()[k]);
+    const double difference = static_cast<double>(found.pixels()[k]) - wanted;
     squares += difference * difference;
     whole += wanted * wanted;
     if (difference != 0.0) largest = std::max(largest, std::abs(difference / wanted));
@@ -114,7 +114,7 @@ std::string error_text(const CubemapImage& found, const CubemapImage& truth) {
 
 /// The irradiance cubemap of a bake, from bands and by default.
 std::string cubemap_row(const EnvironmentView& view, const std::string& name) {
-  const CubemapImage truth = direct_irradiance_cubemap(view, kCubemap);
+  const Cubemap truth = direct_irradiance_cubemap(view, kCubemap);
   std::string row = "| " + name + " |";
   for (const IrradianceMethod method : {IrradianceMethod::harmonics, IrradianceMethod::automatic}) {
     BakeOptions options{.background = {}, .specular = {}, .brdf = {}};

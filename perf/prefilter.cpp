@@ -89,7 +89,7 @@ void add_octahedral(int size, int threads) {
   const double texels = 4.0 / 3.0 * size * size;
   add_benchmark(
       "Octahedral", "chain", std::to_string(size), threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
-        const auto chain = std::make_shared<CubemapChain>(build_mips(noise_cubemap(PixelFormat::rgb32f, size / 2)));
+        const auto chain = std::make_shared<Cubemap>(build_mips(noise_cubemap(PixelFormat::rgb32f, size / 2)));
         return [=] { benchmark::DoNotOptimize(to_octahedral(*chain, OctahedralOptions{.size = size, .levels = 5})); };
       });
 }

@@ -74,7 +74,7 @@ std::vector<Picture> made_up_pictures(int width) {
   return all;
 }
 
-float least_of(const CubemapChain& chain, int level) {
+float least_of(const Cubemap& chain, int level) {
   const float* const rgb = chain.face(level, 0);
   return *std::min_element(rgb, rgb + std::int64_t{18} * chain.level_size(level) * chain.level_size(level));
 }
@@ -119,7 +119,7 @@ std::string rows_of(const Picture& picture, const Settings& settings) {
   std::string rows;
   for (const PrefilterOptions& chain : chains) {
     if (settings.face > 0) {
-      const CubemapImage cube = to_cubemap(picture.image.view(), settings.face);
+      const Cubemap cube = to_cubemap(picture.image.view(), settings.face);
       rows += rows_of(picture, cube.view(), chain, settings);
     } else {
       rows += rows_of(picture, picture.image.view(), chain, settings);

@@ -49,8 +49,8 @@ void add_lat_long_to_cubemap(int width, int size, int threads) {
     add_benchmark("LatLongToCubemap", filter == ResampleFilter::area ? "area" : "bilinear", shape, threads,
                   cube_texels(size), bytes, [=]() -> std::function<void()> {
                     const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
-                    const auto chain = std::make_shared<CubemapChain>(size, 1);
-                    return [=] { image::fill_cubemap(view, *chain, filter, {}); };
+                    const auto chain = std::make_shared<Cubemap>(size, 1);
+                    return [=] { image::fill_cubemap(view, *chain, 0, filter, {}); };
                   });
   }
 }
@@ -65,7 +65,7 @@ void add_sample_grid(int size, int threads) {
         for (int ring = 0; ring < rings; ++ring) std::fill_n(grid->texel(0, ring), 4 * columns, 0.5F);
         grid->fill_sides(0, rings);
         grid->fill_poles();
-        const auto chain = std::make_shared<CubemapChain>(size, 1);
+        const auto chain = std::make_shared<Cubemap>(size, 1);
         return [=] { image::sample_faces(*grid, size, image::faces_of(*chain, 0), {}, {}); };
       });
 }
@@ -76,7 +76,7 @@ void add_mips(int size, int threads) {
   for (const MipFilter filter : {MipFilter::box, MipFilter::solid_angle}) {
     add_benchmark("Mips", filter == MipFilter::box ? "box" : "solid_angle", std::to_string(size), threads,
                   cube_texels(size), bytes, [=]() -> std::function<void()> {
-                    const auto chain = std::make_shared<CubemapChain>(size, full_chain_levels(size));
+                    const auto chain = std::make_shared<Cubemap>(size, full_chain_levels(size));
                     for (int face = 0; face < 6; ++face) {
                       const auto values = static_cast<std::size_t>(cube_texels(size) / 2.0);
                       std::fill_n(chain->face(0, face), values, 0.5F);

@@ -45,12 +45,12 @@ std::string target_size_table(const std::vector<std::filesystem::path>& files) {
   double reading = 1e300;
   for (const std::filesystem::path& file : files) {
     std::fprintf(stderr, "%s\n", file.filename().string().c_str());
-    const CubemapImage cube = to_cubemap(read_environment(file).lat_long(), kSize);
-    const CubemapChain chain = build_mips(cube.view(), MipFilter::box);
-    const auto groups = static_cast<std::int64_t>(cube.pixels.size() / 16);
+    const Cubemap cube = to_cubemap(read_environment(file).lat_long(), kSize);
+    const Cubemap chain = build_mips(cube.view(), MipFilter::box);
+    const auto groups = static_cast<std::int64_t>(cube.pixels().size() / 16);
     volatile float sum = 0.0F;
-    reading = std::min(reading,
-                       kStopwatch.seconds([&] { sum = image::image_kernels().read_all(cube.pixels.data(), groups); }));
+    reading =
+        std::min(reading, kStopwatch.seconds([&] { sum = image::image_kernels().read_all(cube.face(0), groups); }));
     const std::vector<report::Measurement> found =
         report::projections_by_target(chain, kTargets, reference_projection(cube.view()), kStopwatch);
     for (std::size_t k = 0; k < found.size(); ++k) {

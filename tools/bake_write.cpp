@@ -25,7 +25,7 @@ namespace welkin::tool {
 namespace {
 
 /// One cubemap of the result, and what is said of it.
-struct Cubemap {
+struct Subject {
   Content content;
   std::string what;
   std::vector<CubemapView> mips;
@@ -47,7 +47,7 @@ std::string numbers_text(const std::vector<double>& values) {
   return text;
 }
 
-Json details_of(const Cubemap& cubemap, const Job& job) {
+Json details_of(const Subject& cubemap, const Job& job) {
   Json details = {{"size", cubemap.mips.front().size}, {"mips", cubemap.mips.size()}};
   if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness;
   details["unit"] = cubemap.unit;
@@ -102,7 +102,7 @@ std::string range_of(Container container) {
   }
 }
 
-TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
+TextureOptions texture_options(const OutputFile& file, const Subject& cubemap, const Job& job) {
   TextureOptions options = job.options.texture;
   options.format = file.format;
   options.supercompression = file.supercompression;
@@ -119,7 +119,7 @@ TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, c
 
 /// A block of a small level holds much of the sphere, and little in it is alike. (Levels of a cubemap that is not
 /// blurred are for the distance, and nobody chooses how many there are, as nobody does of an engine's files.)
-std::string caution_of(TexelFormat format, const Cubemap& cubemap, const BakeCommandOptions& options) {
+std::string caution_of(TexelFormat format, const Subject& cubemap, const BakeCommandOptions& options) {
   constexpr int kEnough = 32;
   const int last = cubemap.mips.back().size;
   if (is_engine_folder(options) && !options.specular.mips) return "";
@@ -142,7 +142,7 @@ std::string format_text(const OutputFile& file) {
   return text;
 }
 
-void write_texture_file(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
+void write_texture_file(const OutputFile& file, const Subject& cubemap, const Job& job) {
   const TextureOptions options = texture_options(file, cubemap, job);
   const WriteReport report = write_texture(job.folder.place(file.name), cubemap.mips, options, {job.control.stop, {}});
   WrittenFile written{file.name,
@@ -161,7 +161,7 @@ void write_texture_file(const OutputFile& file, const Cubemap& cubemap, const Jo
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.
-void write_strips(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
+void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job) {
   const std::vector<std::string> names = names_of(file, static_cast<int>(cubemap.mips.size()));
   for (std::size_t mip = 0; mip < cubemap.mips.size(); ++mip) {
     WriteOptions options;
@@ -178,18 +178,18 @@ void write_strips(const OutputFile& file, const Cubemap& cubemap, const Job& job
 }
 
 /// The first ones of its levels; 0: all.
-Cubemap with_levels(Cubemap cubemap, int levels) {
+Subject with_levels(Subject cubemap, int levels) {
   const auto most = static_cast<std::size_t>(levels);
   if (levels > 0 && cubemap.mips.size() > most) cubemap.mips.resize(most);
   if (levels > 0 && cubemap.roughness.size() > most) cubemap.roughness.resize(most);
   return cubemap;
 }
 
-void write_cubemap(const Cubemap& cubemap, const Job& job) {
+void write_cubemap(const Subject& cubemap, const Job& job) {
   if (cubemap.mips.empty()) return;
   for (const OutputFile& file : files_with(cubemap.content, job.options.files)) {
     const bool strips = file.container == Container::hdr || file.container == Container::pfm;
-    const Cubemap content = with_levels(cubemap, file.levels);
+    const Subject content = with_levels(cubemap, file.levels);
     if (strips) {
       write_strips(file, content, job);
     } else {
@@ -499,9 +499,9 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
 ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options) {
   constexpr int kEnough = 32;
   if (options.exposure_stops) return {std::exp2(*options.exposure_stops)};
-  const std::optional<CubemapChain>& background = baked.light.background;
+  const std::optional<Cubemap>& background = baked.light.background;
   if (!background && !baked.light.specular) return {};
-  const CubemapChain& chain = background ? *background : baked.light.specular->cubemap;
+  const Cubemap& chain = background ? *background : baked.light.specular->cubemap;
   int level = 0;
   while (level + 1 < chain.levels() && chain.level_size(level + 1) >= kEnough) ++level;
   return {exposure_of(chain.view(level))};

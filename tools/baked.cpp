@@ -87,7 +87,7 @@ BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control
 std::uint64_t BakeSource::bytes() const noexcept {
   constexpr std::uint64_t kTexelBytes = 12;
   if (!file_) {
-    return sizeof(float) * (pixels_.cubemap.pixels.size() + pixels_.lat_long.pixels.size() + picture_.pixels.size());
+    return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + picture_.pixels.size());
   }
   const auto face = static_cast<std::uint64_t>(file_->face_size());
   const auto texels = static_cast<std::uint64_t>(file_->info.width) * static_cast<std::uint64_t>(file_->info.height);

@@ -120,9 +120,9 @@ std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radi
   return coefficients;
 }
 
-GltfLight gltf_light(const CubemapChain& specular, const SphericalHarmonics& radiance, const Control& control) {
+GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control) {
   // The loader looks faces up, too, in Babylon.js's axes, whose x is glTF's -x.
-  const CubemapChain faces = mirrored_x(turned(specular, faces_of(Engine::gltf), control));
+  const Cubemap faces = mirrored_x(turned(specular, faces_of(Engine::gltf), control));
   const RgbdPictures pictures = rgbd_pictures(faces, control);
   std::string binary;
   Json views = Json::array();

@@ -38,7 +38,6 @@ struct GltfLight {
 
 /// The file: one scene, which refers to one light of intensity 1, and its pictures. `specular` and `radiance` in
 /// Welkin's axes, the chain with `gltf_light_roughness`. Throws `Error`: as `rgbd_pictures`.
-[[nodiscard]] GltfLight gltf_light(const CubemapChain& specular, const SphericalHarmonics& radiance,
-                                   const Control& control);
+[[nodiscard]] GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control);
 
 }  // namespace welkin::tool

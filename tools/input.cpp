@@ -237,7 +237,7 @@ Pixels pixels_of(const Environment& environment) {
   Pixels pixels;
   if (const int size = environment.face_size(); size > 0) {
     pixels.is_cubemap = true;
-    pixels.cubemap = {size, {values, values + 6 * count(size, size)}};
+    pixels.cubemap = Cubemap(size, {values, 6 * count(size, size)});
   } else {
     const LatLongView view = environment.lat_long();
     pixels.lat_long = {view.width, view.height, {values, values + count(view.width, view.height)}};
@@ -247,7 +247,7 @@ Pixels pixels_of(const Environment& environment) {
 
 std::uint64_t replace_infinities(Pixels& pixels, float largest) {
   std::uint64_t replaced = 0;
-  for (float& value : pixels.is_cubemap ? pixels.cubemap.pixels : pixels.lat_long.pixels) {
+  for (float& value : pixels.values()) {
     if (!std::isinf(value)) continue;
     value = value > 0.0F ? largest : 0.0F;
     ++replaced;
@@ -265,8 +265,7 @@ std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& opti
   Pixels pixels = pixels_of(environment);
   replace_infinities(pixels, kLargestHalf);
   const std::optional<Sun> sun = take_out_sun(pixels, options);
-  const std::vector<float>& values = pixels.is_cubemap ? pixels.cubemap.pixels : pixels.lat_long.pixels;
-  std::copy(values.begin(), values.end(), environment.pixels.get());
+  std::ranges::copy(pixels.values(), environment.pixels.get());
   return sun;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -107,12 +108,13 @@ struct Source {
 struct Pixels {
   bool is_cubemap = false;
   LatLongImage lat_long;
-  CubemapImage cubemap;
+  Cubemap cubemap;
 
   /// Whichever it is.
   [[nodiscard]] EnvironmentView view() const {
     return is_cubemap ? EnvironmentView(cubemap.view()) : EnvironmentView(lat_long.view());
   }
+  [[nodiscard]] std::span<float> values() noexcept { return is_cubemap ? cubemap.pixels() : lat_long.pixels; }
 };
 
 /// A copy of what was read.

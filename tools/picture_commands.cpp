@@ -220,9 +220,9 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
                  std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  CubemapImage result = to_cubemap(source.view(), size, turn, ResampleFilter::area, middle);
+  Cubemap result = to_cubemap(source.view(), size, turn, ResampleFilter::area, middle);
   tone_map(
-      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
+      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels());
   return write_output(options.output, result.view(), last);
 }
 
@@ -337,7 +337,7 @@ std::string draw_and_write(const TestmapOptions& options) {
   if (cubemap) {
     const int size = output.size > 0 ? output.size : kFaceSize;
     require_memory_to_draw(output, options.common, 6 * square(size));
-    const CubemapImage map = test_map_cubemap(size, drawing, axes_of(options.turn.to, true));
+    const Cubemap map = test_map_cubemap(size, drawing, axes_of(options.turn.to, true));
     return write_output(output, map.view(), writing);
   }
   const int width = output.size > 0 ? output.size : kLatLongWidth;

@@ -46,7 +46,7 @@ class CubeLookup {
  public:
   /// Levels of packed rgb_f32, largest first, at least one; they are not copied.
   explicit CubeLookup(std::vector<CubemapView> levels) : levels_(std::move(levels)) {}
-  explicit CubeLookup(const CubemapChain& chain) : CubeLookup(chain.views()) {}
+  explicit CubeLookup(const Cubemap& chain) : CubeLookup(chain.views()) {}
 
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] int size(int level) const noexcept { return levels_[static_cast<std::size_t>(level)].size; }

@@ -169,16 +169,14 @@ LatLongImage test_map_lat_long(int width, int height, const Control& control, co
   return map;
 }
 
-CubemapImage test_map_cubemap(int size, const Control& control, const TestMapAxes& axes) {
+Cubemap test_map_cubemap(int size, const Control& control, const TestMapAxes& axes) {
   image::check_face_size(size);
-  const std::size_t texels = std::size_t{6} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  CubemapImage map{size, std::vector<float>(3 * texels)};
+  Cubemap map(size);
   const glm::dmat3 from_places = glm::transpose(axes.places);
-  draw(size, 6 * size, samples_along_edge(size), map.pixels.data(), control, names_of(axes),
-       [&](double column, double row) {
-         const int face = std::min(5, static_cast<int>(row / size));
-         return from_places * image::face_direction(size, face, column, row - 1.0 * face * size);
-       });
+  draw(size, 6 * size, samples_along_edge(size), map.face(0), control, names_of(axes), [&](double column, double row) {
+    const int face = std::min(5, static_cast<int>(row / size));
+    return from_places * image::face_direction(size, face, column, row - 1.0 * face * size);
+  });
   return map;
 }
 

@@ -25,6 +25,6 @@ struct TestMapAxes {
                                              const TestMapAxes& axes = {});
 
 /// The same as a cubemap in the frames of `CubemapView`.
-[[nodiscard]] CubemapImage test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
+[[nodiscard]] Cubemap test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
 
 }  // namespace welkin

@@ -117,24 +117,15 @@ glm::dmat3 faces_of(Engine engine) {
   return turn_of_picture(options, false, true);
 }
 
-CubemapChain turned(const CubemapChain& chain, const glm::dmat3& symmetry, const Control& control) {
+Cubemap turned(const Cubemap& chain, const glm::dmat3& symmetry, const Control& control) {
   if (chain.levels() == 0) return {};
   const Control quiet{control.stop, {}};
-  CubemapChain result(chain.size(), chain.levels());
+  Cubemap result(chain.size(), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
-    const CubemapImage image =
-        to_cubemap(chain.view(level), chain.level_size(level), symmetry, ResampleFilter::area, quiet);
-    const auto values = static_cast<std::ptrdiff_t>(image.pixels.size() / 6);
-    for (int face = 0; face < 6; ++face) {
-      std::copy_n(image.pixels.begin() + face * values, values, result.face(level, face));
-    }
+    const Cubemap image = to_cubemap(chain.view(level), chain.level_size(level), symmetry, ResampleFilter::area, quiet);
+    std::ranges::copy(image.pixels(), result.face(level, 0));
   }
   return result;
-}
-
-CubemapImage turned(const CubemapImage& cubemap, const glm::dmat3& symmetry, const Control& control) {
-  if (cubemap.size == 0) return {};
-  return to_cubemap(cubemap.view(), cubemap.size, symmetry, ResampleFilter::area, Control{control.stop, {}});
 }
 
 }  // namespace welkin::tool

@@ -43,7 +43,6 @@ void add_turn_options(Options& table, TurnOptions& options);
 [[nodiscard]] glm::dmat3 faces_of(Engine engine);
 
 /// Every texel is moved as it is.
-[[nodiscard]] CubemapChain turned(const CubemapChain& chain, const glm::dmat3& symmetry, const Control& control);
-[[nodiscard]] CubemapImage turned(const CubemapImage& cubemap, const glm::dmat3& symmetry, const Control& control);
+[[nodiscard]] Cubemap turned(const Cubemap& chain, const glm::dmat3& symmetry, const Control& control);
 
 }  // namespace welkin::tool

@@ -41,12 +41,12 @@ glm::vec3 radiance(const glm::vec3& direction, const glm::vec3& sun) {
 }
 
 /// Row `row` of the strip that all six faces make.
-void fill_row(welkin::CubemapImage& image, int row, const glm::vec3& sun) {
-  const Face& face = kFaces[static_cast<std::size_t>(row / image.size)];
-  const float step = 2.0F / static_cast<float>(image.size);
-  const float v = (static_cast<float>(row % image.size) + 0.5F) * step - 1.0F;
-  float* texel = image.pixels.data() + std::ptrdiff_t{3} * image.size * row;
-  for (int column = 0; column < image.size; ++column, texel += 3) {
+void fill_row(welkin::Cubemap& image, int row, const glm::vec3& sun) {
+  const Face& face = kFaces[static_cast<std::size_t>(row / image.size())];
+  const float step = 2.0F / static_cast<float>(image.size());
+  const float v = (static_cast<float>(row % image.size()) + 0.5F) * step - 1.0F;
+  float* texel = image.face(0) + std::ptrdiff_t{3} * image.size() * row;
+  for (int column = 0; column < image.size(); ++column, texel += 3) {
     const float u = (static_cast<float>(column) + 0.5F) * step - 1.0F;
     const glm::vec3 colour = radiance(glm::normalize(face.normal + u * face.along_u + v * face.along_v), sun);
     texel[0] = colour.r;
@@ -57,11 +57,10 @@ void fill_row(welkin::CubemapImage& image, int row, const glm::vec3& sun) {
 
 }  // namespace
 
-welkin::CubemapImage sky_cubemap(int size, double sun_angle) {
+welkin::Cubemap sky_cubemap(int size, double sun_angle) {
   constexpr double kHalfRoot = 0.70710678118654752;
   const glm::vec3 sun(kHalfRoot * std::sin(sun_angle), kHalfRoot, kHalfRoot * std::cos(sun_angle));
-  const auto edge = static_cast<std::size_t>(size);
-  welkin::CubemapImage image{size, std::vector<float>(18 * edge * edge)};
+  welkin::Cubemap image(size);
   tbb::parallel_for(tbb::blocked_range<int>(0, 6 * size, 16), [&](const tbb::blocked_range<int>& rows) {
     for (int row = rows.begin(); row != rows.end(); ++row) fill_row(image, row, sun);
   });
@@ -69,7 +68,7 @@ welkin::CubemapImage sky_cubemap(int size, double sun_angle) {
 }
 
 welkin::Projection TurningSky::operator()(const welkin::Control& control) const {
-  const welkin::CubemapImage sky = sky_cubemap(size, sun_angle);
+  const welkin::Cubemap sky = sky_cubemap(size, sun_angle);
   return welkin::project(sky.view(), {}, control);
 }
 

@@ -9,7 +9,7 @@ namespace engine_loop {
 
 /// A cubemap of a blue gradient, dark ground and a small bright sun half-way up. `sun_angle`, in radians, turns it
 /// about the vertical. Some 10 ns a texel, spread over the caller's arena.
-[[nodiscard]] welkin::CubemapImage sky_cubemap(int size, double sun_angle);
+[[nodiscard]] welkin::Cubemap sky_cubemap(int size, double sun_angle);
 
 /// The light of such a sky. A request of the engine's own making: any callable over Welkin's calls is one.
 struct TurningSky {

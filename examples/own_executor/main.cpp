@@ -18,13 +18,13 @@
 namespace {
 
 /// A room with grey walls and a bright ceiling, each one of another brightness.
-welkin::CubemapImage room(int number) {
+welkin::Cubemap room(int number) {
   constexpr int kSize = 64;
   constexpr std::size_t kFaceValues = std::size_t{3} * kSize * kSize;
-  constexpr std::size_t kCeiling = 2;  // +Y
-  welkin::CubemapImage image{kSize, std::vector<float>(6 * kFaceValues, 0.2F)};
+  constexpr int kCeiling = 2;  // +Y
+  welkin::Cubemap image{kSize, std::vector<float>(6 * kFaceValues, 0.2F)};
   for (std::size_t k = 0; k < kFaceValues; ++k) {
-    image.pixels[kCeiling * kFaceValues + k] = 1.0F + static_cast<float>(number);
+    image.face(kCeiling)[k] = 1.0F + static_cast<float>(number);
   }
   return image;
 }

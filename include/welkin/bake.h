@@ -90,10 +90,10 @@ struct BakeOptions {
 
 /// What a bake made. What was not asked for is not there.
 struct BakeResult {
-  std::optional<CubemapChain> background;       ///< radiance
+  std::optional<Cubemap> background;            ///< radiance
   std::optional<PrefilteredSpecular> specular;  ///< reflections
   std::optional<OctahedralMap> octahedral;      ///< the same as an octahedral map
-  std::optional<CubemapImage> irradiance;       ///< W/m2 for W/m2/sr
+  std::optional<Cubemap> irradiance;            ///< W/m2 for W/m2/sr
   /// How the irradiance cubemap was made: as a mip of roughness 1, with its estimated error. From harmonics of `bands`,
   /// or of a stored file, there is no estimate. Its time is 0 where it was found in a cache.
   std::optional<MipRecord> irradiance_record;
@@ -342,7 +342,7 @@ struct SkyBake {
   std::optional<SphericalHarmonics> radiance;   ///< of one that does not: what `SkyProjector` gives
   Sun sun;                                      ///< as a directional light
   std::optional<PrefilteredSpecular> specular;  ///< for this sun; about the vertical it can be turned
-  std::optional<CubemapImage> background;       ///< the sky as a sharp cubemap
+  std::optional<Cubemap> background;            ///< the sky as a sharp cubemap
   std::shared_ptr<const BrdfTable> brdf;        ///< null: not made
   std::vector<PassRecord> passes;  ///< in the plan's order; of tables for more wavelengths than three some come again
 };

@@ -210,7 +210,7 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
 
 /// A texture that was read.
 struct CubemapTexture {
-  CubemapChain cubemap;                         ///< all levels, as radiance
+  Cubemap cubemap;                              ///< all levels, as radiance
   std::string format;                           ///< "KTX2 rgba16f zstd", for a person
   std::map<std::string, std::string> metadata;  ///< KTX2's and KTX's key/value data
 };
@@ -230,10 +230,10 @@ struct CubemapTexture {
 /// in the order of `CubemapView`, row 0 on top (the file has them bottom row first).
 struct BabylonEnvironment {
   int version = 2;                              ///< 1 or 2 when read; 2 is written
-  CubemapChain specular;                        ///< mip k for alpha = 2^(k / lod_generation_scale) / size, 0 at mip 0
+  Cubemap specular;                             ///< mip k for alpha = 2^(k / lod_generation_scale) / size, 0 at mip 0
   std::optional<BabylonPolynomial> polynomial;  ///< as stored: it is used, not computed again
   double lod_generation_scale = 0.8;            ///< Babylon.js stores 0 for what was not prefiltered
-  CubemapImage irradiance;  ///< irradiance / pi (1 in a uniform environment of 1); size 0: no irradiance texture
+  Cubemap irradiance;  ///< irradiance / pi (1 in a uniform environment of 1); size 0: no irradiance texture
   std::optional<dvec3> dominant_direction;  ///< of the light; kept with an irradiance texture alone
 };
 
@@ -241,13 +241,12 @@ struct BabylonEnvironment {
 /// coefficients. What Babylon.js shows is then what it shows of the same picture by itself, neither turned nor
 /// mirrored. `specular`: empty or a chain; `irradiance_over_pi`: of any size, 0 for none. Throws `Error`: never of its
 /// own.
-[[nodiscard]] BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
-                                            const CubemapImage& irradiance_over_pi = {});
+[[nodiscard]] BabylonEnvironment to_babylon(const Cubemap& specular, const SphericalHarmonics& radiance,
+                                            const Cubemap& irradiance_over_pi = {});
 
 /// The same cubemap mirrored in x: +X and -X change places, and columns run the other way. Both ways between
 /// Welkin's axes and those of Babylon.js; no texel changes.
-[[nodiscard]] CubemapChain mirrored_x(const CubemapChain& chain);
-[[nodiscard]] CubemapImage mirrored_x(const CubemapImage& cubemap);
+[[nodiscard]] Cubemap mirrored_x(const Cubemap& cubemap);
 
 /// The faces of a chain as PNG pictures of RGBD, as .env files and EXT_lights_image_based of glTF have them.
 struct RgbdPictures {
@@ -258,7 +257,7 @@ struct RgbdPictures {
 /// Packs them in parallel, as `write_babylon_environment` does: bottom row first, faces as they are in the chain (whose
 /// axes the caller has turned). The same bytes on any number of threads. `control` gets progress. Throws `Error`:
 /// unsupported_file in a build without libspng, cancelled.
-[[nodiscard]] RgbdPictures rgbd_pictures(const CubemapChain& chain, const Control& control = {});
+[[nodiscard]] RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control = {});
 
 /// Reads an .env file: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes.
 /// Faces in parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take

@@ -108,7 +108,7 @@ struct Control {
   /// costs nothing.
   std::function<void(double)> progress{};
 
-  /// Where the call takes the memory of the `CubemapChain`s that it returns; null: `std::pmr::get_default_resource()`.
+  /// Where the call takes the memory of the `Cubemap`s that it returns; null: `std::pmr::get_default_resource()`.
   /// Passes run side by side, so that `allocate` may be called from several threads at once. It must outlive the
   /// results. Images and coefficients come from the heap, and so does working memory (see `keep_working_memory`).
   memory_resource* memory = nullptr;

@@ -1,4 +1,4 @@
-// Pixels: views of the caller's, images and chains that own theirs, targets in the caller's memory, and BC6H blocks.
+// Pixels: views of the caller's, images that own theirs, targets in the caller's memory, and BC6H blocks.
 //
 //   welkin::CubemapView cubemap{{px, nx, py, ny, pz, nz}, 1024, 0, welkin::PixelFormat::rgba16f};
 //   welkin::LatLongView panorama{pixels, 4096, 2048, 0, welkin::PixelFormat::rgb32f};
@@ -125,22 +125,6 @@ struct LatLongImage {
   [[nodiscard]] LatLongView view() const noexcept { return {pixels.data(), width, height, 0, PixelFormat::rgb32f}; }
 };
 
-/// An RGB float cubemap that owns its pixels.
-struct CubemapImage {
-  int size = 0;               ///< texels along an edge
-  std::vector<float> pixels;  ///< 6 x size x size x 3: face after face, in the frames of `CubemapView`
-
-  /// The pixels as a view. It is valid while `pixels` are.
-  [[nodiscard]] CubemapView view() const noexcept {
-    const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    CubemapView view{{}, size, 0, PixelFormat::rgb32f};
-    for (std::size_t face = 0; face < view.faces.size(); ++face) view.faces[face] = pixels.data() + face * face_values;
-    return view;
-  }
-};
-
-// ---- A cubemap with its mip chain
-
 /// How many levels a whole chain has, from `size` down to 1: 1 + floor(log2(size)). `size` >= 1.
 [[nodiscard]] constexpr int full_chain_levels(int size) noexcept {
   int levels = 1;
@@ -151,27 +135,47 @@ struct CubemapImage {
   return levels;
 }
 
-/// Six faces of RGB floats in the frames of `CubemapView`, and their smaller levels, in one block of memory: level
-/// after level, face after face, row after row, no padding. Level l has max(1, size >> l) texels along an edge, as
-/// graphics APIs count. Moves are cheap; there is no copy.
-class CubemapChain {
+/// Six faces of RGB floats in the frames of `CubemapView`, with or without smaller levels (mips), in one block of
+/// memory: level after level, face after face, row after row, no padding. Level l has max(1, size >> l) texels along an
+/// edge, as graphics APIs count.
+class Cubemap {
  public:
   /// No levels.
-  CubemapChain() = default;
+  Cubemap() = default;
 
-  /// The pixels are not initialised; they start on a cache line. `memory` must outlive the chain; null: the default
-  /// resource, where large chains are `keep_working_memory`'s. Throws `Error` (invalid_argument) unless
+  /// The pixels are not initialised; they start on a cache line. `memory` must outlive the cubemap; null: the default
+  /// resource, where large cubemaps are `keep_working_memory`'s. Throws `Error` (invalid_argument) unless
   /// 1 <= size <= 16384 and 1 <= levels <= full_chain_levels(size), and what `memory` throws.
-  CubemapChain(int size, int levels, memory_resource* memory = nullptr);
+  explicit Cubemap(int size, int levels = 1, memory_resource* memory = nullptr);
+
+  /// One level with a copy of these pixels, face after face: 6 x size x size x 3 floats. Throws `Error`
+  /// (invalid_argument) for another number of floats, and as above.
+  Cubemap(int size, std::span<const float> pixels);
+
+  /// Copies the pixels into memory of the default resource.
+  Cubemap(const Cubemap& other);
+  /// Takes the pixels and leaves `other` without levels.
+  Cubemap(Cubemap&& other) noexcept { swap(other); }
+  /// Copies or takes the pixels of another cubemap.
+  Cubemap& operator=(Cubemap other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~Cubemap() = default;
 
   /// Texels along an edge of level 0; 0 if there are no levels.
   [[nodiscard]] int size() const noexcept { return size_; }
-  /// How many levels there are; 0 for an empty chain.
+  /// How many levels there are; 0 for an empty cubemap.
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(offsets_.size()); }
   /// Texels along an edge of a level, 0 <= level < levels().
   [[nodiscard]] int level_size(int level) const noexcept { return size_ >> level > 1 ? size_ >> level : 1; }
   /// Memory of all levels.
   [[nodiscard]] std::size_t bytes() const noexcept { return values_ * sizeof(float); }
+
+  /// Every float of all levels.
+  [[nodiscard]] std::span<float> pixels() noexcept { return {pixels_.get(), values_}; }
+  /// Every float of all levels.
+  [[nodiscard]] std::span<const float> pixels() const noexcept { return {pixels_.get(), values_}; }
 
   /// First channel of a face's first texel: level_size^2 x 3 floats. 0 <= level < levels(), 0 <= face < 6.
   [[nodiscard]] float* face(int level, int face) noexcept { return pixels_.get() + face_offset(level, face); }
@@ -179,9 +183,14 @@ class CubemapChain {
   [[nodiscard]] const float* face(int level, int face) const noexcept {
     return pixels_.get() + face_offset(level, face);
   }
+  /// First float of a face of level 0.
+  [[nodiscard]] float* face(int face) noexcept { return this->face(0, face); }
+  /// First float of a face of level 0.
+  [[nodiscard]] const float* face(int face) const noexcept { return this->face(0, face); }
 
-  /// A level as a view. It is valid while the chain lives and is not assigned to.
-  [[nodiscard]] CubemapView view(int level) const noexcept;
+  /// A level as a view; of an empty cubemap, a view of size 0. It is valid while the cubemap lives and is not assigned
+  /// to.
+  [[nodiscard]] CubemapView view(int level = 0) const noexcept;
   /// All levels, as `project` and the writers take them.
   [[nodiscard]] std::vector<CubemapView> views() const;
 
@@ -198,6 +207,7 @@ class CubemapChain {
     const auto edge = static_cast<std::size_t>(level_size(level));
     return offsets_[static_cast<std::size_t>(level)] + static_cast<std::size_t>(face) * edge * edge * 3;
   }
+  void swap(Cubemap& other) noexcept;
 
   int size_ = 0;
   std::size_t values_ = 0;
@@ -242,9 +252,10 @@ struct CubemapTarget {
 /// number of threads. Throws `Error`: invalid_argument (a null face, another size, rows that overlap), cancelled.
 std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control = {});
 
-/// Writes all levels of a chain, each to its target. Returns how many channel values the format could not hold. Throws
-/// as above, and invalid_argument unless there are as many targets as levels; nothing is written if one is refused.
-std::uint64_t store_texels(const CubemapChain& from, std::span<const CubemapTarget> to, const Control& control = {});
+/// Writes all levels of a cubemap, each to its target. Returns how many channel values the format could not hold.
+/// Throws as above, and invalid_argument unless there are as many targets as levels; nothing is written if one is
+/// refused.
+std::uint64_t store_texels(const Cubemap& from, std::span<const CubemapTarget> to, const Control& control = {});
 
 /// Which of the images of six faces and several levels come one after the other.
 enum class UploadOrder {
@@ -318,7 +329,7 @@ struct Bc6hCubemap {
 
 /// Decodes all levels, exactly as the format is defined. Throws `Error`: invalid_argument (sizes and bytes that do not
 /// fit), cancelled.
-[[nodiscard]] CubemapChain decode_bc6h(const Bc6hCubemap& cubemap, const Control& control = {});
+[[nodiscard]] Cubemap decode_bc6h(const Bc6hCubemap& cubemap, const Control& control = {});
 
 /// Of each level, the rms over all channels of (decoded - given) / max(|given|, 2^-14), with given as clamped to what
 /// the format holds. Decodes all. Throws `Error`: invalid_argument, cancelled.

@@ -233,7 +233,7 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
 // ---- Irradiance at surfaces: by direct integration, and as a cubemap
 //
 //   welkin::dvec3 ground = welkin::direct_irradiance(cubemap, {0.0, 1.0, 0.0});
-//   welkin::CubemapImage lookup = welkin::irradiance_cubemap(welkin::irradiance_from_radiance(light.radiance), 64);
+//   welkin::Cubemap lookup = welkin::irradiance_cubemap(welkin::irradiance_from_radiance(light.radiance), 64);
 
 // -- Direct integration
 
@@ -279,12 +279,10 @@ struct IrradianceError {
 /// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. Values beyond the
 /// floats (pi times a radiance of 3e38) become the largest float. SIMD; the same bits everywhere. Throws `Error`:
 /// invalid_argument (size not in 1 to 4096), cancelled.
-[[nodiscard]] CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size,
-                                              const Control& control = {});
+[[nodiscard]] Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control = {});
 
 /// The reference: direct cosine integration in double, as `direct_irradiance`, at each texel's centre. Cost: some 6 ns
 /// a source texel, result texel and thread.
-[[nodiscard]] CubemapImage direct_irradiance_cubemap(const EnvironmentView& source, int size,
-                                                     const Control& control = {});
+[[nodiscard]] Cubemap direct_irradiance_cubemap(const EnvironmentView& source, int size, const Control& control = {});
 
 }  // namespace welkin

@@ -127,7 +127,7 @@ struct MipRecord {
 
 /// A chain of reflections.
 struct PrefilteredSpecular {
-  CubemapChain cubemap;          ///< a level for each mip
+  Cubemap cubemap;               ///< a level for each mip
   std::vector<MipRecord> mips;   ///< one record for each mip
   ProjectionDiagnostics pixels;  ///< what was read, replaced and clamped; its passes are the prefilter's
   std::uint64_t peak_bytes = 0;  ///< of working memory, beside source and result

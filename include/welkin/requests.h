@@ -31,11 +31,11 @@ struct Environment;  // environment_file.h
 class EnvironmentSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.
-  EnvironmentSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written as what it reads
+  EnvironmentSource(Cubemap image);       // NOLINT(google-explicit-constructor): a request is written as what it reads
   EnvironmentSource(LatLongImage image);  ///< moved in, too. NOLINT(google-explicit-constructor)
   EnvironmentSource(Environment environment);  ///< defined in welkin::files. NOLINT(google-explicit-constructor)
-  /// The pixels are shared, and must not change until the job is ready.
-  EnvironmentSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
+  /// The pixels are shared, all levels of a cubemap, and must not change until the job is ready.
+  EnvironmentSource(std::shared_ptr<const Cubemap> image);       // NOLINT(google-explicit-constructor)
   EnvironmentSource(std::shared_ptr<const LatLongImage> image);  ///< shared, too. NOLINT(google-explicit-constructor)
   /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
   /// empty, they must stay until the job is ready.
@@ -75,7 +75,7 @@ struct ToCubemap {
   int size = 0;              ///< of the result: texels along an edge, 1 to 16384
   dmat3 turn = dmat3(1.0);   ///< orthogonal: direction d of the source becomes turn * d
 
-  [[nodiscard]] CubemapImage operator()(const Control& control) const;
+  [[nodiscard]] Cubemap operator()(const Control& control) const;
   /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };

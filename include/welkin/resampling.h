@@ -1,7 +1,7 @@
 // Environments of another shape, size or orientation, mip chains of cubemaps, and octahedral maps.
 //
-//   welkin::CubemapImage cubemap = welkin::to_cubemap(panorama, 1024, welkin::turn_about_y(90.0));
-//   welkin::CubemapChain mips = welkin::build_mips(cubemap.view());
+//   welkin::Cubemap cubemap = welkin::to_cubemap(panorama, 1024, welkin::turn_about_y(90.0));
+//   welkin::Cubemap mips = welkin::build_mips(cubemap.view());
 #pragma once
 
 #include <array>
@@ -61,8 +61,8 @@ enum class ResampleFilter {
 /// of threads and every instruction set. Throws `Error`: invalid_argument (views, sizes, a matrix that is off
 /// orthogonal by more than 1e-6), cancelled.
 /// `filter` is of use between a lat-long and a cubemap alone: pictures of one kind have one way each.
-[[nodiscard]] CubemapImage to_cubemap(const EnvironmentView& source, int size, const dmat3& turn = dmat3(1.0),
-                                      ResampleFilter filter = ResampleFilter::area, const Control& control = {});
+[[nodiscard]] Cubemap to_cubemap(const EnvironmentView& source, int size, const dmat3& turn = dmat3(1.0),
+                                 ResampleFilter filter = ResampleFilter::area, const Control& control = {});
 [[nodiscard]] LatLongImage to_lat_long(const EnvironmentView& source, int width, int height,
                                        const dmat3& turn = dmat3(1.0), ResampleFilter filter = ResampleFilter::bilinear,
                                        const Control& control = {});
@@ -83,11 +83,11 @@ enum class MipFilter {
 /// covers 1 / its size of the face, cut texels count by the part (for solid_angle: the solid angle) that is covered.
 /// `levels`: how many, the source's own counted; none: down to 1 texel. Cost: bounded by memory. The same bits on any
 /// number of threads and instruction set. Throws `Error`: invalid_argument (view, levels), cancelled.
-[[nodiscard]] CubemapChain build_mips(const CubemapView& source, MipFilter filter = MipFilter::solid_angle,
-                                      std::optional<int> levels = std::nullopt, const Control& control = {});
+[[nodiscard]] Cubemap build_mips(const CubemapView& source, MipFilter filter = MipFilter::solid_angle,
+                                 std::optional<int> levels = std::nullopt, const Control& control = {});
 
 /// The same where level 0 of `chain` is filled already.
-void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control = {});
+void fill_mips(Cubemap& chain, MipFilter filter, const Control& control = {});
 
 // ---- Octahedral maps: the sphere on one square, with borders, as Godot's shaders read their radiance
 //
@@ -143,7 +143,7 @@ struct OctahedralMap {
 /// from 4 on. Texels of the border are copies. Allocates a copy of the cubemap's level.
 /// The same bits on any number of threads and instruction set. Throws `Error`: invalid_argument (options, too few
 /// levels), cancelled.
-[[nodiscard]] OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& options = {},
+[[nodiscard]] OctahedralMap to_octahedral(const Cubemap& chain, const OctahedralOptions& options = {},
                                           const Control& control = {});
 
 /// One level straight from coefficients, which it has at its texels' centres: of irradiance or radiance. Throws as

@@ -3,7 +3,7 @@
 //   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));   // seconds
 //   welkin::SkyView view(tables, 0.0);                                     // milliseconds, once a height
 //   welkin::dvec3 sun = welkin::sun_direction(20.0, 145.0);
-//   welkin::CubemapImage picture = welkin::sky_cubemap(view, sun, 256);
+//   welkin::Cubemap picture = welkin::sky_cubemap(view, sun, 256);
 //   welkin::SphericalHarmonics light = welkin::SkyProjector(view).project(sun);
 //
 // Directions have y up, and a direction `sun` points towards the sun; a sun's azimuth is counted from +z towards
@@ -338,8 +338,8 @@ class SkyView {
 /// `SkyView::sun` at any size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on
 /// any number of threads; some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to
 /// 16384), cancelled.
-[[nodiscard]] CubemapImage sky_cubemap(const SkyView& view, const dvec3& sun, int size,
-                                       const SkyPictureOptions& options = {}, const Control& control = {});
+[[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size,
+                                  const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
                                         const SkyPictureOptions& options = {}, const Control& control = {});
 

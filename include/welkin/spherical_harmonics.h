@@ -241,7 +241,7 @@ struct Sun {
 /// The same bits for any number of threads and on every machine.
 /// Throws `Error` (invalid_argument) for options out of range and for pixels that do not fit the size.
 [[nodiscard]] std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options = {});
-[[nodiscard]] std::optional<Sun> take_out_sun(CubemapImage& image, const SunOptions& options = {});
+[[nodiscard]] std::optional<Sun> take_out_sun(Cubemap& image, const SunOptions& options = {});
 
 /// The coefficients of a sun's light, to be added to those of its map: a uniform disc of its solid angle that holds its
 /// irradiance (radiance times solid angle), in closed form; with solid angle 0 a light from one direction. `radiance`,

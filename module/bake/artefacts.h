@@ -48,7 +48,7 @@ class Source {
   [[nodiscard]] virtual SphericalHarmonics take_radiance(const Control& control);
   [[nodiscard]] virtual PrefilteredSpecular take_specular(const Control& control);
   /// Plain mips, level 0 of which are the pixels.
-  [[nodiscard]] virtual const CubemapChain* levels() const { return nullptr; }
+  [[nodiscard]] virtual const Cubemap* levels() const { return nullptr; }
 };
 
 /// A result that was made before.
@@ -62,7 +62,7 @@ struct Found {
 /// All that a store has of one bake.
 struct FoundArtefacts {
   std::optional<Found<Projection>> projection;  ///< with its diagnostics
-  std::optional<Found<CubemapChain>> background;
+  std::optional<Found<Cubemap>> background;
   std::optional<Found<reflections::IrradianceMap>> irradiance;
   /// What looking through the pixels came to.
   std::optional<ProjectionDiagnostics> sanitized;
@@ -89,7 +89,7 @@ class ArtefactStore {
 
   virtual void keep(const projection::SanitizedSource& sanitized) = 0;
   virtual void keep(const Projection& projection) = 0;
-  virtual void keep_background(const CubemapChain& background) = 0;
+  virtual void keep_background(const Cubemap& background) = 0;
   virtual void keep_irradiance(const reflections::IrradianceMap& irradiance) = 0;
   virtual void keep_octahedral(const OctahedralMap& map) = 0;
   /// Keeps the mips that were missing, if any, and joins them with those that were found to the whole chain. Once.

@@ -188,8 +188,8 @@ class Baking {
       result_.background = std::move(found_.background->value);
       return found(found_.background->where, found_.background->milliseconds);
     }
-    CubemapChain older = std::move(result_.background).value_or(CubemapChain());
-    CubemapChain& chain = result_.background.emplace(
+    Cubemap older = std::move(result_.background).value_or(Cubemap());
+    Cubemap& chain = result_.background.emplace(
         image::shaped(std::move(older), plan_.background_size, plan_.background_levels, control.memory));
     // A chain of huge values went through a scale and back, which loses what is very dark.
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
@@ -206,7 +206,7 @@ class Baking {
   }
 
   /// Level 0, a tile for some rows of all that lies one after the other in memory.
-  static void copy_level(const CubemapChain& from, CubemapChain& to, const Control& control) {
+  static void copy_level(const Cubemap& from, Cubemap& to, const Control& control) {
     const std::size_t row = 3 * static_cast<std::size_t>(from.size());
     const std::size_t rows = 6 * static_cast<std::size_t>(from.size());
     const std::size_t tile_rows = std::max<std::size_t>(1, (std::size_t{1} << 16U) / row);
@@ -231,7 +231,7 @@ class Baking {
 
   /// Below level 0, which went through all the others' policies. False if some are no numbers: then nothing is copied.
   bool copy_stored_levels() {
-    CubemapChain& chain = *result_.background;
+    Cubemap& chain = *result_.background;
     const auto values = [&](int level) {
       const auto edge = static_cast<std::size_t>(chain.level_size(level));
       return std::span<const float>(source_.levels()->face(level, 0), 18 * edge * edge);
@@ -268,7 +268,7 @@ class Baking {
   }
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
-    CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
+    Cubemap room = result_.specular ? std::move(result_.specular->cubemap) : Cubemap();
     if (!mips.irradiance || found_.irradiance) {
       reflections::PrefilterPlan without = mips;
       without.irradiance.reset();

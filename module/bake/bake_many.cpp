@@ -170,7 +170,7 @@ class ManyBakes {
   std::int64_t beside_texels_ = 0;
   std::int64_t one_by_one_texels_ = 0;
   std::int64_t all_texels_ = 0;
-  std::vector<CubemapChain> rooms_;  ///< of each worker: the chain before it goes to its targets
+  std::vector<Cubemap> rooms_;  ///< of each worker: the chain before it goes to its targets
   jobs::FirstRejection rejection_;
 };
 

@@ -240,7 +240,7 @@ PrefilteredSpecular prefiltered_sky(const SkyView& view, const glm::dvec3& sun, 
                                     const Control& control) {
   constexpr double share_of_sky = 0.2;
   const reflections::PrefilterPlan plan = reflections::plan_prefilter(options);
-  const CubemapImage sky = sky_cubemap(view, sun, size, picture, jobs::part_of(control, 0.0, share_of_sky));
+  const Cubemap sky = sky_cubemap(view, sun, size, picture, jobs::part_of(control, 0.0, share_of_sky));
   return reflections::prefilter(sky.view(), plan, options.pixels, {}, jobs::part_of(control, share_of_sky, 1.0));
 }
 

@@ -122,7 +122,7 @@ welkin_status welkin_chain_get_mip(const welkin_chain* chain, int32_t level, wel
   });
 }
 
-// Reflections.
+// What is asked of reflections, tables and bakes.
 
 static_assert(WELKIN_QUALITY_NORMAL == static_cast<int>(welkin::Quality::normal));
 static_assert(WELKIN_QUALITY_FAST == static_cast<int>(welkin::Quality::fast));
@@ -218,34 +218,6 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   return wanted;
 }
 
-}  // namespace welkin::c_interface
-
-welkin_status welkin_prefilter(const welkin_environment* environment, const welkin_prefilter_options* options,
-                               const welkin_control* control, welkin_chain** chain) {
-  return guarded_making(chain, "chain", [&] {
-    const auto wanted = prefilter_options(options, kDefaultReflections, true);
-    return chain_of(prefiltered(environment_view(environment), wanted, control_of(control)));
-  });
-}
-
-welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
-                                    const welkin_prefilter_options* options, const welkin_post_options* post,
-                                    welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    const auto view = environment_view(environment);
-    auto wanted = prefilter_options(options, kDefaultReflections, true);
-    PrefilterRequest request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
-  });
-}
-
-welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain) {
-  return hand_out_result<SpecularPointer>(job, chain, "chain", chain_of);
-}
-
-// Tables and irradiance cubemaps.
-
-namespace welkin::c_interface {
 namespace {
 
 BrdfTableOptions brdf_options(const welkin_brdf_options* options) {
@@ -263,41 +235,6 @@ std::uint64_t write_table(const Target& target, const BrdfTable& table) {
   require_size(target, table.options.width, table.options.height);
   return write_picture(target, 0, table.values.data(), table.channels);
 }
-
-}  // namespace
-}  // namespace welkin::c_interface
-
-welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
-                                const welkin_target* target, uint64_t* values_clamped) {
-  return guarded([&] {
-    const auto wanted = brdf_options(options);
-    const Target checked = flat_target(target);
-    require_size(checked, wanted.width, wanted.height);
-    tell(write_table(checked, *welkin::brdf_table(wanted, control_of(control))), values_clamped);
-  });
-}
-
-welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance, const welkin_control* control,
-                                        const welkin_target* target, uint64_t* values_clamped) {
-  return guarded([&] {
-    const auto harmonics = read_harmonics(bands, irradiance, "irradiance");
-    const Target checked = cubemap_target(target);
-    const auto cubemap = welkin::irradiance_cubemap(harmonics, checked.width, control_of(control));
-    tell(write_faces(checked, cubemap.view()), values_clamped);
-  });
-}
-
-// Bakes.
-
-welkin_bake_result::welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result)
-    : result(std::move(its_result)) {
-  if (result->background) background = welkin_chain(result->background->views(), result);
-  if (result->specular) specular = welkin_chain(SpecularPointer(result, &*result->specular));
-  if (result->irradiance) irradiance = welkin_chain({result->irradiance->view()}, result);
-}
-
-namespace welkin::c_interface {
-namespace {
 
 using BakePointer = std::shared_ptr<const BakeResult>;
 
@@ -361,6 +298,62 @@ BakeOptions bake_options(const welkin_bake_options* options) {
 }
 
 }  // namespace welkin::c_interface
+
+// Reflections.
+
+welkin_status welkin_prefilter(const welkin_environment* environment, const welkin_prefilter_options* options,
+                               const welkin_control* control, welkin_chain** chain) {
+  return guarded_making(chain, "chain", [&] {
+    const auto wanted = prefilter_options(options, kDefaultReflections, true);
+    return chain_of(prefiltered(environment_view(environment), wanted, control_of(control)));
+  });
+}
+
+welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
+                                    const welkin_prefilter_options* options, const welkin_post_options* post,
+                                    welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = environment_view(environment);
+    auto wanted = prefilter_options(options, kDefaultReflections, true);
+    PrefilterRequest request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain) {
+  return hand_out_result<SpecularPointer>(job, chain, "chain", chain_of);
+}
+
+// Tables and irradiance cubemaps.
+
+welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
+                                const welkin_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const auto wanted = brdf_options(options);
+    const Target checked = flat_target(target);
+    require_size(checked, wanted.width, wanted.height);
+    tell(write_table(checked, *welkin::brdf_table(wanted, control_of(control))), values_clamped);
+  });
+}
+
+welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance, const welkin_control* control,
+                                        const welkin_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const auto harmonics = read_harmonics(bands, irradiance, "irradiance");
+    const Target checked = cubemap_target(target);
+    const auto cubemap = welkin::irradiance_cubemap(harmonics, checked.width, control_of(control));
+    tell(write_faces(checked, cubemap.view()), values_clamped);
+  });
+}
+
+// Bakes.
+
+welkin_bake_result::welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result)
+    : result(std::move(its_result)) {
+  if (result->background) background = welkin_chain(result->background->views(), result);
+  if (result->specular) specular = welkin_chain(SpecularPointer(result, &*result->specular));
+  if (result->irradiance) irradiance = welkin_chain({result->irradiance->view()}, result);
+}
 
 welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_count,
                                const welkin_prefilter_options* options, const welkin_control* control,

@@ -17,8 +17,6 @@
 
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
-// Atmospheres.
-
 namespace welkin::c_interface {
 namespace {
 
@@ -121,18 +119,6 @@ Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere) {
   return air;
 }
 
-}  // namespace welkin::c_interface
-
-welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction) {
-  return guarded([&] {
-    require(direction, "direction");
-    write_triple(welkin::sun_direction(elevation_degrees, azimuth_degrees), direction);
-  });
-}
-
-// Tables.
-
-namespace welkin::c_interface {
 namespace {
 
 using TablesPointer = std::shared_ptr<const SkyTables>;
@@ -167,7 +153,29 @@ const TablesPointer& tables_of(const welkin_sky_tables* tables) {
   return tables->tables;
 }
 
+namespace {
+
+glm::dvec3 read_sun(const double* sun) { return read_triple(sun, "sun"); }
+
+}  // namespace
+
+const SkyView& view_of(const welkin_sky_view* view) {
+  require(view, "view");
+  return view->view;
+}
+
 }  // namespace welkin::c_interface
+
+// Atmospheres.
+
+welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction) {
+  return guarded([&] {
+    require(direction, "direction");
+    write_triple(welkin::sun_direction(elevation_degrees, azimuth_degrees), direction);
+  });
+}
+
+// Tables.
 
 welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere, const welkin_sky_table_options* options,
                                        const welkin_control* control, welkin_sky_tables** tables) {
@@ -193,20 +201,6 @@ welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables
 }
 
 // Views.
-
-namespace welkin::c_interface {
-namespace {
-
-glm::dvec3 read_sun(const double* sun) { return read_triple(sun, "sun"); }
-
-}  // namespace
-
-const SkyView& view_of(const welkin_sky_view* view) {
-  require(view, "view");
-  return view->view;
-}
-
-}  // namespace welkin::c_interface
 
 welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m, int32_t without_ground,
                                      welkin_sky_view** view) {

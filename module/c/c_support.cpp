@@ -89,34 +89,6 @@ void require(const void* pointer, const char* name) {
   if (pointer == nullptr) refuse(std::string(name) + " is null");
 }
 
-}  // namespace welkin::c_interface
-
-void welkin_keep_working_memory(uint64_t bytes) {
-  constexpr std::uint64_t most = std::numeric_limits<std::size_t>::max();
-  welkin::keep_working_memory(static_cast<std::size_t>(std::min(bytes, most)));
-}
-
-void welkin_release_working_memory() { welkin::release_working_memory(); }
-
-const char* welkin_status_name(welkin_status status) {
-  switch (status) {
-    case WELKIN_OK: return "ok";
-    case WELKIN_OUT_OF_MEMORY: return "out_of_memory";
-    case WELKIN_NOT_READY: return "not_ready";
-    case WELKIN_INTERNAL: return "internal";
-    default: break;
-  }
-  // The others are those of the error codes.
-  for (int number = 0; number <= static_cast<int>(welkin::ErrorCode::stopped); ++number) {
-    const auto code = static_cast<welkin::ErrorCode>(number);
-    if (welkin::c_interface::status_of(code) == status) return welkin::name(code);
-  }
-  return "unknown";
-}
-
-const char* welkin_last_error() { return welkin::c_interface::last_error.text; }
-
-namespace welkin::c_interface {
 namespace {
 
 /// By how much a structure may grow until it must be taken for one whose size was never set.
@@ -146,12 +118,6 @@ void require_zeros_behind(const void* given, std::size_t known, std::size_t size
   }
 }
 
-}  // namespace welkin::c_interface
-
-uint32_t welkin_c_version() { return WELKIN_C_VERSION; }
-
-namespace welkin::c_interface {
-
 void require_enumerator(const char* what, std::int32_t value, std::int32_t last) {
   if (value >= 0 && value <= last) return;
   refuse(std::string(what) + " is " + std::to_string(value) + "; it must be one of the named values, 0 to " +
@@ -170,26 +136,8 @@ void refuse_thread_exit(const char* function) {
 
 Control control_of(const welkin_control* control) { return control == nullptr ? Control{} : control->control; }
 
-}  // namespace welkin::c_interface
-
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
-
-int32_t welkin_control_stop_requested(const welkin_control* control) {
-  return control != nullptr && control->control.stop.stop_requested() ? 1 : 0;
-}
-
-welkin_status welkin_control_report_progress(const welkin_control* control, double done) {
-  return guarded([&] {
-    require(control, "control");
-    if (!(done >= 0.0 && done <= 1.0))
-      refuse("done is " + welkin::platform::number_text(done) + "; it must be from 0 to 1");
-    if (control->control.progress) control->control.progress(done);
-  });
-}
-
 // The caller's pixels.
 
-namespace welkin::c_interface {
 namespace {
 
 constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
@@ -495,3 +443,45 @@ std::uint64_t write_faces(const Target& target, const CubemapView& cubemap) noex
 }
 
 }  // namespace welkin::c_interface
+
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
+
+void welkin_keep_working_memory(uint64_t bytes) {
+  constexpr std::uint64_t most = std::numeric_limits<std::size_t>::max();
+  welkin::keep_working_memory(static_cast<std::size_t>(std::min(bytes, most)));
+}
+
+void welkin_release_working_memory() { welkin::release_working_memory(); }
+
+const char* welkin_status_name(welkin_status status) {
+  switch (status) {
+    case WELKIN_OK: return "ok";
+    case WELKIN_OUT_OF_MEMORY: return "out_of_memory";
+    case WELKIN_NOT_READY: return "not_ready";
+    case WELKIN_INTERNAL: return "internal";
+    default: break;
+  }
+  // The others are those of the error codes.
+  for (int number = 0; number <= static_cast<int>(welkin::ErrorCode::stopped); ++number) {
+    const auto code = static_cast<welkin::ErrorCode>(number);
+    if (status_of(code) == status) return welkin::name(code);
+  }
+  return "unknown";
+}
+
+const char* welkin_last_error() { return last_error.text; }
+
+uint32_t welkin_c_version() { return WELKIN_C_VERSION; }
+
+int32_t welkin_control_stop_requested(const welkin_control* control) {
+  return control != nullptr && control->control.stop.stop_requested() ? 1 : 0;
+}
+
+welkin_status welkin_control_report_progress(const welkin_control* control, double done) {
+  return guarded([&] {
+    require(control, "control");
+    if (!(done >= 0.0 && done <= 1.0))
+      refuse("done is " + welkin::platform::number_text(done) + "; it must be from 0 to 1");
+    if (control->control.progress) control->control.progress(done);
+  });
+}

@@ -187,11 +187,11 @@ class BakeEntries final : public baking::ArtefactStore {
   void keep(const Projection& projection) override {
     store_.store(projection_, [&] { return cache::encode(projection); });
   }
-  void keep_background(const CubemapChain& background) override {
+  void keep_background(const Cubemap& background) override {
     store_.store(background_, [&] { return cache::encode(background); });
   }
   void keep_irradiance(const reflections::IrradianceMap& irradiance) override {
-    store_.store(irradiance_, [&] { return cache::encode_mip(irradiance.record, irradiance.cubemap.pixels.data()); });
+    store_.store(irradiance_, [&] { return cache::encode_mip(irradiance.record, irradiance.cubemap.face(0)); });
   }
   void keep_octahedral(const OctahedralMap& map) override {
     store_.store(octahedral_, [&] { return cache::encode(map); });
@@ -240,22 +240,21 @@ class BakeEntries final : public baking::ArtefactStore {
     octahedral_ = {EntryKind::octahedral, cache::result_key("bake octahedral", {combine(parts)})};
   }
 
-  [[nodiscard]] std::optional<cache::FoundResult<CubemapChain>> find_cubemap(const EntryName& name, int size,
-                                                                             int levels, memory_resource* memory) {
+  [[nodiscard]] std::optional<cache::FoundResult<Cubemap>> find_cubemap(const EntryName& name, int size, int levels,
+                                                                        memory_resource* memory) {
     return store_.find(name, cache::cubemap_bytes(size, levels),
                        [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
   }
 
   [[nodiscard]] std::optional<cache::FoundResult<reflections::IrradianceMap>> find_irradiance(int size) {
-    return store_.find(
-        irradiance_, cache::mip_bytes(size), [=](cache::ByteSpan bytes) -> std::optional<reflections::IrradianceMap> {
-          const auto edge = static_cast<std::size_t>(size);
-          reflections::IrradianceMap map{{size, std::vector<float>(18 * edge * edge)}, {}};
-          const std::optional<MipRecord> record = cache::decode_mip(bytes, size, map.cubemap.pixels.data());
-          if (!record) return std::nullopt;
-          map.record = *record;
-          return map;
-        });
+    return store_.find(irradiance_, cache::mip_bytes(size),
+                       [=](cache::ByteSpan bytes) -> std::optional<reflections::IrradianceMap> {
+                         reflections::IrradianceMap map{Cubemap(size), {}};
+                         const std::optional<MipRecord> record = cache::decode_mip(bytes, size, map.cubemap.face(0));
+                         if (!record) return std::nullopt;
+                         map.record = *record;
+                         return map;
+                       });
   }
 
   cache::ResultStore& store_;

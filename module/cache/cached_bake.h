@@ -43,7 +43,7 @@ class StoredChain {
   ResultStore& store_;
   reflections::PrefilterPlan plan_;
   std::vector<EntryName> names_;
-  CubemapChain chain_;
+  Cubemap chain_;
   std::vector<std::optional<MipRecord>> mips_;
   std::size_t first_missing_ = 0;
   std::size_t end_missing_ = 0;

@@ -88,15 +88,15 @@ std::size_t mip_values(int size) {
   return std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
 }
 
-std::size_t chain_values(const CubemapChain& chain) { return chain.bytes() / sizeof(float); }
+std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
 
-void save(Saver& saver, const CubemapChain& chain) {
+void save(Saver& saver, const Cubemap& chain) {
   saver(chain.size(), chain.levels());
   if (chain.levels() > 0) saver.writer.floats({chain.face(0, 0), chain_values(chain)});
 }
 
 /// `size` and `levels` of a chain that there can be.
-CubemapChain load_chain(Loader& loader, int size, int levels, memory_resource* memory) {
+Cubemap load_chain(Loader& loader, int size, int levels, memory_resource* memory) {
   int stored_size = 0;
   int stored_levels = 0;
   loader(stored_size, stored_levels);
@@ -113,7 +113,7 @@ CubemapChain load_chain(Loader& loader, int size, int levels, memory_resource* m
     loader.reader.fail();
     return {};
   }
-  CubemapChain chain(size, levels, memory);
+  Cubemap chain(size, levels, memory);
   loader.reader.floats({chain.face(0, 0), chain_values(chain)});
   return chain;
 }
@@ -157,15 +157,15 @@ std::optional<Projection> decode_projection(ByteSpan bytes, int bands) {
   return if_complete(loader, std::move(projection));
 }
 
-Bytes encode(const CubemapChain& chain) {
+Bytes encode(const Cubemap& chain) {
   Saver saver(chain.bytes());
   save(saver, chain);
   return saver.writer.take();
 }
 
-std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels, memory_resource* memory) {
+std::optional<Cubemap> decode_cubemap(ByteSpan bytes, int size, int levels, memory_resource* memory) {
   Loader loader(bytes);
-  CubemapChain chain = load_chain(loader, size, levels, memory);
+  Cubemap chain = load_chain(loader, size, levels, memory);
   return if_complete(loader, std::move(chain));
 }
 

@@ -169,15 +169,15 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 [[nodiscard]] std::uint64_t face_sums_bytes(int bands, std::size_t tiles);
 
 [[nodiscard]] Bytes encode(const Projection& projection);
-[[nodiscard]] Bytes encode(const CubemapChain& chain);
+[[nodiscard]] Bytes encode(const Cubemap& chain);
 /// `texels`: the six faces, 18 times the square of `mip.size`. `energies`: see `PrefilterPlan::energies`.
 [[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels, const std::vector<float>& energies = {});
 [[nodiscard]] Bytes encode(const projection::FaceSums& sums);
 [[nodiscard]] Bytes encode(const OctahedralMap& map);
 
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
-[[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
-                                                         memory_resource* memory = nullptr);
+[[nodiscard]] std::optional<Cubemap> decode_cubemap(ByteSpan bytes, int size, int levels,
+                                                    memory_resource* memory = nullptr);
 /// As large as the options say.
 [[nodiscard]] std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.

@@ -8,20 +8,15 @@
 namespace welkin::files {
 namespace {
 
-struct DxgiFormat {
-  TexelKind kind;
-  std::uint32_t number;
-};
-
 constexpr std::array kDxgiFormats{
-    DxgiFormat{TexelKind::rgba32f, 2},       // DXGI_FORMAT_R32G32B32A32_FLOAT
-    DxgiFormat{TexelKind::rgba16f, 10},      // DXGI_FORMAT_R16G16B16A16_FLOAT
-    DxgiFormat{TexelKind::b10g11r11, 26},    // DXGI_FORMAT_R11G11B10_FLOAT
-    DxgiFormat{TexelKind::rgba8, 28},        // DXGI_FORMAT_R8G8B8A8_UNORM
-    DxgiFormat{TexelKind::rgba8_srgb, 29},   // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
-    DxgiFormat{TexelKind::e5b9g9r9, 67},     // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
-    DxgiFormat{TexelKind::bc6h_ufloat, 95},  // DXGI_FORMAT_BC6H_UF16
-    DxgiFormat{TexelKind::bc6h_sfloat, 96},  // DXGI_FORMAT_BC6H_SF16
+    KindNumber{TexelKind::rgba32f, 2},       // DXGI_FORMAT_R32G32B32A32_FLOAT
+    KindNumber{TexelKind::rgba16f, 10},      // DXGI_FORMAT_R16G16B16A16_FLOAT
+    KindNumber{TexelKind::b10g11r11, 26},    // DXGI_FORMAT_R11G11B10_FLOAT
+    KindNumber{TexelKind::rgba8, 28},        // DXGI_FORMAT_R8G8B8A8_UNORM
+    KindNumber{TexelKind::rgba8_srgb, 29},   // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
+    KindNumber{TexelKind::e5b9g9r9, 67},     // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+    KindNumber{TexelKind::bc6h_ufloat, 95},  // DXGI_FORMAT_BC6H_UF16
+    KindNumber{TexelKind::bc6h_sfloat, 96},  // DXGI_FORMAT_BC6H_SF16
 };
 
 [[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
@@ -51,7 +46,7 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if ((fields[kPixelFormatFlags] & kDdsHasFourCc) == 0 || fields[kFourCc] != kFourCcDx10) {
     refuse(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
   }
-  if (!kind_of_dxgi_format(fields[kFormat])) {
+  if (!kind_of(kDxgiFormats, fields[kFormat])) {
     refuse(file, ErrorCode::unsupported_file,
            "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
                " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
@@ -64,19 +59,6 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
 
 }  // namespace
 
-std::uint32_t dxgi_format(TexelKind kind) noexcept {
-  const auto* found =
-      std::find_if(kDxgiFormats.begin(), kDxgiFormats.end(), [kind](const auto& f) { return f.kind == kind; });
-  return found->number;
-}
-
-std::optional<TexelKind> kind_of_dxgi_format(std::uint32_t format) noexcept {
-  for (const DxgiFormat& known : kDxgiFormats) {
-    if (known.number == format) return known.kind;
-  }
-  return std::nullopt;
-}
-
 TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   const Fields fields(file);
   check_kind(file, fields);
@@ -84,7 +66,7 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   const bool cube = (fields[kMiscellaneous] & kDdsTextureCube) != 0;
   TextureLayout layout;
   layout.container = FileFormat::dds;
-  layout.kind = *kind_of_dxgi_format(fields[kFormat]);
+  layout.kind = *kind_of(kDxgiFormats, fields[kFormat]);
   settle_texture(file, layout, fields[kWidth], fields[kHeight], levels, cube ? 6 : 1, fields[kArraySize], element);
   layout.levels.resize(levels);
   std::uint64_t chain = 0;  // of a face
@@ -135,7 +117,7 @@ std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
   append({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});                                  // reserved
   append({kDdsPixelFormatBytes, kDdsHasFourCc, kFourCcDx10, 0, 0, 0, 0, 0});  // the pixel format is below
   append({kDdsTexture | several | (levels > 1 ? kDdsMipMap : 0), shape.cube ? kDdsCubemap | kDdsAllFaces : 0, 0, 0, 0});
-  append({dxgi_format(kind), kDdsTexture2d, shape.cube ? kDdsTextureCube : 0, one_texture, alpha_unknown});
+  append({number_of(kDxgiFormats, kind), kDdsTexture2d, shape.cube ? kDdsTextureCube : 0, one_texture, alpha_unknown});
   return bytes;
 }
 

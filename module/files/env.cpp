@@ -252,10 +252,8 @@ BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_
   environment.polynomial = manifest.polynomial;
   environment.lod_generation_scale = manifest.lod_generation_scale;
   environment.dominant_direction = manifest.dominant_direction;
-  environment.specular = CubemapChain(manifest.width, manifest.levels(), control.memory);
-  environment.irradiance.size = manifest.irradiance_size;
-  const std::size_t face_values = 3 * files::texels_of(manifest.irradiance_size);
-  environment.irradiance.pixels.resize(6 * face_values);
+  environment.specular = Cubemap(manifest.width, manifest.levels(), control.memory);
+  if (manifest.irradiance_size > 0) environment.irradiance = Cubemap(manifest.irradiance_size, 1, control.memory);
 
   std::vector<std::unique_ptr<files::EnvReader>> readers(workers);
   const std::size_t specular = manifest.specular.size();
@@ -269,7 +267,7 @@ BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_
         } else {
           const std::size_t face = tile - specular;
           reader->read(manifest.irradiance[face], manifest.irradiance_size, "its irradiance texture",
-                       environment.irradiance.pixels.data() + face * face_values);
+                       environment.irradiance.face(static_cast<int>(face)));
         }
       });
   return environment;

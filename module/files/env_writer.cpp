@@ -59,30 +59,20 @@ void check_polynomial(const BabylonPolynomial& polynomial) {
 }
 
 void check_irradiance(const BabylonEnvironment& environment) {
-  const CubemapImage& irradiance = environment.irradiance;
-  if (irradiance.size != 0) {
-    image::check_face_size(irradiance.size);
-    const auto edge = static_cast<std::size_t>(irradiance.size);
-    if (irradiance.pixels.size() != 18 * edge * edge) {
-      throw Error(ErrorCode::invalid_argument, "the .env's irradiance cubemap has " +
-                                                   std::to_string(irradiance.pixels.size()) +
-                                                   " values; its size takes " + std::to_string(18 * edge * edge));
-    }
-  }
-  const bool has_texture = irradiance.size != 0 || environment.dominant_direction;
+  const bool has_texture = environment.irradiance.levels() != 0 || environment.dominant_direction;
   if (has_texture && !environment.polynomial) {
     throw Error(ErrorCode::invalid_argument,
                 "an .env with an irradiance texture has a polynomial too, which Babylon.js reads first; pass one "
                 "(babylon_polynomial)");
   }
-  if (environment.dominant_direction && irradiance.size == 0) {
+  if (environment.dominant_direction && environment.irradiance.levels() == 0) {
     throw Error(ErrorCode::invalid_argument,
                 "an .env keeps a dominant direction with its irradiance texture alone; pass one, or leave it out");
   }
 }
 
 void check(const BabylonEnvironment& environment) {
-  const CubemapChain& chain = environment.specular;
+  const Cubemap& chain = environment.specular;
   const int size = chain.size();
   if (size < 1 || !std::has_single_bit(static_cast<unsigned>(size)) || chain.levels() != full_chain_levels(size)) {
     throw Error(ErrorCode::invalid_argument,
@@ -117,7 +107,7 @@ std::vector<Picture> encoded(const std::vector<CubemapView>& levels, const Contr
 
 std::vector<CubemapView> levels_of(const BabylonEnvironment& environment) {
   std::vector<CubemapView> levels = environment.specular.views();
-  if (environment.irradiance.size != 0) levels.push_back(environment.irradiance.view());
+  if (environment.irradiance.levels() != 0) levels.push_back(environment.irradiance.view());
   return levels;
 }
 
@@ -126,7 +116,7 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
   manifest.width = environment.specular.size();
   manifest.polynomial = environment.polynomial;
   manifest.lod_generation_scale = environment.lod_generation_scale;
-  manifest.irradiance_size = environment.irradiance.size;
+  manifest.irradiance_size = environment.irradiance.size();
   manifest.dominant_direction = environment.dominant_direction;
   const std::size_t specular = std::size_t{6} * static_cast<std::size_t>(environment.specular.levels());
   std::uint64_t position = 0;
@@ -159,29 +149,19 @@ int mirrored_side(int side) { return side < 2 ? 1 - side : side; }
 
 }  // namespace
 
-CubemapChain mirrored_x(const CubemapChain& chain) {
-  if (chain.levels() == 0) return {};
-  CubemapChain mirrored(chain.size(), chain.levels());
-  for (int level = 0; level < chain.levels(); ++level) {
+Cubemap mirrored_x(const Cubemap& cubemap) {
+  if (cubemap.levels() == 0) return {};
+  Cubemap mirrored(cubemap.size(), cubemap.levels());
+  for (int level = 0; level < cubemap.levels(); ++level) {
     for (int side = 0; side < 6; ++side) {
-      mirror_face(chain.face(level, side), chain.level_size(level), mirrored.face(level, mirrored_side(side)));
+      mirror_face(cubemap.face(level, side), cubemap.level_size(level), mirrored.face(level, mirrored_side(side)));
     }
   }
   return mirrored;
 }
 
-CubemapImage mirrored_x(const CubemapImage& cubemap) {
-  CubemapImage mirrored{cubemap.size, std::vector<float>(cubemap.pixels.size())};
-  const std::size_t face_values = cubemap.pixels.size() / 6;
-  for (int side = 0; side < 6 && cubemap.size > 0; ++side) {
-    mirror_face(cubemap.pixels.data() + static_cast<std::size_t>(side) * face_values, cubemap.size,
-                mirrored.pixels.data() + static_cast<std::size_t>(mirrored_side(side)) * face_values);
-  }
-  return mirrored;
-}
-
-BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
-                              const CubemapImage& irradiance_over_pi) {
+BabylonEnvironment to_babylon(const Cubemap& specular, const SphericalHarmonics& radiance,
+                              const Cubemap& irradiance_over_pi) {
   const platform::FloatingPointScope floating_point;
   BabylonEnvironment environment;
   environment.specular = mirrored_x(specular);
@@ -210,7 +190,7 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   return files::commit_files({&file}, values_clamped, control);
 }
 
-RgbdPictures rgbd_pictures(const CubemapChain& chain, const Control& control) {
+RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control) {
   const platform::FloatingPointScope floating_point;
   files::require_codec(files::Codec::png, "pictures of RGBD", "write a texture (.ktx2, .dds)");
   RgbdPictures result;

@@ -162,24 +162,20 @@ void reduce_face(const OutputPicture& source, int size, float* to) {
 }
 
 /// Smaller faces for a level that was not given.
-CubemapImage reduced(const CubemapView& source, int size) {
-  const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  CubemapImage smaller{size, std::vector<float>(6 * face_values)};
-  for (int face = 0; face < 6; ++face) {
-    float* to = smaller.pixels.data() + face_values * static_cast<std::size_t>(face);
-    reduce_face(OutputPicture(source, face), size, to);
-  }
+Cubemap reduced(const CubemapView& source, int size) {
+  Cubemap smaller(size);
+  for (int face = 0; face < 6; ++face) reduce_face(OutputPicture(source, face), size, smaller.face(face));
   return smaller;
 }
 
 /// All six faces in the mean of all texels, one texel each.
-CubemapImage one_colour(const CubemapView& source) {
-  const CubemapImage faces = reduced(source, 1);
-  CubemapImage result{1, std::vector<float>(18)};
+Cubemap one_colour(const CubemapView& source) {
+  const Cubemap faces = reduced(source, 1);
+  Cubemap result(1);
   for (std::size_t i = 0; i < 18; ++i) {
     double sum = 0.0;
-    for (std::size_t face = 0; face < 6; ++face) sum += static_cast<double>(faces.pixels[3 * face + i % 3]);
-    result.pixels[i] = static_cast<float>(sum / 6.0);
+    for (std::size_t face = 0; face < 6; ++face) sum += static_cast<double>(faces.pixels()[3 * face + i % 3]);
+    result.pixels()[i] = static_cast<float>(sum / 6.0);
   }
   return result;
 }
@@ -246,7 +242,7 @@ std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
   }
   // A file must have every level down to 1 x 1.
   const std::uint64_t clamped = writer.clamped();
-  CubemapImage last;
+  Cubemap last;
   CubemapView above = job.mips.back();
   for (int level = given; level < file.numLevels(); ++level) {
     const int size = file.levelWidth(level);

@@ -54,7 +54,7 @@ SphericalHarmonics FileSource::take_radiance(const Control& control) {
 
 PrefilteredSpecular FileSource::take_specular(const Control& control) {
   PrefilteredSpecular part;
-  part.cubemap = CubemapChain(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips, control.memory);
+  part.cubemap = Cubemap(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips, control.memory);
   for (int level = 0; level < plan_.stored_mips; ++level) {
     const int mip = plan_.first_stored_mip + level;
     const auto edge = static_cast<std::size_t>(part.cubemap.level_size(level));

@@ -33,12 +33,12 @@ class FileSource final : public baking::Source {
   [[nodiscard]] SphericalHarmonics take_radiance(const Control& control) override;
   /// The mips that the plan takes.
   [[nodiscard]] PrefilteredSpecular take_specular(const Control& control) override;
-  [[nodiscard]] const CubemapChain* levels() const override { return &chain_; }
+  [[nodiscard]] const Cubemap* levels() const override { return &chain_; }
 
  private:
   const StoredEnvironment& file_;
   const Plan& plan_;
-  CubemapChain chain_;       ///< of a file whose levels are taken,
+  Cubemap chain_;            ///< of a file whose levels are taken,
   Environment environment_;  ///< of others
 };
 

@@ -15,26 +15,21 @@
 namespace welkin::files {
 namespace {
 
-struct VulkanFormat {
-  TexelKind kind;
-  std::uint32_t number;
-};
-
 constexpr std::array kVulkanFormats{
-    VulkanFormat{TexelKind::rgba16f, 97},               // VK_FORMAT_R16G16B16A16_SFLOAT
-    VulkanFormat{TexelKind::rgba32f, 109},              // VK_FORMAT_R32G32B32A32_SFLOAT
-    VulkanFormat{TexelKind::b10g11r11, 122},            // VK_FORMAT_B10G11R11_UFLOAT_PACK32
-    VulkanFormat{TexelKind::e5b9g9r9, 123},             // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
-    VulkanFormat{TexelKind::rgba8, 37},                 // VK_FORMAT_R8G8B8A8_UNORM
-    VulkanFormat{TexelKind::rgba8_srgb, 43},            // VK_FORMAT_R8G8B8A8_SRGB
-    VulkanFormat{TexelKind::rgb8, 23},                  // VK_FORMAT_R8G8B8_UNORM
-    VulkanFormat{TexelKind::rgb8_srgb, 29},             // VK_FORMAT_R8G8B8_SRGB
-    VulkanFormat{TexelKind::rgb16f, 90},                // VK_FORMAT_R16G16B16_SFLOAT
-    VulkanFormat{TexelKind::rgb32f, 106},               // VK_FORMAT_R32G32B32_SFLOAT
-    VulkanFormat{TexelKind::bc6h_ufloat, 143},          // VK_FORMAT_BC6H_UFLOAT_BLOCK
-    VulkanFormat{TexelKind::bc6h_sfloat, 144},          // VK_FORMAT_BC6H_SFLOAT_BLOCK
-    VulkanFormat{TexelKind::astc_4x4_hdr, 1000066000},  // VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK
-    VulkanFormat{TexelKind::astc_6x6_hdr, 1000066004},  // VK_FORMAT_ASTC_6x6_SFLOAT_BLOCK
+    KindNumber{TexelKind::rgba16f, 97},               // VK_FORMAT_R16G16B16A16_SFLOAT
+    KindNumber{TexelKind::rgba32f, 109},              // VK_FORMAT_R32G32B32A32_SFLOAT
+    KindNumber{TexelKind::b10g11r11, 122},            // VK_FORMAT_B10G11R11_UFLOAT_PACK32
+    KindNumber{TexelKind::e5b9g9r9, 123},             // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+    KindNumber{TexelKind::rgba8, 37},                 // VK_FORMAT_R8G8B8A8_UNORM
+    KindNumber{TexelKind::rgba8_srgb, 43},            // VK_FORMAT_R8G8B8A8_SRGB
+    KindNumber{TexelKind::rgb8, 23},                  // VK_FORMAT_R8G8B8_UNORM
+    KindNumber{TexelKind::rgb8_srgb, 29},             // VK_FORMAT_R8G8B8_SRGB
+    KindNumber{TexelKind::rgb16f, 90},                // VK_FORMAT_R16G16B16_SFLOAT
+    KindNumber{TexelKind::rgb32f, 106},               // VK_FORMAT_R32G32B32_SFLOAT
+    KindNumber{TexelKind::bc6h_ufloat, 143},          // VK_FORMAT_BC6H_UFLOAT_BLOCK
+    KindNumber{TexelKind::bc6h_sfloat, 144},          // VK_FORMAT_BC6H_SFLOAT_BLOCK
+    KindNumber{TexelKind::astc_4x4_hdr, 1000066000},  // VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK
+    KindNumber{TexelKind::astc_6x6_hdr, 1000066004},  // VK_FORMAT_ASTC_6x6_SFLOAT_BLOCK
 };
 
 // Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
@@ -98,19 +93,6 @@ std::vector<Sample> samples_of(TexelFormat format) {
 }
 
 }  // namespace
-
-std::uint32_t vulkan_format(TexelKind kind) noexcept {
-  const auto* found =
-      std::find_if(kVulkanFormats.begin(), kVulkanFormats.end(), [kind](const auto& f) { return f.kind == kind; });
-  return found->number;
-}
-
-std::optional<TexelKind> kind_of_vulkan_format(std::uint32_t format) noexcept {
-  for (const VulkanFormat& known : kVulkanFormats) {
-    if (known.number == format) return known.kind;
-  }
-  return std::nullopt;
-}
 
 std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
   switch (kind) {
@@ -210,13 +192,13 @@ Header read_header(platform::ByteFile& file) {
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
   if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a volume; cubemaps and pictures are read");
-  if (!kind_of_vulkan_format(header.format)) {
+  if (!kind_of(kVulkanFormats, header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
                " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
                "rgba8 and rgb8 (unorm, srgb) are");
   }
-  if (is_astc(*kind_of_vulkan_format(header.format)))
+  if (is_astc(*kind_of(kVulkanFormats, header.format)))
     require_codec(Codec::astc, file.path(), "save it in another format");
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
@@ -227,7 +209,7 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   if (supercompression != Supercompression::none) {
     require_codec(codec_of(supercompression), file.path(), "save it without supercompression");
   }
-  const std::uint32_t type_size = ktx2_type_size(*kind_of_vulkan_format(header.format));
+  const std::uint32_t type_size = ktx2_type_size(*kind_of(kVulkanFormats, header.format));
   if (header.type_size != type_size) {
     refuse(file, ErrorCode::corrupt_file,
            "its type size is " + std::to_string(header.type_size) + "; its format's is " + std::to_string(type_size));
@@ -315,7 +297,7 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
   TextureLayout layout;
   layout.container = FileFormat::ktx2;
-  layout.kind = *kind_of_vulkan_format(header.format);
+  layout.kind = *kind_of(kVulkanFormats, header.format);
   layout.supercompression = *supercompression_of_ktx2(header.scheme);
   settle_texture(file, layout, header.width, header.height, levels, header.faces, header.layers, element);
   std::vector<std::uint8_t> index(kKtx2LevelIndexBytes * levels);
@@ -389,7 +371,7 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
   constexpr std::uint32_t layers = 0;
   for (const std::uint32_t field :
-       {vulkan_format(kind), ktx2_type_size(kind), static_cast<std::uint32_t>(shape.width),
+       {number_of(kVulkanFormats, kind), ktx2_type_size(kind), static_cast<std::uint32_t>(shape.width),
         static_cast<std::uint32_t>(shape.height), shape.depth, layers, shape.faces,
         static_cast<std::uint32_t>(places.size()), ktx2_scheme(options.supercompression), descriptor_offset,
         descriptor_size, descriptor_offset + descriptor_size, static_cast<std::uint32_t>(metadata.size())}) {

@@ -69,7 +69,7 @@ class Captured {
     }
   }
 
-  std::vector<CubemapChain> chains_;
+  std::vector<Cubemap> chains_;
   std::vector<std::vector<float>> distances_;
   std::vector<CubemapView> cubes_;
   std::vector<DepthView> depths_;

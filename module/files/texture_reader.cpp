@@ -27,18 +27,15 @@ void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, co
 
 }  // namespace
 
-TexelKind kind_of(TexelFormat format) noexcept {
-  switch (format) {
-    case TexelFormat::rgba16f: return TexelKind::rgba16f;
-    case TexelFormat::rgba32f: return TexelKind::rgba32f;
-    case TexelFormat::b10g11r11: return TexelKind::b10g11r11;
-    case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
-    case TexelFormat::bc6h_ufloat: return TexelKind::bc6h_ufloat;
-    case TexelFormat::bc6h_sfloat: return TexelKind::bc6h_sfloat;
-    case TexelFormat::astc_4x4_hdr: return TexelKind::astc_4x4_hdr;
-    case TexelFormat::astc_6x6_hdr: return TexelKind::astc_6x6_hdr;
+std::uint32_t number_of(std::span<const KindNumber> table, TexelKind kind) noexcept {
+  return std::find_if(table.begin(), table.end(), [kind](const KindNumber& k) { return k.kind == kind; })->number;
+}
+
+std::optional<TexelKind> kind_of(std::span<const KindNumber> table, std::uint32_t number) noexcept {
+  for (const KindNumber& known : table) {
+    if (known.number == number) return known.kind;
   }
-  return TexelKind::rgba16f;
+  return std::nullopt;
 }
 
 const char* name(TexelKind kind) noexcept {
@@ -274,8 +271,7 @@ std::string words_for(const TextureLayout& layout) {
 /// At once, whole blocks of them.
 int whole_rows(TexelKind kind, int rows) { return rows / block_edge(kind) * block_edge(kind); }
 
-void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, int rows_at_once,
-               const stop_token& stop) {
+void read_face(TextureReader& reader, Cubemap& chain, int level, int face, int rows_at_once, const stop_token& stop) {
   const int size = chain.level_size(level);
   for (int row = 0; row < size; row += rows_at_once) {
     jobs::throw_if_cancelled(stop);
@@ -508,7 +504,7 @@ CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_b
   const std::size_t workers = jobs::worker_count(placement);
   files::check_memory(input.path(), layout, memory_limit_bytes, workers);
 
-  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
+  CubemapTexture texture{Cubemap(layout.size, static_cast<int>(layout.levels.size()), control.memory),
                          files::words_for(layout), layout.metadata};
   const int rows_at_once = files::whole_rows(layout.kind, files::kRowsAtOnce);
   std::vector<std::unique_ptr<files::TextureReader>> readers(workers);

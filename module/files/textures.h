@@ -70,25 +70,28 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
-/// What is read; of that `TexelFormat` is what is written.
+/// What is read: all that is written (`TexelFormat`, with the same numbers), and more.
 enum class TexelKind {
   rgba16f,
   rgba32f,
   b10g11r11,
   e5b9g9r9,
-  rgba8,
-  rgba8_srgb,
   bc6h_ufloat,
   bc6h_sfloat,
+  astc_4x4_hdr,
+  astc_6x6_hdr,
+  rgba8,
+  rgba8_srgb,
   rgb16f,
   rgb32f,
   rgb8,
   rgb8_srgb,
-  astc_4x4_hdr,
-  astc_6x6_hdr,
 };
+static_assert(static_cast<int>(TexelKind::rgba16f) == static_cast<int>(TexelFormat::rgba16f));
+static_assert(static_cast<int>(TexelKind::bc6h_ufloat) == static_cast<int>(TexelFormat::bc6h_ufloat));
+static_assert(static_cast<int>(TexelKind::astc_6x6_hdr) == static_cast<int>(TexelFormat::astc_6x6_hdr));
 
-[[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
+[[nodiscard]] constexpr TexelKind kind_of(TexelFormat format) noexcept { return static_cast<TexelKind>(format); }
 
 /// "rgba16f", ..., "rgba8", "rgba8 srgb", "bc6h ufloat", ...
 [[nodiscard]] const char* name(TexelKind kind) noexcept;
@@ -118,6 +121,14 @@ void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_
 /// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
 
+/// The number that a container has for a kind: a DXGI_FORMAT, a VkFormat.
+struct KindNumber {
+  TexelKind kind;
+  std::uint32_t number;
+};
+[[nodiscard]] std::uint32_t number_of(std::span<const KindNumber> table, TexelKind kind) noexcept;  ///< must be there
+[[nodiscard]] std::optional<TexelKind> kind_of(std::span<const KindNumber> table, std::uint32_t number) noexcept;
+
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
 //
 //   "DDS ", header, DX10 header, then face after face, each with its levels from the largest to the smallest
@@ -138,10 +149,6 @@ inline constexpr std::uint32_t kDdsCubemap = 0x200, kDdsAllFaces = 0xFC00;
 // resourceDimension, miscFlag.
 inline constexpr std::uint32_t kDdsTexture2d = 3, kDdsTextureCube = 0x4;
 
-/// DXGI_FORMAT.
-[[nodiscard]] std::uint32_t dxgi_format(TexelKind kind) noexcept;
-[[nodiscard]] std::optional<TexelKind> kind_of_dxgi_format(std::uint32_t format) noexcept;
-
 // KTX 2.0 (Khronos, "KTX File Format Specification", version 2.0): the constants of its header, and the data format
 // descriptors (Khronos Data Format Specification 1.3, basic descriptor block).
 //
@@ -151,10 +158,6 @@ inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 
                                                               0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
 inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
 inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
-
-/// VkFormat.
-[[nodiscard]] std::uint32_t vulkan_format(TexelKind kind) noexcept;
-[[nodiscard]] std::optional<TexelKind> kind_of_vulkan_format(std::uint32_t format) noexcept;
 
 /// Bytes of what is turned for the other byte order: a channel, or a packed texel.
 [[nodiscard]] std::uint32_t ktx2_type_size(TexelKind kind) noexcept;

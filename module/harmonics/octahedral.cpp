@@ -257,7 +257,7 @@ dvec3 octahedral_direction(double column, double row) noexcept {
   return glm::normalize(point_on_octahedron(place.x, place.y));
 }
 
-OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& options, const Control& control) {
+OctahedralMap to_octahedral(const Cubemap& chain, const OctahedralOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   if (chain.levels() == 0) refuse("a chain without levels; an octahedral map needs one level at least");
   octahedral::check_options(options, std::min(chain.levels(), full_chain_levels(options.size)));

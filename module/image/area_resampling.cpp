@@ -205,7 +205,7 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
   const std::ptrdiff_t row_bytes = std::ptrdiff_t{12} * source.size;
   const bool is_packed =
       source.format == PixelFormat::rgb32f && (source.row_stride_bytes == 0 || source.row_stride_bytes == row_bytes);
-  CubemapChain copy;
+  Cubemap copy;
   if (!is_packed) copy = build_mips(source, MipFilter::box, 1, jobs::part_of(control, 0.0, kShareOfCopy));
   std::array<const float*, 6> faces{};
   for (std::size_t face = 0; face < faces.size(); ++face)

@@ -365,12 +365,12 @@ Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& op
   return cubemap;
 }
 
-CubemapChain decode_bc6h(const Bc6hCubemap& cubemap, const Control& control) {
+Cubemap decode_bc6h(const Bc6hCubemap& cubemap, const Control& control) {
   const platform::FloatingPointScope floating_point;
   check(cubemap);
   const auto levels = static_cast<int>(cubemap.levels.size());
   const int size = cubemap.levels.front().size;
-  CubemapChain chain(size, levels, control.memory);
+  Cubemap chain(size, levels, control.memory);
   const auto range = cubemap.is_signed ? image::Bc6hRange::signed_values : image::Bc6hRange::positive;
   const jobs::Placement placement = jobs::placement_for(texels_of(size));
   jobs::run_tiles(static_cast<std::size_t>(6 * levels), placement, jobs::worker_count(placement), control,
@@ -392,7 +392,7 @@ std::vector<double> bc6h_errors(const Bc6hCubemap& cubemap, std::span<const Cube
   if (mips.size() != cubemap.levels.size() || mips.front().size != cubemap.levels.front().size) {
     throw Error(ErrorCode::invalid_argument, "the chain and the BC6H cubemap are not of the same size and levels");
   }
-  const CubemapChain decoded = decode_bc6h(cubemap, {control.stop, {}});
+  const Cubemap decoded = decode_bc6h(cubemap, {control.stop, {}});
   std::vector<double> squares(6 * mips.size());
   const jobs::Placement placement = jobs::placement_for(texels_of(mips.front().size));
   jobs::run_tiles(squares.size(), placement, jobs::worker_count(placement), control,

@@ -46,16 +46,14 @@ SphereGrid grid_of(const LatLongView& source, const Control& control) {
 
 }  // namespace
 
-void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 6>& faces, ResampleFilter filter,
+void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, ResampleFilter filter,
                   const Control& control) {
+  const int size = cubemap.level_size(level);
+  const std::array<float*, 6> faces = faces_of(cubemap, level);
   if (filter == ResampleFilter::area) return fill_cubemap_by_area(source, size, faces, control);
   constexpr double kShareOfCopy = 0.3;
   const SphereGrid grid = grid_of(source, jobs::part_of(control, 0.0, kShareOfCopy));
   sample_faces(grid, size, faces, {}, jobs::part_of(control, kShareOfCopy, 1.0));
-}
-
-void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control) {
-  fill_cubemap(source, chain.size(), faces_of(chain, 0), filter, control);
 }
 
 }  // namespace welkin::image

@@ -131,7 +131,7 @@ void put_weight(std::vector<float>& weights, int column, float weight) {
 /// From level - 1 to level, if the former has an even number of texels.
 class EvenReduction {
  public:
-  EvenReduction(CubemapChain& chain, int level, MipFilter filter)
+  EvenReduction(Cubemap& chain, int level, MipFilter filter)
       : chain_(chain), level_(level), size_(chain.level_size(level)), filter_(filter) {}
 
   /// Row `row` of the upper half of all faces, and the rows opposite.
@@ -197,7 +197,7 @@ class EvenReduction {
 
   const image::ImageKernels& kernels_ = image::image_kernels();
   const image::TexelKernels& texel_kernels_ = image::texel_kernels();
-  CubemapChain& chain_;
+  Cubemap& chain_;
   int level_;
   int size_;
   MipFilter filter_;
@@ -219,7 +219,7 @@ jobs::Placement placement_of(std::int64_t texels) {
   return texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
 }
 
-void fill_level(CubemapChain& chain, int level, MipFilter filter, const Control& control) {
+void fill_level(Cubemap& chain, int level, MipFilter filter, const Control& control) {
   const int size = chain.level_size(level);
   const int above = chain.level_size(level - 1);
   const std::int64_t texels = std::int64_t{6} * above * above;
@@ -242,7 +242,7 @@ void fill_level(CubemapChain& chain, int level, MipFilter filter, const Control&
   });
 }
 
-void copy_source(const CubemapView& source, CubemapChain& chain, const Control& control) {
+void copy_source(const CubemapView& source, Cubemap& chain, const Control& control) {
   const int size = source.size;
   const jobs::Placement placement = placement_of(std::int64_t{6} * size * size);
   for_each_row(6 * size, size, jobs::worker_count(placement), placement, control, [&](int row, std::size_t) {
@@ -252,13 +252,13 @@ void copy_source(const CubemapView& source, CubemapChain& chain, const Control& 
   });
 }
 
-double texels_of_level(const CubemapChain& chain, int level) {
+double texels_of_level(const Cubemap& chain, int level) {
   return 1.0 * chain.level_size(level) * chain.level_size(level);
 }
 
 }  // namespace
 
-void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control) {
+void fill_mips(Cubemap& chain, MipFilter filter, const Control& control) {
   const platform::FloatingPointScope floating_point;
   if (chain.levels() == 0) throw Error(ErrorCode::invalid_argument, "the chain has no levels to fill");
   double total = 0.0;
@@ -272,8 +272,7 @@ void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control) {
   if (chain.levels() == 1 && control.progress) control.progress(1.0);
 }
 
-CubemapChain build_mips(const CubemapView& source, MipFilter filter, std::optional<int> levels,
-                        const Control& control) {
+Cubemap build_mips(const CubemapView& source, MipFilter filter, std::optional<int> levels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   const int most = full_chain_levels(source.size);
@@ -282,7 +281,7 @@ CubemapChain build_mips(const CubemapView& source, MipFilter filter, std::option
                                                  std::to_string(source.size) + " texels has 1 to " +
                                                  std::to_string(most));
   }
-  CubemapChain chain(source.size, levels.value_or(most), control.memory);
+  Cubemap chain(source.size, levels.value_or(most), control.memory);
   constexpr double kShareOfCopy = 0.5;
   copy_source(source, chain, jobs::part_of(control, 0.0, kShareOfCopy));
   fill_mips(chain, filter, jobs::part_of(control, kShareOfCopy, 1.0));

@@ -135,21 +135,17 @@ decltype(auto) with_view(const EnvironmentView& environment, const Work& work) {
 
 // Resampling into memory that is there already.
 
-/// Writes what `to_cubemap` without a turn returns to six faces of `size` x `size` RGB floats, packed. The view and the
-/// size are checked already. Throws `Error` (cancelled).
-void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 6>& faces, ResampleFilter filter,
+/// Writes what `to_cubemap` without a turn returns to a level. The view is checked already. Throws `Error` (cancelled).
+void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, ResampleFilter filter,
                   const Control& control);
-
-/// The same into level 0 of a chain.
-void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control);
 
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
 
 /// `chain` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
-[[nodiscard]] CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory);
+[[nodiscard]] Cubemap shaped(Cubemap chain, int size, int levels, memory_resource* memory);
 
 /// The six faces of a level.
-[[nodiscard]] std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept;
+[[nodiscard]] std::array<float*, 6> faces_of(Cubemap& chain, int level) noexcept;
 
 }  // namespace welkin::image

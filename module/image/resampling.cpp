@@ -196,17 +196,12 @@ class Resampler {
   const Control& control_;
 };
 
-CubemapImage empty_cubemap(int size) {
-  const std::size_t texels = std::size_t{6} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  return {size, std::vector<float>(3 * texels)};
-}
-
 template <typename SamplerKind, typename View>
-CubemapImage resampled_cubemap(const View& source, int size, const glm::dmat3& turn, const Control& control) {
+Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& turn, const Control& control) {
   const SamplerKind sampler(source);
   const CubeCells cells(size, closest_texels(source));
-  CubemapImage result = empty_cubemap(size);
-  Resampler(cells, sampler, turn, control).run(result.pixels.data());
+  Cubemap result(size, 1, control.memory);
+  Resampler(cells, sampler, turn, control).run(result.face(0));
   return result;
 }
 
@@ -222,7 +217,7 @@ LatLongImage resampled_lat_long(const View& source, int width, int height, const
 }
 
 /// What an upright picture becomes by one of a cube's symmetries.
-CubemapImage turned(CubemapImage upright, const glm::dmat3& turn, const Control& control) {
+Cubemap turned(Cubemap upright, const glm::dmat3& turn, const Control& control) {
   if (turn == glm::dmat3(1.0)) return upright;
   return *image::turned_exactly(upright.view(), turn, control);
 }
@@ -239,15 +234,15 @@ int halvings(int source_size, int size) {
 
 constexpr double kShareOfFilling = 0.9;  // the rest is for turning
 
-CubemapImage reduced(const CubemapView& source, int levels, const Control& control) {
-  const CubemapChain chain = build_mips(source, MipFilter::solid_angle, levels + 1, control);
-  CubemapImage result = empty_cubemap(chain.level_size(levels));
-  std::copy_n(chain.face(levels, 0), result.pixels.size(), result.pixels.begin());
+Cubemap reduced(const CubemapView& source, int levels, const Control& control) {
+  const Cubemap chain = build_mips(source, MipFilter::solid_angle, levels + 1, control);
+  Cubemap result(chain.level_size(levels), 1, control.memory);
+  std::copy_n(chain.face(levels, 0), result.pixels().size(), result.face(0));
   return result;
 }
 
-CubemapImage cubemap_of(const CubemapView& source, int size, const glm::dmat3& turn, ResampleFilter /*filter*/,
-                        const Control& control) {
+Cubemap cubemap_of(const CubemapView& source, int size, const glm::dmat3& turn, ResampleFilter /*filter*/,
+                   const Control& control) {
   if (size == source.size) {
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
   }
@@ -259,14 +254,12 @@ CubemapImage cubemap_of(const CubemapView& source, int size, const glm::dmat3& t
   return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
 }
 
-CubemapImage cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
-                        const Control& control) {
+Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+                   const Control& control) {
   if (image::cube_symmetry_of(turn)) {
     const bool upright = turn == glm::dmat3(1.0);
-    CubemapImage result = empty_cubemap(size);
-    std::array<float*, 6> faces{};
-    for (std::size_t face = 0; face < 6; ++face) faces[face] = result.pixels.data() + face * (result.pixels.size() / 6);
-    image::fill_cubemap(source, size, faces, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
+    Cubemap result(size, 1, control.memory);
+    image::fill_cubemap(source, result, 0, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
     return turned(std::move(result), turn, jobs::part_of(control, kShareOfFilling, 1.0));
   }
   return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
@@ -285,7 +278,7 @@ LatLongImage lat_long_of(const CubemapView& source, int width, int height, const
       fill(source, control);
     } else {
       const double turning = 1.0 - kShareOfFilling;
-      const CubemapImage upright = *image::turned_exactly(source, turn, jobs::part_of(control, 0.0, turning));
+      const Cubemap upright = *image::turned_exactly(source, turn, jobs::part_of(control, 0.0, turning));
       fill(upright.view(), jobs::part_of(control, turning, 1.0));
     }
     return result;
@@ -304,8 +297,8 @@ LatLongImage lat_long_of(const LatLongView& source, int width, int height, const
 
 }  // namespace
 
-CubemapImage to_cubemap(const EnvironmentView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
-                        const Control& control) {
+Cubemap to_cubemap(const EnvironmentView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+                   const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_face_size(size);
@@ -459,19 +452,18 @@ void for_each_row(int rows, int width, const Control& control, const Move& move)
 
 }  // namespace
 
-std::optional<CubemapImage> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
+std::optional<Cubemap> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
   const std::optional<WholeMatrix> forward = cube_symmetry_of(turn);
   if (!forward) return {};
-  const WholeMatrix& matrix = *forward;
   const int size = source.size;
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size);
-  CubemapImage result{size, std::vector<float>(6 * row_floats * static_cast<std::size_t>(size))};
+  Cubemap result(size, 1, control.memory);
   for_each_row(6 * size, size, control, [&](int strip_row) {
-    float* rgb = result.pixels.data() + static_cast<std::size_t>(strip_row) * row_floats;
+    float* rgb = result.face(0) + static_cast<std::size_t>(strip_row) * row_floats;
     const std::size_t texel_bytes = bytes_per_texel(source.format);
     for (int column = 0; column < size; ++column, rgb += 3) {
       const glm::ivec3 point = point_of(size, {strip_row / size, column, strip_row % size});
-      const CubeTexel from = texel_at(size, point * matrix);  // the inverse: the transpose from the left
+      const CubeTexel from = texel_at(size, point * *forward);  // the inverse: the transpose from the left
       const auto* row = static_cast<const std::byte*>(row_of(source, from.face, from.row));
       decode_texels(source.format, row + static_cast<std::size_t>(from.column) * texel_bytes, 1, rgb);
     }

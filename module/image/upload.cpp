@@ -276,7 +276,7 @@ std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, con
   return store_level(from, to, control);
 }
 
-std::uint64_t store_texels(const CubemapChain& from, std::span<const CubemapTarget> to, const Control& control) {
+std::uint64_t store_texels(const Cubemap& from, std::span<const CubemapTarget> to, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_chain_targets("chain", from.size(), from.levels(), to);
   std::uint64_t clamped = 0;

@@ -155,10 +155,9 @@ constexpr double kInlineProducts = 1e5;  ///< less is done by the caller's threa
 constexpr std::size_t kNormalsAtATime = 65536;
 constexpr double kMostIrradiance = std::numeric_limits<float>::max();
 
-CubemapImage empty_cubemap(int size) {
+Cubemap empty_cubemap(int size, const Control& control) {
   image::require_range("the irradiance cubemap's size", size, 1, kLargestSize);
-  const auto edge = static_cast<std::size_t>(size);
-  return {size, std::vector<float>(18 * edge * edge)};
+  return Cubemap(size, 1, control.memory);
 }
 
 /// Channel after channel, as the kernel wants them.
@@ -186,9 +185,9 @@ bool may_overflow(const std::vector<double>& channels) {
 
 }  // namespace
 
-CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control) {
+Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  CubemapImage result = empty_cubemap(size);
+  Cubemap result = empty_cubemap(size, control);
   const projection::ProjectionKernels& kernels = projection::projection_kernels();
   const std::vector<double> channels = channels_of(irradiance);
   const std::vector<double> centres = texel_centres(size);
@@ -212,21 +211,22 @@ CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, 
                       run.u = centres.data();
                       run.count = size;
                       kernels.evaluate_harmonics(run, math::basis_constants(), channels.data(), bands,
-                                                 result.pixels.data() + std::size_t{3} * static_cast<std::size_t>(row) *
-                                                                            static_cast<std::size_t>(size));
+                                                 result.face(0) + std::size_t{3} * static_cast<std::size_t>(row) *
+                                                                      static_cast<std::size_t>(size));
                     }
                   });
   if (may_overflow(channels)) {
     constexpr auto most = static_cast<float>(kMostIrradiance);
-    for (float& value : result.pixels) value = std::clamp(value, -most, most);
+    for (float& value : result.pixels()) value = std::clamp(value, -most, most);
   }
   return result;
 }
 
-CubemapImage direct_irradiance_cubemap(const EnvironmentView& source, int size, const Control& control) {
+Cubemap direct_irradiance_cubemap(const EnvironmentView& source, int size, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  CubemapImage result = empty_cubemap(size);
-  const std::size_t texels = result.pixels.size() / 3;
+  Cubemap result = empty_cubemap(size, control);
+  const std::span<float> pixels = result.pixels();
+  const std::size_t texels = pixels.size() / 3;
   const auto edge = static_cast<std::size_t>(size);
   std::vector<glm::dvec3> normals;
   for (std::size_t first = 0; first < texels; first += normals.size()) {
@@ -243,7 +243,7 @@ CubemapImage direct_irradiance_cubemap(const EnvironmentView& source, int size, 
     for (std::size_t i = 0; i < irradiance.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double value = irradiance[i][static_cast<glm::length_t>(c)];
-        result.pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
+        pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
       }
     }
   }

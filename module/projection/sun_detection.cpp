@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
@@ -21,8 +22,7 @@
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
-namespace projection {
+namespace welkin::projection {
 namespace {
 
 void require_option(const char* name, double value, double low, double high, const char* range) {
@@ -37,16 +37,6 @@ void check_options(const SunOptions& options) {
   require_option("maximum_radius_degrees", options.maximum_radius_degrees, 0.0, 90.0, "from 0 to 90");
   require_option("minimum_contrast", options.minimum_contrast, 1.0, 1e300, "at least 1");
   require_option("minimum_share", options.minimum_share, 0.0, 1.0, "from 0 to 1");
-}
-
-void check_shape(int columns, int rows, int largest_columns, int largest_rows, std::size_t values, const char* what) {
-  const bool in_range = columns >= 1 && columns <= largest_columns && rows >= 1 && rows <= largest_rows;
-  if (in_range && values == std::size_t{3} * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) return;
-  throw Error(ErrorCode::invalid_argument,
-              std::string(what) + " of " + std::to_string(columns) + " x " + std::to_string(rows) + " texels with " +
-                  std::to_string(values) +
-                  " floats does not fit: a picture has 3 floats for each texel, and from 1 x 1 to " +
-                  std::to_string(largest_columns) + " x " + std::to_string(largest_rows) + " texels");
 }
 
 /// A texel and what it is to be instead.
@@ -148,30 +138,6 @@ std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const S
   sun.total_radiance_after = map.total_radiance();
   return sun;
 }
-
-}  // namespace
-}  // namespace projection
-
-std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) {
-  const platform::FloatingPointScope floating_point;
-  projection::check_options(options);
-  projection::check_shape(image.width, image.height, 65536, 32768, image.pixels.size(), "a lat-long");
-  return projection::take_out(image::TexelGrid::lat_long(image.width, image.height), image.pixels.data(), options);
-}
-
-std::optional<Sun> take_out_sun(CubemapImage& image, const SunOptions& options) {
-  const platform::FloatingPointScope floating_point;
-  projection::check_options(options);
-  const int size = std::clamp(image.size, 0, 16385);  // six times anything larger might not be an int
-  projection::check_shape(size, 6 * size, 16384, 6 * 16384, image.pixels.size(),
-                          "a cubemap, its faces one below the other,");
-  return projection::take_out(image::TexelGrid::cubemap(size), image.pixels.data(), options);
-}
-
-}  // namespace welkin
-
-namespace welkin::projection {
-namespace {
 
 constexpr int kTexelsPerTile = 32768;  // some 50 microseconds
 
@@ -355,3 +321,28 @@ glm::vec3 radiance_around(const BrightRegion& region, const float* pixels) {
 }
 
 }  // namespace welkin::projection
+
+namespace welkin {
+
+std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) {
+  const platform::FloatingPointScope floating_point;
+  projection::check_options(options);
+  image::check_lat_long_size(image.width, image.height);
+  const std::size_t texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (image.pixels.size() != 3 * texels) {
+    throw Error(ErrorCode::invalid_argument, "a lat-long of " + std::to_string(image.width) + " x " +
+                                                 std::to_string(image.height) + " texels takes " +
+                                                 std::to_string(3 * texels) + " floats, not " +
+                                                 std::to_string(image.pixels.size()));
+  }
+  return projection::take_out(image::TexelGrid::lat_long(image.width, image.height), image.pixels.data(), options);
+}
+
+std::optional<Sun> take_out_sun(Cubemap& image, const SunOptions& options) {
+  const platform::FloatingPointScope floating_point;
+  projection::check_options(options);
+  image::check_view(image.view());
+  return projection::take_out(image::TexelGrid::cubemap(image.size()), image.face(0), options);
+}
+
+}  // namespace welkin

@@ -40,11 +40,11 @@
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
-void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, int level, const Control& control) {
+void fill_level(const projection::SanitizedSource& source, Cubemap& chain, int level, const Control& control) {
   const int size = chain.level_size(level);
   const CubemapView& cube = source.cube();
   if (!source.cubemap()) {
-    image::fill_cubemap(source.lat_long(), size, image::faces_of(chain, level), ResampleFilter::area, control);
+    image::fill_cubemap(source.lat_long(), chain, level, ResampleFilter::area, control);
   } else if (cube.size == size) {
     const std::size_t row_values = 3 * static_cast<std::size_t>(size);
     float* to = chain.face(level, 0);
@@ -54,8 +54,8 @@ void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, 
     }
     if (control.progress) control.progress(1.0);
   } else {
-    const CubemapImage image = to_cubemap(cube, size, glm::dmat3(1.0), ResampleFilter::area, control);
-    std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
+    const Cubemap image = to_cubemap(cube, size, glm::dmat3(1.0), ResampleFilter::area, control);
+    std::copy(image.pixels().begin(), image.pixels().end(), chain.face(level, 0));
   }
 }
 
@@ -107,7 +107,7 @@ void make_not_negative(int size, const Faces& faces) {
 
 /// A level of a chain that is being made.
 struct Target {
-  CubemapChain& chain;
+  Cubemap& chain;
   int level;
   MipRecord& record;
   std::string name;    ///< in passes
@@ -123,7 +123,7 @@ struct Target {
 };
 
 /// Returns the smallest channel of a level's texels.
-double least_of(const CubemapChain& chain, int level, const Control& control) {
+double least_of(const Cubemap& chain, int level, const Control& control) {
   constexpr std::ptrdiff_t kTileValues = 65536;
   const int size = chain.level_size(level);
   const std::ptrdiff_t values = std::ptrdiff_t{18} * size * size;
@@ -152,12 +152,11 @@ struct NarrowSource {
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
 class LobeChain {
  public:
-  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
-            memory_resource* memory)
+  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room, memory_resource* memory)
       : source_(source), plan_(plan), spectral_(step_of(0)) {
     const auto levels = static_cast<int>(plan_.mips.size());
     if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
-    if (plan_.irradiance) irradiance_ = CubemapChain(plan_.irradiance->size, 1);
+    if (plan_.irradiance) irradiance_ = Cubemap(plan_.irradiance->size, 1);
     result_.mips.resize(plan_.mips.size());
   }
 
@@ -251,7 +250,7 @@ class LobeChain {
   const PrefilterPlan& plan_;
   PrefilterPlan spectral_;  ///< by which spectral mips are made, see `at_step`
   PrefilteredSpecular result_;
-  CubemapChain irradiance_;  ///< over pi
+  Cubemap irradiance_;  ///< over pi
   MipRecord irradiance_record_;
   BrightLights bright_;
   std::size_t extracted_ = 0;
@@ -499,12 +498,10 @@ bool LobeChain::may_integrate(const Target& target, const MipPlan& mip) const {
 
 IrradianceMap LobeChain::irradiance_times(double factor) {
   static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-  const float* const first = irradiance_.face(0, 0);
-  const std::size_t values = irradiance_.bytes() / sizeof(float);
-  IrradianceMap map{{irradiance_.size(), std::vector<float>(values)}, irradiance_record_};
-  std::transform(first, first + values, map.cubemap.pixels.begin(), [factor](float value) {
-    return static_cast<float>(std::clamp(factor * static_cast<double>(value), -most, most));
-  });
+  IrradianceMap map{std::move(irradiance_), irradiance_record_};
+  for (float& value : map.cubemap.pixels()) {
+    value = static_cast<float>(std::clamp(factor * static_cast<double>(value), -most, most));
+  }
   map.record.mean *= factor;
   return map;
 }
@@ -641,7 +638,7 @@ void make_tables(const PrefilterPlan& plan, int face_size, const Control& contro
   RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }
 
-PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room,
                               const Control& control, IrradianceMap* irradiance) {
   const float scale = safe_scale(source);
   if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control, scale, irradiance);
@@ -650,7 +647,7 @@ PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const P
 }
 
 PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                              CubemapChain room, const Control& control) {
+                              Cubemap room, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
   PrefilteredSpecular result = prefilter(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
   result.peak_bytes += source.bytes();

@@ -15,7 +15,7 @@ namespace welkin::reflections {
 
 /// An irradiance cubemap, W/m2 for W/m2/sr, and how it was made: as a mip of roughness 1 times pi.
 struct IrradianceMap {
-  CubemapImage cubemap;
+  Cubemap cubemap;
   MipRecord record;
 };
 
@@ -23,18 +23,17 @@ struct IrradianceMap {
 /// is empty but for the passes: see `describe_pixels`. `irradiance` takes that of the plan, and may be null without
 /// one. Throws `Error` (cancelled, limit_exceeded).
 [[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
-                                            CubemapChain room, const Control& control,
-                                            IrradianceMap* irradiance = nullptr);
+                                            Cubemap room, const Control& control, IrradianceMap* irradiance = nullptr);
 
 /// Sanitizes a view, then does the same, and describes its pixels. Throws `Error` (rejected_pixel) as well.
 [[nodiscard]] PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan,
-                                            const PixelPolicy& pixels, CubemapChain room, const Control& control);
+                                            const PixelPolicy& pixels, Cubemap room, const Control& control);
 
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);
 
 /// Resamples a source by area into a level of `chain`: a copy of a cubemap of the same size.
-void fill_level(const projection::SanitizedSource& source, CubemapChain& chain, int level, const Control& control);
+void fill_level(const projection::SanitizedSource& source, Cubemap& chain, int level, const Control& control);
 
 /// Fills in `pixels`, but for its passes: what was read, as sanitizing found it. The total radiance is that of the mip
 /// with the most texels: centres stand for texels there.

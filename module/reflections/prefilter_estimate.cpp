@@ -334,7 +334,7 @@ double blurred_rms(std::span<const double> energies, std::span<const double> zon
   return std::sqrt(sum / (4.0 * kPi));
 }
 
-double rms_of_level(const CubemapChain& chain, int level, int samples) {
+double rms_of_level(const Cubemap& chain, int level, int samples) {
   const int size = chain.level_size(level);
   const int step = (size + samples - 1) / samples;
   const auto angles = image::FaceSolidAngles::get(size);

@@ -58,6 +58,6 @@ struct SpectralSource {
 
 /// Returns the root mean square over the sphere of a level's radiance, all three channels together, from at most
 /// `samples` x `samples` texels per face. For lobes that are wider than the distance between these texels 128 suffice.
-[[nodiscard]] double rms_of_level(const CubemapChain& chain, int level, int samples = 128);
+[[nodiscard]] double rms_of_level(const Cubemap& chain, int level, int samples = 128);
 
 }  // namespace welkin::reflections

@@ -52,7 +52,7 @@ ScaledSource::ScaledSource(const projection::SanitizedSource& source, float scal
 void undo_scale(PrefilteredSpecular& result, float scale) {
   static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
   const double back = 1.0 / static_cast<double>(scale);
-  CubemapChain& chain = result.cubemap;
+  Cubemap& chain = result.cubemap;
   for (int level = 0; level < chain.levels(); ++level) {
     const auto edge = static_cast<std::size_t>(chain.level_size(level));
     float* const values = chain.face(level, 0);

@@ -24,7 +24,7 @@ class ScaledSource {
 
  private:
   LatLongImage lat_long_;
-  CubemapImage cube_;
+  Cubemap cube_;
   std::optional<projection::SanitizedSource> source_;
 };
 

@@ -18,7 +18,7 @@ constexpr double kFaint = 1e-6;
 constexpr double kThinnest = 1e-12;
 constexpr std::size_t kMostShells = 160;
 
-const DensityLayer& layer_at(const std::vector<DensityLayer>& layers, double altitude) {
+const DensityLayer& layer_at(std::span<const DensityLayer> layers, double altitude) {
   std::size_t layer = 0;
   double top = 0.0;
   while (layer + 1 < layers.size()) {
@@ -175,14 +175,7 @@ void add_clamps(const DensityLayer& layer, double bottom, double top, std::vecto
 double density(std::span<const DensityLayer> layers, double altitude_m) noexcept {
   if (layers.empty()) return 0.0;
   const double altitude = std::max(altitude_m, 0.0);
-  std::size_t layer = 0;
-  double top = 0.0;
-  while (layer + 1 < layers.size()) {
-    top += layers[layer].thickness_m;
-    if (altitude < top) break;
-    ++layer;
-  }
-  return density_of(layers[layer], altitude);
+  return density_of(layer_at(layers, altitude), altitude);
 }
 
 double density_of(const DensityLayer& layer, double altitude_m) noexcept {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <glm/geometric.hpp>
 #include <string>
 
 #include "math/direction.h"
@@ -37,14 +36,6 @@ void check_altitude(double altitude_m) {
   throw Error(ErrorCode::invalid_argument, "the altitude is " + platform::number_text(altitude_m) +
                                                " m; it must be from 0 (the ground) to " +
                                                platform::number_text(kHighestAltitude));
-}
-
-void check_direction(const char* what, const glm::dvec3& direction) {
-  if (std::abs(glm::length(direction) - 1.0) <= 1e-6) return;
-  throw Error(ErrorCode::invalid_argument, std::string(what) + " is (" + platform::number_text(direction.x) + ", " +
-                                               platform::number_text(direction.y) + ", " +
-                                               platform::number_text(direction.z) +
-                                               "); it must be of length 1 (normalise it)");
 }
 
 SunAngles sun_angles(const glm::dvec3& sun) {

@@ -116,13 +116,12 @@ struct DirectionRule {
 /// `horizon`: cosine of the zenith angle of the horizon at that height, -1 to 0.
 [[nodiscard]] DirectionRule direction_rule(double horizon);
 
-// What places and directions of skies must be.
+// What places in skies must be.
 
 inline constexpr double kHighestAltitude = 1e9;  // m
 
-/// Throw `Error` (invalid_argument), by the argument's name.
+/// Throws `Error` (invalid_argument).
 void check_altitude(double altitude_m);
-void check_direction(const char* what, const glm::dvec3& direction);
 
 // A sun's direction as what skies ask of it.
 

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -88,7 +89,7 @@ void for_rows(int rows, int columns, const Control& control, const Row& row) {
 /// Adds the sun's disc: each texel gets the share of the directional light's irradiance that it covers of the disc.
 template <class Covered>
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
-              std::vector<float>& pixels) {
+              std::span<float> pixels) {
   const platform::FloatingPointScope floating_point;
   const Sun sun = view.sun(towards);
   if (!(std::max({sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}) > 0.0)) return;
@@ -113,24 +114,24 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
 
 }  // namespace
 
-CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
-                         const Control& control) {
+Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
+                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   check_size("the sky's cubemap size", size);
   const auto edge = static_cast<std::size_t>(size);
-  CubemapImage picture{size, std::vector<float>(18 * edge * edge)};
+  Cubemap picture(size, 1, control.memory);
   const SunnySlice slice(view, sun);
   for_rows(6 * size, size, control, [&](int j) {
     const image::Frame& frame = image::face_frame(j / size);
     const glm::dvec3 row = frame.normal + ((2.0 * (j % size) + 1.0) / size - 1.0) * frame.v;
     slice.fill(
         size, [&](int i) { return row + ((2.0 * i + 1.0) / size - 1.0) * frame.u; },
-        picture.pixels.data() + 3 * edge * static_cast<std::size_t>(j));
+        picture.face(0) + 3 * edge * static_cast<std::size_t>(j));
   });
   if (options.sun_disc) {
     add_disc(
         view, sun, image::TexelGrid::cubemap(size),
-        [&](const sky::VisibleDisc& disc) { return sky::covered_cubemap_texels(disc, size); }, picture.pixels);
+        [&](const sky::VisibleDisc& disc) { return sky::covered_cubemap_texels(disc, size); }, picture.pixels());
   }
   return picture;
 }

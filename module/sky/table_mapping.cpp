@@ -13,9 +13,6 @@ double unit(double x) { return std::min(1.0, std::max(0.0, x)); }
 double cosine(double x) { return std::min(1.0, std::max(-1.0, x)); }
 double sine_of(double x) { return std::sqrt(std::max(0.0, (1.0 - x) * (1.0 + x))); }
 
-/// Products of sines below: straight up or down, for view or sun.
-constexpr double kNoAzimuth = 1e-12;
-
 /// Of the top that suns' paths are measured to, in radii of the ground: somewhat less than that of Earth's air.
 constexpr double kThinnestForSuns = 0.008;
 
@@ -241,11 +238,6 @@ double TableMapping::bent_azimuth(double azimuth_cosine, double bend) noexcept {
 double TableMapping::azimuth_cosine(double coordinate, double sun_zenith) const noexcept {
   const double bend = azimuth_bend(sun_zenith);
   return 2.0 * coordinate / (1.0 + bend * (1.0 - coordinate)) - 1.0;
-}
-
-double TableMapping::angle_coordinate(double view_zenith, double sun_zenith, double nu) const noexcept {
-  const double sines = sine_of(view_zenith) * sine_of(sun_zenith);
-  return sines > kNoAzimuth ? azimuth_coordinate((nu - view_zenith * sun_zenith) / sines, sun_zenith) : 0.5;
 }
 
 double TableMapping::angle_cosine(double view_zenith, double sun_zenith, double coordinate) const noexcept {

@@ -137,8 +137,6 @@ class TableMapping {
   [[nodiscard]] static double bent_azimuth(double azimuth_cosine, double bend) noexcept;
   [[nodiscard]] double azimuth_cosine(double coordinate, double sun_zenith) const noexcept;
 
-  /// Of a cosine nu between view and sun; 1/2 where no azimuth matters. Impossible ones count as the nearest.
-  [[nodiscard]] double angle_coordinate(double view_zenith, double sun_zenith, double nu) const noexcept;
   /// nu = mu mu_s + sqrt(1 - mu^2) sqrt(1 - mu_s^2) cos phi.
   [[nodiscard]] double angle_cosine(double view_zenith, double sun_zenith, double coordinate) const noexcept;
 

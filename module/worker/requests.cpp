@@ -47,12 +47,15 @@ const CubemapView& first_of(const std::vector<CubemapView>& mips) {
 
 }  // namespace
 
-EnvironmentSource::EnvironmentSource(CubemapImage image)
-    : EnvironmentSource(std::make_shared<const CubemapImage>(std::move(image))) {}
+EnvironmentSource::EnvironmentSource(Cubemap image)
+    : EnvironmentSource(std::make_shared<const Cubemap>(std::move(image))) {}
 EnvironmentSource::EnvironmentSource(LatLongImage image)
     : EnvironmentSource(std::make_shared<const LatLongImage>(std::move(image))) {}
-EnvironmentSource::EnvironmentSource(std::shared_ptr<const CubemapImage> image)
-    : EnvironmentSource(checked(image, kNoImage)->view(), image) {}
+EnvironmentSource::EnvironmentSource(std::shared_ptr<const Cubemap> image)
+    : EnvironmentSource(checked(image, kNoImage)->view(), image) {
+  if (image->levels() > 1) mips_ = image->views();
+  bytes_ = image->bytes();
+}
 EnvironmentSource::EnvironmentSource(std::shared_ptr<const LatLongImage> image)
     : EnvironmentSource(checked(image, kNoImage)->view(), image) {}
 EnvironmentSource::EnvironmentSource(const EnvironmentView& view, std::shared_ptr<const void> owner)
@@ -66,7 +69,7 @@ Projection Project::operator()(const Control& control) const {
   return source.mips().empty() ? project(source.view(), options, control) : project(source.mips(), options, control);
 }
 
-CubemapImage ToCubemap::operator()(const Control& control) const {
+Cubemap ToCubemap::operator()(const Control& control) const {
   return to_cubemap(source.view(), size, turn, ResampleFilter::area, control);
 }
 

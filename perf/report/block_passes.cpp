@@ -32,7 +32,7 @@ std::vector<BlockWay> block_ways() {
   return all;
 }
 
-std::optional<std::vector<std::byte>> texture_bytes(const CubemapChain& chain, const TextureOptions& options) {
+std::optional<std::vector<std::byte>> texture_bytes(const Cubemap& chain, const TextureOptions& options) {
   std::vector<std::byte> bytes;
   try {
     write_texture({bytes, "chain.ktx2"}, chain.views(), options);
@@ -45,10 +45,10 @@ std::optional<std::vector<std::byte>> texture_bytes(const CubemapChain& chain, c
 
 namespace {
 
-double texels_of(const CubemapChain& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
+double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
 
 /// "normal, 1.00 bytes a texel"
-std::string setting_of(const BlockWay& way, std::size_t file_bytes, const CubemapChain& chain) {
+std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubemap& chain) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%s, %.2f bytes a texel", way.effort,
                 static_cast<double>(file_bytes) / texels_of(chain));
@@ -67,14 +67,12 @@ std::vector<BlockWay> ways_of(const Scale& scale) {
   return all;
 }
 
-std::span<const float> values_of(const CubemapChain& chain) {
-  return {chain.face(0, 0), chain.bytes() / sizeof(float)};
-}
+std::span<const float> values_of(const Cubemap& chain) { return {chain.face(0, 0), chain.bytes() / sizeof(float)}; }
 
 std::vector<Measurement> measure(const PassContext& context) {
   PrefilterOptions options;
   options.size = context.scale.chain_size;
-  const CubemapChain chain = prefilter_specular(context.environment.image.view(), options).cubemap;
+  const Cubemap chain = prefilter_specular(context.environment.image.view(), options).cubemap;
   const std::vector<BlockWay> ways = ways_of(context.scale);
   std::vector<Measurement> all;
   for (std::size_t number = 0; number < ways.size(); ++number) {

@@ -148,10 +148,11 @@ std::string name(PixelFormat format) {
   return "unknown";
 }
 
-FormattedCubemap::FormattedCubemap(const CubemapImage& image, PixelFormat format) : size_(image.size), format_(format) {
-  bytes_.reserve(image.pixels.size() / 3 * bytes_per_texel(format));
-  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
-    append(bytes_, image.pixels[k], format);
+FormattedCubemap::FormattedCubemap(const Cubemap& image, PixelFormat format) : size_(image.size()), format_(format) {
+  const std::span<const float> pixels = image.pixels();
+  bytes_.reserve(pixels.size() / 3 * bytes_per_texel(format));
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    append(bytes_, pixels[k], format);
     if (k % 3 == 2 && has_alpha(format)) append(bytes_, 1.0F, format);
   }
 }

@@ -31,7 +31,7 @@ struct ReportEnvironment {
 /// 0 to 1; alpha is 1.
 class FormattedCubemap {
  public:
-  FormattedCubemap(const CubemapImage& image, PixelFormat format);
+  FormattedCubemap(const Cubemap& image, PixelFormat format);
   [[nodiscard]] CubemapView view() const noexcept;
 
  private:

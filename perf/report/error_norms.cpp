@@ -128,7 +128,7 @@ double solid_angle(std::int64_t texel, int size) {
 
 }  // namespace
 
-std::vector<Probe> probes_of(const CubemapChain& chain, int level, int count, std::mt19937& random) {
+std::vector<Probe> probes_of(const Cubemap& chain, int level, int count, std::mt19937& random) {
   const int size = chain.level_size(level);
   const std::int64_t texels = std::int64_t{6} * size * size;
   std::vector<Probe> probes;
@@ -160,7 +160,7 @@ std::vector<glm::dvec3> directions_of(const std::vector<Probe>& probes, int size
   return directions;
 }
 
-ProbeErrors errors_at(const CubemapChain& chain, int level, const std::vector<Probe>& probes,
+ProbeErrors errors_at(const Cubemap& chain, int level, const std::vector<Probe>& probes,
                       const std::vector<glm::dvec3>& truth, const glm::dvec3& mean) {
   const float* const rgb = chain.face(level, 0);
   double squares = 0.0;

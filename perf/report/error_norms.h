@@ -46,7 +46,7 @@ struct Probe {
 
 /// All texels of a level, or one of each of `count` equal runs and beside them the eight brightest and darkest, which
 /// have no weight in the rms.
-[[nodiscard]] std::vector<Probe> probes_of(const CubemapChain& chain, int level, int count, std::mt19937& random);
+[[nodiscard]] std::vector<Probe> probes_of(const Cubemap& chain, int level, int count, std::mt19937& random);
 
 /// Unit directions of the probes' centres on a level of `size` texels an edge.
 [[nodiscard]] std::vector<glm::dvec3> directions_of(const std::vector<Probe>& probes, int size);
@@ -58,7 +58,7 @@ struct ProbeErrors {
 
 /// `truth` and `mean`: at the probes, and of the whole. Truth below a millionth of the mean counts as that much: what
 /// is black is not measured against 0.
-[[nodiscard]] ProbeErrors errors_at(const CubemapChain& chain, int level, const std::vector<Probe>& probes,
+[[nodiscard]] ProbeErrors errors_at(const Cubemap& chain, int level, const std::vector<Probe>& probes,
                                     const std::vector<glm::dvec3>& truth, const glm::dvec3& mean);
 
 }  // namespace welkin::report

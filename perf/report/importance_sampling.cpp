@@ -23,7 +23,7 @@ constexpr double kPi = std::numbers::pi;
 /// the mean of the three that meet there. Bilinear lookups need no other face then.
 class PaddedLevel {
  public:
-  PaddedLevel(const CubemapChain& chain, int level)
+  PaddedLevel(const Cubemap& chain, int level)
       : size_(chain.level_size(level)), texels_(6 * static_cast<std::size_t>((size_ + 2) * (size_ + 2))) {
     for (int face = 0; face < 6; ++face) {
       const float* from = chain.face(level, face);
@@ -143,13 +143,12 @@ glm::vec3 sum_of_taps(const std::vector<PaddedLevel>& source, const std::vector<
 
 }  // namespace
 
-CubemapChain importance_sampled(const LatLongView& source, int size, const std::vector<double>& roughness,
-                                int samples) {
-  const CubemapChain plain = build_mips(to_cubemap(source, size, glm::dmat3(1.0), ResampleFilter::area).view());
+Cubemap importance_sampled(const LatLongView& source, int size, const std::vector<double>& roughness, int samples) {
+  const Cubemap plain = build_mips(to_cubemap(source, size, glm::dmat3(1.0), ResampleFilter::area).view());
   std::vector<PaddedLevel> levels;
   levels.reserve(static_cast<std::size_t>(plain.levels()));
   for (int level = 0; level < plain.levels(); ++level) levels.emplace_back(plain, level);
-  CubemapChain result(size, static_cast<int>(roughness.size()));
+  Cubemap result(size, static_cast<int>(roughness.size()));
   for (int level = 0; level < result.levels(); ++level) {
     const int edge = result.level_size(level);
     const double alpha = roughness[static_cast<std::size_t>(level)] * roughness[static_cast<std::size_t>(level)];

@@ -14,7 +14,7 @@ inline constexpr const char* kSamplingPeer = "plain C++";
 /// Prefilters a chain: mip 0 has `size` texels along an edge, mip k the perceptual roughness `roughness[k]`; where that
 /// is 0 the mip is the source's. Each texel reads one list of `samples` directions in the source's own mips,
 /// trilinearly and without seams. Plain C++ on all threads that Welkin works with.
-[[nodiscard]] CubemapChain importance_sampled(const LatLongView& source, int size, const std::vector<double>& roughness,
-                                              int samples);
+[[nodiscard]] Cubemap importance_sampled(const LatLongView& source, int size, const std::vector<double>& roughness,
+                                         int samples);
 
 }  // namespace welkin::report

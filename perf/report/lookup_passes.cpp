@@ -42,7 +42,7 @@ std::vector<Measurement> from_file(const PassContext& context) {
     if (chain.fitted) options.lobe_roughness = fitted_roughness_of_mips(chain.schedule, mips, size);
     for (const double bound : kBounds) {
       options.rms_error = bound;
-      CubemapChain result;
+      Cubemap result;
       const double seconds = context.stopwatch.seconds(
           [&] { result = prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; });
       const ErrorNorms errors = truth.errors(result, chain.schedule);

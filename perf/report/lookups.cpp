@@ -13,13 +13,13 @@
 namespace welkin::report {
 namespace {
 
-glm::dvec3 value(const CubemapChain& chain, int level, const image::CubeTexel& texel) {
+glm::dvec3 value(const Cubemap& chain, int level, const image::CubeTexel& texel) {
   const float* const rgb = chain.face(level, texel.face) + 3 * (texel.row * chain.level_size(level) + texel.column);
   return {rgb[0], rgb[1], rgb[2]};
 }
 
 /// The texel may lie beside the face.
-glm::dvec3 texel_of(const CubemapChain& chain, int level, const image::CubeTexel& wanted) {
+glm::dvec3 texel_of(const Cubemap& chain, int level, const image::CubeTexel& wanted) {
   const int size = chain.level_size(level);
   const auto beyond = [&](const image::CubeTexel& texel) {
     return value(chain, level, image::across_edge(size, texel));
@@ -97,7 +97,7 @@ class LightDirections {
 
 }  // namespace
 
-glm::dvec3 lookup(const CubemapChain& chain, int level, const glm::dvec3& direction) {
+glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction) {
   const int size = chain.level_size(level);
   const int face = image::face_of(direction);
   const image::Frame& frame = image::face_frame(face);
@@ -112,7 +112,7 @@ glm::dvec3 lookup(const CubemapChain& chain, int level, const glm::dvec3& direct
   return (1.0 - v) * ((1.0 - u) * texel(0, 0) + u * texel(1, 0)) + v * ((1.0 - u) * texel(0, 1) + u * texel(1, 1));
 }
 
-glm::dvec3 lookup(const CubemapChain& chain, double level, const glm::dvec3& direction) {
+glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction) {
   const int first = std::clamp(static_cast<int>(level), 0, chain.levels() - 1);
   const int second = std::min(first + 1, chain.levels() - 1);
   return glm::mix(lookup(chain, first, direction), lookup(chain, second, direction),
@@ -137,7 +137,7 @@ LookupTruth::LookupTruth(const LatLongView& source, int directions) {
   }
 }
 
-ErrorNorms LookupTruth::errors(const CubemapChain& chain, RoughnessSchedule schedule) const {
+ErrorNorms LookupTruth::errors(const Cubemap& chain, RoughnessSchedule schedule) const {
   ErrorNorms norms;
   for (int k = 0; k < kRoughnesses; ++k) {
     const double roughness = (k + 0.5) / kRoughnesses;

@@ -12,10 +12,10 @@ namespace welkin::report {
 
 /// Returns what a graphics API reads from a level: bilinear within a face, across its edges from the neighbouring face,
 /// and at a corner the mean of the three texels there.
-[[nodiscard]] glm::dvec3 lookup(const CubemapChain& chain, int level, const glm::dvec3& direction);
+[[nodiscard]] glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction);
 
 /// Returns the same between two levels, `level` being a fraction.
-[[nodiscard]] glm::dvec3 lookup(const CubemapChain& chain, double level, const glm::dvec3& direction);
+[[nodiscard]] glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction);
 
 /// The integral at all roughnesses, in directions that are chosen by the light: half of them evenly over the sphere,
 /// half in proportion to what is reflected there, so that the surroundings of a sun are among them.
@@ -26,7 +26,7 @@ class LookupTruth {
 
   /// Returns the error of a chain that is read by a schedule's formula. rms: of the difference over that of the truth,
   /// over all roughnesses. Maximum: the rms error of the worst roughness.
-  [[nodiscard]] ErrorNorms errors(const CubemapChain& chain, RoughnessSchedule schedule) const;
+  [[nodiscard]] ErrorNorms errors(const Cubemap& chain, RoughnessSchedule schedule) const;
 
  private:
   /// Roughnesses (k + 1/2) / kRoughnesses.

@@ -80,7 +80,7 @@ struct ProjectionWay {
 
 /// Three bands of `chain`'s level 0 by each way at each target (0: full size), way after way: `method` is the way's
 /// name, `setting` "target 64" or "full size". Peers are not among them.
-[[nodiscard]] std::vector<Measurement> projections_by_target(const CubemapChain& chain, std::span<const int> targets,
+[[nodiscard]] std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<const int> targets,
                                                              const SphericalHarmonics& truth,
                                                              const Stopwatch& stopwatch);
 
@@ -112,8 +112,7 @@ struct BlockWay {
 [[nodiscard]] std::vector<BlockWay> block_ways();
 
 /// A KTX2 in memory; nothing in a build without the codec.
-[[nodiscard]] std::optional<std::vector<std::byte>> texture_bytes(const CubemapChain& chain,
-                                                                  const TextureOptions& options);
+[[nodiscard]] std::optional<std::vector<std::byte>> texture_bytes(const Cubemap& chain, const TextureOptions& options);
 
 [[nodiscard]] std::vector<PassRunner> block_passes();
 

@@ -156,8 +156,8 @@ PeerProjection projection_from(const Json& one) {
 }
 
 /// Levels m0_px.exr ... of one folder.
-CubemapChain read_levels(const std::filesystem::path& folder, int size, int levels) {
-  CubemapChain chain(size, levels);
+Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
+  Cubemap chain(size, levels);
   for (int level = 0; level < levels; ++level) {
     const Environment environment = read_environment(folder / ("m" + std::to_string(level) + "_px.exr"));
     const CubemapView view = environment.cubemap();
@@ -184,7 +184,7 @@ std::vector<float> rows_from_below(const float* rgb, int size) {
 /// The chain that webgl_peers.mjs wrote and said this of.
 PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
   const bool is_three = said.at("engine") == "three";
-  CubemapChain chain(said.at("size"), said.at("mips"));
+  Cubemap chain(said.at("size").get<int>(), said.at("mips").get<int>());
   const std::string bytes = text_of(folder / (said.at("engine").get<std::string>() + ".f32"));
   std::size_t at = 0;
   for (int level = 0; level < chain.levels(); ++level) {
@@ -207,8 +207,8 @@ PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
 
 }  // namespace
 
-CubemapChain from_axes(const CubemapChain& chain, const dmat3& faces) {
-  CubemapChain result(chain.level_size(0), chain.levels());
+Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
+  Cubemap result(chain.level_size(0), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
     const int size = chain.level_size(level);
     for (int face = 0; face < 6; ++face) {
@@ -249,16 +249,15 @@ Peers Peers::find(const std::filesystem::path& node_modules) {
   return peers;
 }
 
-std::vector<PeerProjection> Peers::project(const CubemapImage& cube, const std::vector<int>& targets,
+std::vector<PeerProjection> Peers::project(const Cubemap& cube, const std::vector<int>& targets,
                                            const std::filesystem::path& folder, const Stopwatch& stopwatch) const {
   if (!node_) return {};
   std::ofstream(folder / "cube.f32", std::ios::binary)
-      .write(reinterpret_cast<const char*>(cube.pixels.data()),
-             static_cast<std::streamsize>(cube.pixels.size() * sizeof(float)));
+      .write(reinterpret_cast<const char*>(cube.face(0)), static_cast<std::streamsize>(cube.bytes()));
   std::ofstream(folder / "peers.mjs") << kNodeScript;
   const Json wanted{{"modules", node_modules_.string()},
                     {"cube", (folder / "cube.f32").string()},
-                    {"size", cube.size},
+                    {"size", cube.size()},
                     {"targets", targets},
                     {"budget", 4.0 * stopwatch.budget_seconds},
                     {"processor", stopwatch.clock() == Clock::processor}};

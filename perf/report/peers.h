@@ -29,14 +29,14 @@ struct PeerChain {
   std::string peer;
   std::string method;  ///< what was called
   std::string setting;
-  CubemapChain cubemap;        ///< in Welkin's axes
+  Cubemap cubemap;             ///< in Welkin's axes
   RoughnessSchedule schedule;  ///< its roughness, and the formula that the peer's shaders read it by
   double seconds = 0.0;        ///< NaN: drawn by no graphics card, so that its time says nothing
 };
 
 /// Returns a chain in Welkin's axes. `faces`: takes a direction in these to the one in the frames of `CubemapView`'s
 /// faces under which `chain` holds it; a signed permutation.
-[[nodiscard]] CubemapChain from_axes(const CubemapChain& chain, const dmat3& faces);
+[[nodiscard]] Cubemap from_axes(const Cubemap& chain, const dmat3& faces);
 
 struct PeerTable {
   std::string peer;
@@ -63,7 +63,7 @@ class Peers {
 
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
 
-  [[nodiscard]] std::vector<PeerProjection> project(const CubemapImage& cube, const std::vector<int>& targets,
+  [[nodiscard]] std::vector<PeerProjection> project(const Cubemap& cube, const std::vector<int>& targets,
                                                     const std::filesystem::path& folder,
                                                     const Stopwatch& stopwatch) const;
   [[nodiscard]] std::vector<PeerProjection> project_file(const std::filesystem::path& file,

@@ -53,7 +53,7 @@ std::string bound_words(double bound) { return "bound " + percent(bound); }
 
 /// What is blurred, of either kind.
 struct Source {
-  std::function<CubemapChain(const PrefilterOptions&)> prefilter;
+  std::function<Cubemap(const PrefilterOptions&)> prefilter;
   std::function<std::vector<glm::dvec3>(double roughness, const std::vector<glm::dvec3>&)> integral;
   glm::dvec3 mean{};
 };
@@ -73,7 +73,7 @@ class ChainTruth {
   ChainTruth(Source source, int probes) : source_(std::move(source)), count_(probes) {}
 
   /// Over the mips that are not copies; `roughness` has one entry per mip.
-  ErrorNorms errors(const CubemapChain& chain, const std::vector<double>& roughness) {
+  ErrorNorms errors(const Cubemap& chain, const std::vector<double>& roughness) {
     std::vector<ErrorNorms> mips;
     for (int level = 0; level < chain.levels(); ++level) {
       if (roughness[static_cast<std::size_t>(level)] <= 0.0) continue;
@@ -87,7 +87,7 @@ class ChainTruth {
   /// all texels.
   Measurement reference(const PrefilterOptions& shape, const Stopwatch& stopwatch) {
     const std::vector<double>& roughness = shape.roughness;
-    CubemapChain like(shape.size, static_cast<int>(roughness.size()));
+    Cubemap like(shape.size, static_cast<int>(roughness.size()));
     double seconds = 0.0;
     Stopwatch once = stopwatch;
     once.most_runs = 1;
@@ -119,7 +119,7 @@ class ChainTruth {
     std::vector<glm::dvec3> truth;
   };
 
-  const Mip& at(const CubemapChain& chain, int level, const std::vector<double>& roughness) {
+  const Mip& at(const Cubemap& chain, int level, const std::vector<double>& roughness) {
     const double here = roughness[static_cast<std::size_t>(level)];
     Mip& mip = mips_[{chain.level_size(level), here}];
     if (mip.probes.empty()) {
@@ -139,13 +139,13 @@ class ChainTruth {
 /// Welkin by each of its bounds, from the tightest one on; none for a bound that no method reaches. `shape`: size and
 /// roughness of each mip. `call` is what is timed.
 std::vector<Measurement> by_bound(const Stopwatch& stopwatch, ChainTruth& truth, const PrefilterOptions& shape,
-                                  const std::function<CubemapChain(const PrefilterOptions&)>& call) {
+                                  const std::function<Cubemap(const PrefilterOptions&)>& call) {
   std::vector<Measurement> all;
   for (const double bound : kBounds) {
     try {
       PrefilterOptions options = shape;
       options.rms_error = bound;
-      CubemapChain result;
+      Cubemap result;
       const double seconds = stopwatch.seconds([&] { result = call(options); });
       const ErrorNorms errors = truth.errors(result, options.roughness);
       all.push_back(
@@ -161,7 +161,7 @@ std::vector<Measurement> by_samples(const PassContext& context, ChainTruth& trut
   std::vector<Measurement> all;
   const LatLongView source = context.environment.image.view();
   for (const int samples : sample_counts(context.scale.most_samples)) {
-    CubemapChain result;
+    Cubemap result;
     const double seconds =
         context.stopwatch.seconds([&] { result = importance_sampled(source, shape.size, shape.roughness, samples); });
     const ErrorNorms errors = truth.errors(result, shape.roughness);
@@ -188,8 +188,7 @@ PrefilterOptions shape_of(const std::string& pass, int size) {
 }
 
 /// What a pass about a chain times. A lat-long's file is read in each call, a cubemap's before them.
-std::function<CubemapChain(const PrefilterOptions&)> call_of(const std::string& pass,
-                                                             const std::filesystem::path& file) {
+std::function<Cubemap(const PrefilterOptions&)> call_of(const std::string& pass, const std::filesystem::path& file) {
   if (pass == kFromFile) {
     return [file](const PrefilterOptions& options) {
       return prefilter_specular(read_environment(file).lat_long(), options).cubemap;
@@ -245,7 +244,7 @@ std::vector<Measurement> chain(const PassContext& context, const std::string& pa
   for (PeerChain& peer : context.peers.prefilter_by_webgl(file, shape.size, context.folder))
     peers.push_back(std::move(peer));
   for (const PeerChain& peer : peers) {
-    const CubemapChain& chain = peer.cubemap;
+    const Cubemap& chain = peer.cubemap;
     const ErrorNorms errors =
         truth.errors(chain, roughness_of_mips(peer.schedule, chain.levels(), chain.level_size(0)));
     all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
@@ -258,7 +257,7 @@ std::vector<Measurement> from_file(const PassContext& context) {
 }
 
 std::vector<Measurement> from_cube(const PassContext& context) {
-  const CubemapImage cube = to_cubemap(context.environment.image.view(), context.scale.chain_size);
+  const Cubemap cube = to_cubemap(context.environment.image.view(), context.scale.chain_size);
   const std::filesystem::path file = context.folder / "cube.pfm";
   write_environment(file, cube.view());
   return chain(context, kFromCube, source_of(cube.view()), file);

@@ -32,7 +32,7 @@ std::vector<int> targets_below(int size) {
   return targets;
 }
 
-CubemapImage cubemap_of(const PassContext& context) {
+Cubemap cubemap_of(const PassContext& context) {
   return to_cubemap(context.environment.image.view(), context.scale.cube_size);
 }
 
@@ -54,10 +54,10 @@ Measurement measured(const std::string& method, const std::string& setting, cons
 }
 
 std::vector<Measurement> by_target(const PassContext& context) {
-  const CubemapImage cube = cubemap_of(context);
-  const CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  const Cubemap cube = cubemap_of(context);
+  const Cubemap chain = build_mips(cube.view(), MipFilter::box);
   const SphericalHarmonics truth = reference_projection(cube.view());
-  const std::vector<int> targets = targets_below(cube.size);
+  const std::vector<int> targets = targets_below(cube.size());
   std::vector<Measurement> all = projections_by_target(chain, targets, truth, context.stopwatch);
   progress(context, 1, 2);
   for (const PeerProjection& peer : context.peers.project(cube, {0, 64}, context.folder, context.stopwatch)) {
@@ -69,7 +69,7 @@ std::vector<Measurement> by_target(const PassContext& context) {
 }
 
 std::vector<Measurement> by_format(const PassContext& context) {
-  const CubemapImage cube = cubemap_of(context);
+  const Cubemap cube = cubemap_of(context);
   const SphericalHarmonics truth = reference_projection(cube.view());
   constexpr PixelFormat formats[] = {PixelFormat::rgb32f,  PixelFormat::rgba32f, PixelFormat::rgb16f,
                                      PixelFormat::rgba16f, PixelFormat::rgb8,    PixelFormat::rgba8,
@@ -133,7 +133,7 @@ std::vector<Measurement> from_file(const PassContext& context) {
 
 std::span<const ProjectionWay> projection_ways() noexcept { return kWays; }
 
-std::vector<Measurement> projections_by_target(const CubemapChain& chain, std::span<const int> targets,
+std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<const int> targets,
                                                const SphericalHarmonics& truth, const Stopwatch& stopwatch) {
   const std::vector<CubemapView> levels = chain.views();
   std::vector<Measurement> all;

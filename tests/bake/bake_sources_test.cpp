@@ -42,7 +42,7 @@ TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
 
 TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][codec]") {
   const TemporaryDirectory directory;
-  CubemapChain chain(16, full_chain_levels(16));
+  Cubemap chain(16, full_chain_levels(16));
   for (int level = 0; level < chain.levels(); ++level) {
     const TestCubemap pixels = make_cubemap(Content::smooth, chain.level_size(level), 3, 3);
     std::memcpy(chain.face(level, 0), pixels.pixels.data(), pixels.pixels.size() * sizeof(float));
@@ -100,8 +100,8 @@ namespace {
 constexpr int kSize = 16;
 
 /// Levels that are no mips of each other.
-CubemapChain odd_chain() {
-  CubemapChain chain(kSize, full_chain_levels(kSize));
+Cubemap odd_chain() {
+  Cubemap chain(kSize, full_chain_levels(kSize));
   for (int level = 0; level < chain.levels(); ++level) {
     const TestCubemap pixels =
         make_cubemap(Content::smooth, chain.level_size(level), 3, 3U + static_cast<unsigned>(level));
@@ -117,7 +117,7 @@ BakeOptions whole_bake() {
 }
 
 std::filesystem::path write_env(const TemporaryDirectory& directory) {
-  const CubemapChain chain = odd_chain();
+  const Cubemap chain = odd_chain();
   BabylonEnvironment environment = to_babylon(chain, project(chain.view(0)).radiance);
   environment.polynomial->xx = {41.0, 42.0, 43.0};  // one that no pixels have
   write_babylon_environment(directory.file("sky.env"), environment);
@@ -153,7 +153,7 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
 TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][codec]") {
   const TemporaryDirectory directory;
   const StoredEnvironment file = probe_environment(write_env(directory));
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
+  const Cubemap stored = mirrored_x(read_babylon_environment(file.input).specular);
   for (const RoughnessRange range : {RoughnessRange{0.0, 1.0}, RoughnessRange{0.6, 1.0}}) {
     const Plan planned = plan(file, {.glossy = range}, whole_bake());
     INFO(plan_text(planned));
@@ -180,7 +180,7 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
   const Plan planned = plan(file, {.stored_results = false}, whole_bake());
   for (const char* pass : {"read", "specular", "project"}) CHECK(planned.pass(pass).action == PassAction::run);
   const BakeResult result = bake(file, planned);
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
+  const Cubemap stored = mirrored_x(read_babylon_environment(file.input).specular);
   const BakeResult pixels = bake(stored.view(0), whole_bake());
   CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
   CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));

@@ -53,11 +53,11 @@ void check_white_furnace(const EnvironmentView& view, const BakeOptions& options
     INFO("mip " << mip);
     CHECK(off(level_values(result.specular->cubemap, mip), radiance) < 1e-5);
   }
-  CHECK(off(result.irradiance->pixels, irradiance) < 1e-5);
+  CHECK(off(result.irradiance->pixels(), irradiance) < 1e-5);
   for (int c = 0; c < 3; ++c) CHECK(result.diagnostics.total_radiance[c] == Approx(4.0 * irradiance[c]).epsilon(1e-6));
 }
 
-std::span<const float> span_of(const CubemapImage& image) { return image.pixels; }
+std::span<const float> span_of(const Cubemap& image) { return image.pixels(); }
 
 }  // namespace
 
@@ -200,9 +200,9 @@ TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
     const BakeResult clean = cube ? bake(cubemap.view(), small_bake()) : bake(picture.view(), small_bake());
     CHECK(same_bits(*found.background, *clean.background));
     CHECK(same_bits(found.specular->cubemap, clean.specular->cubemap));
-    REQUIRE(found.irradiance->pixels.size() == clean.irradiance->pixels.size());
-    for (std::size_t k = 0; k < clean.irradiance->pixels.size(); ++k) {
-      CHECK(found.irradiance->pixels[k] == Approx(clean.irradiance->pixels[k]).epsilon(1e-5));
+    REQUIRE(found.irradiance->pixels().size() == clean.irradiance->pixels().size());
+    for (std::size_t k = 0; k < clean.irradiance->pixels().size(); ++k) {
+      CHECK(found.irradiance->pixels()[k] == Approx(clean.irradiance->pixels()[k]).epsilon(1e-5));
     }
     CHECK(pass_named(found, "clean").action == PassAction::run);
   }
@@ -224,7 +224,7 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
     }
   }
   for (const float value : level_values(*dark.background, 0)) REQUIRE(value == 0.0F);
-  for (const float value : dark.irradiance->pixels) REQUIRE(value == 0.0F);
+  for (const float value : dark.irradiance->pixels()) REQUIRE(value == 0.0F);
   burning.pixels[3 * (5 * 32 + 7)] = 65504.0F;
   CHECK(same_bits(*bake(burning.view(), small_bake()).background, *bright.background));
 }

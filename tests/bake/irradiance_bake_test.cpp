@@ -34,7 +34,7 @@ BakeOptions irradiance_alone(int size, double rms_error = 1e-3) {
   return options;
 }
 
-CubemapImage irradiance_of(const EnvironmentView& view, int size, double rms_error = 1e-3) {
+Cubemap irradiance_of(const EnvironmentView& view, int size, double rms_error = 1e-3) {
   return *bake(view, irradiance_alone(size, rms_error)).irradiance;
 }
 
@@ -43,14 +43,14 @@ struct Off {
   double largest = 0.0;  ///< over the truth at the same texel and channel
 };
 
-Off off(const CubemapImage& found, const CubemapImage& truth) {
-  REQUIRE(found.pixels.size() == truth.pixels.size());
+Off off(const Cubemap& found, const Cubemap& truth) {
+  REQUIRE(found.pixels().size() == truth.pixels().size());
   double squares = 0.0;
   double whole = 0.0;
   Off result;
-  for (std::size_t k = 0; k < truth.pixels.size(); ++k) {
-    const auto wanted = static_cast<double>(truth.pixels[k]);
-    const double difference = static_cast<double>(found.pixels[k]) - wanted;
+  for (std::size_t k = 0; k < truth.pixels().size(); ++k) {
+    const auto wanted = static_cast<double>(truth.pixels()[k]);
+    const double difference = static_cast<double>(found.pixels()[k]) - wanted;
     squares += difference * difference;
     whole += wanted * wanted;
     if (difference != 0.0) result.largest = std::max(result.largest, std::abs(difference) / std::abs(wanted));
@@ -72,12 +72,12 @@ Off error_of_bands(const LatLongView& view, int size, int bands) {
 
 /// Calls `check` with the irradiance at each texel's centre and the centre's direction.
 template <class Check>
-void at_texels(const CubemapImage& irradiance, const Check& check) {
-  const int size = irradiance.size;
+void at_texels(const Cubemap& irradiance, const Check& check) {
+  const int size = irradiance.size();
   for (int row = 0; row < 6 * size; ++row) {
     for (int column = 0; column < size; ++column) {
       const glm::dvec3 normal = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      const float* const rgb = irradiance.pixels.data() + 3 * (row * size + column);
+      const float* const rgb = irradiance.face(0) + 3 * (row * size + column);
       check(glm::dvec3(rgb[0], rgb[1], rgb[2]), normal);
     }
   }
@@ -102,8 +102,8 @@ TEST_CASE("Irradiance of even light is pi times it, at any size and of any sourc
       INFO("size " << size << ", source " << edge);
       const TestCubemap cube = make_cubemap(Content::uniform, edge, 3, 1);
       const TestLatLong lat_long = make_lat_long(Content::uniform, edge, (edge + 1) / 2, 1);
-      for (const CubemapImage& found : {irradiance_of(cube.view(), size), irradiance_of(lat_long.view(), size)}) {
-        REQUIRE(found.size == size);
+      for (const Cubemap& found : {irradiance_of(cube.view(), size), irradiance_of(lat_long.view(), size)}) {
+        REQUIRE(found.size() == size);
         at_texels(found, [](const glm::dvec3& rgb, const glm::dvec3&) {
           REQUIRE(glm::length(rgb / glm::dvec3(0.5, 1.0, 2.0) - kPi) < 3e-5);
         });
@@ -179,25 +179,25 @@ TEST_CASE("Irradiance of sources of one and two texels is within its bound", "[i
 TEST_CASE("Irradiance keeps negative light, and huge and tiny radiance", "[irradiance_bake][truth]") {
   TestLatLong signs = make_lat_long(Content::random, 96, 48, 4);
   for (float& value : signs.pixels) value -= 0.52F;
-  const CubemapImage truth = direct_irradiance_cubemap(signs.view(), 9);
-  const CubemapImage found = irradiance_of(signs.view(), 9);
-  CHECK(*std::min_element(truth.pixels.begin(), truth.pixels.end()) < 0.0F);
+  const Cubemap truth = direct_irradiance_cubemap(signs.view(), 9);
+  const Cubemap found = irradiance_of(signs.view(), 9);
+  CHECK(*std::min_element(truth.pixels().begin(), truth.pixels().end()) < 0.0F);
   double largest = 0.0;
-  for (std::size_t k = 0; k < truth.pixels.size(); ++k)
-    largest = std::max(largest, static_cast<double>(std::abs(found.pixels[k] - truth.pixels[k])));
+  for (std::size_t k = 0; k < truth.pixels().size(); ++k)
+    largest = std::max(largest, static_cast<double>(std::abs(found.pixels()[k] - truth.pixels()[k])));
   CHECK(largest < 1e-3);
 
   const TestCubemap bright = make_cubemap(Content::sun_disc, 64, 3, 5);
-  const CubemapImage usual = irradiance_of(bright.view(), 9);
+  const Cubemap usual = irradiance_of(bright.view(), 9);
   for (const float scale : {0x1p100F, 0x1p-120F}) {
     TestCubemap scaled = bright;
     for (float& value : scaled.pixels) value *= scale;
-    const CubemapImage huge = irradiance_of(scaled.view(), 9);
-    for (std::size_t k = 0; k < usual.pixels.size(); ++k)
-      REQUIRE(huge.pixels[k] == Approx(usual.pixels[k] * scale).epsilon(1e-5));
+    const Cubemap huge = irradiance_of(scaled.view(), 9);
+    for (std::size_t k = 0; k < usual.pixels().size(); ++k)
+      REQUIRE(huge.pixels()[k] == Approx(usual.pixels()[k] * scale).epsilon(1e-5));
   }
   const LatLongImage most = grey(16, std::numeric_limits<float>::max());
-  for (const float value : irradiance_of(most.view(), 3).pixels)
+  for (const float value : irradiance_of(most.view(), 3).pixels())
     REQUIRE(value == std::numeric_limits<float>::max());  // pi times that is no float
 }
 
@@ -214,7 +214,7 @@ BakeOptions beside_chain(int size, double chain_error = 1e-3) {
 TEST_CASE("Irradiance beside a chain is within its bound, and its estimate is no less than its error",
           "[irradiance_bake][truth]") {
   const auto check = [](const auto& view, int size) {
-    const CubemapImage truth = direct_irradiance_cubemap(view, size);
+    const Cubemap truth = direct_irradiance_cubemap(view, size);
     for (const BakeOptions& options : {irradiance_alone(size), beside_chain(size)}) {
       const BakeResult made = bake(view, options);
       const Off found = off(*made.irradiance, truth);

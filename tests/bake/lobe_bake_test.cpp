@@ -70,7 +70,7 @@ PassAction action_of(const BakeResult& result) {
   return PassAction::skip;
 }
 
-std::vector<std::byte> stored(const CubemapChain& chain) {
+std::vector<std::byte> stored(const Cubemap& chain) {
   const UploadLayout layout{.format = TexelFormat::rgba32f, .size = chain.size(), .levels = chain.levels()};
   std::vector<std::byte> memory(upload_bytes(layout));
   static_cast<void>(store_texels(chain, upload_targets(layout, memory)));
@@ -114,8 +114,8 @@ TEST_CASE("lobes: Lambert's is irradiance over pi, and looser bounds take fewer 
     BakeOptions options{.background = {}, .specular = {}, .bands = 0, .brdf = {}};
     options.irradiance = IrradianceOptions{.size = 16, .rms_error = bound};
     const BakeResult made = bake(cube.view(), options);
-    for (std::size_t k = 0; k < made.irradiance->pixels.size(); ++k)
-      REQUIRE(lambert.cubemap.face(0, 0)[k] * std::numbers::pi == Approx(made.irradiance->pixels[k]).epsilon(1e-5));
+    for (std::size_t k = 0; k < made.irradiance->pixels().size(); ++k)
+      REQUIRE(lambert.cubemap.face(0, 0)[k] * std::numbers::pi == Approx(made.irradiance->pixels()[k]).epsilon(1e-5));
   }
 }
 

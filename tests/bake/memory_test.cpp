@@ -40,7 +40,7 @@ struct Block {
 };
 
 /// What `store_texels` makes of a chain.
-std::vector<std::byte> stored(const CubemapChain& chain, TexelFormat format) {
+std::vector<std::byte> stored(const Cubemap& chain, TexelFormat format) {
   Block block(format, chain.size(), chain.levels());
   static_cast<void>(store_texels(chain, block.targets));
   return block.memory;
@@ -140,12 +140,12 @@ TEST_CASE("memory: chains of results are taken from the caller's resource, and g
     const BakeResult same = bake(picture.view(), small_bake());
     CHECK(std::ranges::equal(std::span(result.background->face(0, 0), result.background->bytes() / sizeof(float)),
                              std::span(same.background->face(0, 0), same.background->bytes() / sizeof(float))));
-    const CubemapImage cube = to_cubemap(picture.view(), 8);
+    const Cubemap cube = to_cubemap(picture.view(), 8);
     const std::size_t before = memory.held();
-    const CubemapChain mips = build_mips(cube.view(), MipFilter::box, std::nullopt, control);
+    const Cubemap mips = build_mips(cube.view(), MipFilter::box, std::nullopt, control);
     CHECK(memory.held() == before + mips.bytes());
-    CubemapChain other(4, 1, &memory);
-    other = CubemapChain();
+    Cubemap other(4, 1, &memory);
+    other = Cubemap();
     CHECK(memory.held() == before + mips.bytes());
   }
   CHECK(memory.taken() > 0);
@@ -168,10 +168,10 @@ TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bak
 }
 
 TEST_CASE("memory: chains fit into one block of the caller's", "[bake]") {
-  const CubemapImage cube = to_cubemap(make_lat_long(Content::smooth, 32, 16, 5).view(), 16);
+  const Cubemap cube = to_cubemap(make_lat_long(Content::smooth, 32, 16, 5).view(), 16);
   alignas(64) std::byte block[40 * 1024];
   std::pmr::monotonic_buffer_resource memory(block, sizeof block, std::pmr::null_memory_resource());
-  const CubemapChain mips = build_mips(cube.view(), MipFilter::box, std::nullopt, {.memory = &memory});
+  const Cubemap mips = build_mips(cube.view(), MipFilter::box, std::nullopt, {.memory = &memory});
   CHECK(static_cast<const void*>(mips.face(0, 0)) == block);
   CHECK_THROWS_AS(build_mips(cube.view(), MipFilter::box, std::nullopt, {.memory = &memory}), std::bad_alloc);
 }

@@ -349,7 +349,7 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
   const auto* const irradiance = welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE);
   REQUIRE(has(WELKIN_PART_IRRADIANCE) == expected.irradiance.has_value());
   REQUIRE((irradiance != nullptr) == expected.irradiance.has_value());
-  if (irradiance != nullptr) REQUIRE(same_texels(texels_of(irradiance, 0), expected.irradiance->pixels));
+  if (irradiance != nullptr) REQUIRE(same_texels(texels_of(irradiance, 0), expected.irradiance->pixels()));
   REQUIRE(has(WELKIN_PART_HARMONICS) == expected.radiance.has_value());
   auto light = c_struct<welkin_projection>();
   const welkin_status status = welkin_bake_result_get_projection(result, &light);
@@ -480,13 +480,13 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
 
   const auto picture = make_lat_long(Content::smooth, 32, 16, 1);
   const auto irradiance = irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance);
-  const CubemapImage expected = irradiance_cubemap(irradiance, 12);
-  std::vector<float> texels(expected.pixels.size());
+  const Cubemap expected = irradiance_cubemap(irradiance, 12);
+  std::vector<float> texels(expected.pixels().size());
   auto target = c_struct<welkin_target>();
   target.size = 12;
   for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 12 * 12 * 3;
   REQUIRE(welkin_irradiance_cubemap(4, plain(irradiance).data(), nullptr, &target, nullptr) == WELKIN_OK);
-  REQUIRE(same_texels(texels, expected.pixels));
+  REQUIRE(same_texels(texels, expected.pixels()));
 }
 
 TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") {

@@ -128,11 +128,9 @@ inline std::vector<float> texels_of(const welkin_chain* chain, int level) {
   return texels_of(view);
 }
 
-inline bool same_texels(const std::vector<float>& a, const std::vector<float>& b) {
-  return same_bytes(std::span<const float>(a), std::span<const float>(b));
-}
+inline bool same_texels(std::span<const float> a, std::span<const float> b) { return same_bytes(a, b); }
 
-inline void require_same_chain(const welkin_chain* chain, const CubemapChain& expected) {
+inline void require_same_chain(const welkin_chain* chain, const Cubemap& expected) {
   auto info = c_struct<welkin_chain_info>();
   REQUIRE(welkin_chain_get_info(chain, &info) == WELKIN_OK);
   REQUIRE(info.size == expected.size());

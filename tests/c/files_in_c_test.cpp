@@ -79,7 +79,7 @@ TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c
     require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), *expected.background);
     require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_SPECULAR), expected.specular->cubemap);
     REQUIRE(same_texels(texels_of(welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE), 0),
-                        expected.irradiance->pixels));
+                        expected.irradiance->pixels()));
     auto light = c_struct<welkin_projection>();
     REQUIRE(welkin_bake_result_get_projection(result, &light) == WELKIN_OK);
     require_same_projection(light, {*expected.radiance, expected.diagnostics});

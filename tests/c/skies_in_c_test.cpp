@@ -249,13 +249,13 @@ TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
 
     for (const bool disc : {false, true}) {
       const std::int32_t sun_disc = disc ? 1 : 0;
-      const CubemapImage cubemap = sky_cubemap(expected, sun, 8, {disc});
-      std::vector<float> texels(cubemap.pixels.size());
+      const Cubemap cubemap = sky_cubemap(expected, sun, 8, {disc});
+      std::vector<float> texels(cubemap.pixels().size());
       auto target = c_struct<welkin_target>();
       target.size = 8;
       for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 8 * 8 * 3;
       REQUIRE(welkin_sky_view_picture(view.handle, c_sun.data(), sun_disc, nullptr, &target, nullptr) == WELKIN_OK);
-      REQUIRE(same_texels(texels, cubemap.pixels));
+      REQUIRE(same_texels(texels, cubemap.pixels()));
 
       const LatLongImage lat_long = sky_lat_long(expected, sun, 8, {disc});
       texels.assign(lat_long.pixels.size(), 0.0F);

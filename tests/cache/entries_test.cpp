@@ -326,7 +326,7 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
   const std::vector<EntryName> names = names_in(options.folder);
   REQUIRE(names.size() > 10);
   const std::vector<std::vector<std::uint8_t>> others = {
-      std::vector<std::uint8_t>(16, 0), std::vector<std::uint8_t>(4096, 0), cache::encode(CubemapChain(1, 1)),
+      std::vector<std::uint8_t>(16, 0), std::vector<std::uint8_t>(4096, 0), cache::encode(Cubemap(1, 1)),
       cache::encode(Projection{SphericalHarmonics(7), {}}), cache::encode(projection::FaceSums(1, 2))};
   for (const std::vector<std::uint8_t>& other : others) {
     INFO("entries of " << other.size() << " bytes");

@@ -332,7 +332,7 @@ bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b)
 }
 
 bool same_specular(const PrefilteredSpecular& a, const PrefilteredSpecular& b) {
-  const auto values = [](const CubemapChain& c) { return std::span<const float>(c.face(0, 0), c.bytes() / 4); };
+  const auto values = [](const Cubemap& c) { return std::span<const float>(c.face(0, 0), c.bytes() / 4); };
   return a.cubemap.size() == b.cubemap.size() && a.cubemap.levels() == b.cubemap.levels() &&
          same_bytes(values(a.cubemap), values(b.cubemap)) &&
          std::equal(a.mips.begin(), a.mips.end(), b.mips.begin(), b.mips.end(), same_mip) &&

@@ -55,7 +55,7 @@ PAGES = {
         "std::ptrdiff_t row_stride_bytes, welkin::SphericalHarmonics radiance, std::shared_ptr<Slot> slot,"
         "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 1, 3)),
     "docs/guides/worker.md": (
-        "welkin::CubemapImage image, double sun, std::vector<Probe> probes", ()),
+        "welkin::Cubemap image, double sun, std::vector<Probe> probes", ()),
     "docs/guides/without_codecs.md": (
         "const void* pixels, int width, int height, std::ptrdiff_t row_stride_bytes", (0,)),
     "docs/guides/moving_sky.md": ("", ()),
@@ -74,7 +74,7 @@ PAGES = {
 BEFORE = {
     ("docs/guides/worker.md", 1): "welkin::Worker worker; const welkin::CubemapView view{};",
     ("docs/guides/worker.md", 2): "welkin::Worker worker;",
-    ("docs/guides/worker.md", 3): "welkin::Worker worker; auto image_of_reader = std::make_shared<welkin::CubemapImage>();",
+    ("docs/guides/worker.md", 3): "welkin::Worker worker; auto image_of_reader = std::make_shared<welkin::Cubemap>();",
 }
 
 

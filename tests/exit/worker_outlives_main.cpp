@@ -67,7 +67,7 @@ std::vector<float> pattern(std::size_t count) {
 }
 
 welkin::LatLongImage lat_long() { return {32, 16, pattern(std::size_t{32} * 16 * 3)}; }
-welkin::CubemapImage cubemap() { return {8, pattern(std::size_t{6} * 8 * 8 * 3)}; }
+welkin::Cubemap cubemap() { return {8, pattern(std::size_t{6} * 8 * 8 * 3)}; }
 
 Values values_of(const welkin::SphericalHarmonics& harmonics) {
   Values values;
@@ -80,8 +80,8 @@ Values project_cubemap() { return values_of(welkin::project(cubemap().view()).ra
 Values project_lat_long() { return values_of(welkin::project(lat_long().view()).radiance); }
 
 Values resample() {
-  const welkin::CubemapImage faces = welkin::to_cubemap(lat_long().view(), 8);
-  return {faces.pixels.begin(), faces.pixels.end()};
+  const welkin::Cubemap faces = welkin::to_cubemap(lat_long().view(), 8);
+  return {faces.pixels().begin(), faces.pixels().end()};
 }
 
 Values prefilter() {

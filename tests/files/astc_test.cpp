@@ -38,8 +38,8 @@ TextureOptions in_astc(TexelFormat format, AstcEffort effort = AstcEffort::faste
 }
 
 /// Smooth, and other at each level and face.
-CubemapChain smooth_chain(int size, int levels) {
-  CubemapChain chain(size, levels);
+Cubemap smooth_chain(int size, int levels) {
+  Cubemap chain(size, levels);
   for (int level = 0; level < levels; ++level) {
     const int edge = chain.level_size(level);
     for (int face = 0; face < 6; ++face) {
@@ -86,7 +86,7 @@ std::array<std::uint16_t, 4> colour_of(int level, std::size_t block) {
 
 TEST_CASE("headers of ASTC textures are as their specifications have them", "[codec][textures][astc]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = smooth_chain(16, 5);
+  const Cubemap chain = smooth_chain(16, 5);
   for (const auto& [format, edge] : kFormats) {
     CAPTURE(edge);
     write_texture(directory.file("sky.ktx2"), chain.views(), in_astc(format));
@@ -118,7 +118,7 @@ TEST_CASE("cubemaps come back from ASTC, every level and face of every size", "[
   for (const auto& [format, edge] : kFormats) {
     for (const int size : {1, 2, 5, 6, 7, 61, 70}) {
       CAPTURE(edge, size);
-      const CubemapChain chain = smooth_chain(size, full_chain_levels(size));
+      const Cubemap chain = smooth_chain(size, full_chain_levels(size));
       const auto path = directory.file("sky.ktx2");
       CHECK(write_texture(path, chain.views(), in_astc(format)).values_clamped == 0);
       const CubemapTexture read = read_texture(path);
@@ -196,10 +196,10 @@ TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "
 }
 
 TEST_CASE("ASTC keeps the mean of each channel where a sun has most of the light", "[codec][textures][astc]") {
-  const CubemapChain chain = sun_chain(128);
+  const Cubemap chain = sun_chain(128);
   std::vector<std::byte> bytes;
   write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(TexelFormat::astc_4x4_hdr));
-  const CubemapChain decoded = read_texture({bytes, "sky.ktx2"}).cubemap;
+  const Cubemap decoded = read_texture({bytes, "sky.ktx2"}).cubemap;
   for (int level = 0; level < 4; ++level) {  // down to 16 texels
     CAPTURE(level);
     CHECK(largest_bias(decoded, chain, level) < 0.025);
@@ -207,7 +207,7 @@ TEST_CASE("ASTC keeps the mean of each channel where a sun has most of the light
 }
 
 TEST_CASE("what ASTC cannot hold is clamped and counted", "[codec][textures][astc]") {
-  CubemapChain chain = changed(smooth_chain(4, 1), [](float) { return 1.0F; });
+  Cubemap chain = changed(smooth_chain(4, 1), [](float) { return 1.0F; });
   chain.face(0, 2)[0] = -1.0F;
   chain.face(0, 2)[1] = std::numeric_limits<float>::quiet_NaN();
   chain.face(0, 2)[2] = std::numeric_limits<float>::infinity();
@@ -219,7 +219,7 @@ TEST_CASE("what ASTC cannot hold is clamped and counted", "[codec][textures][ast
     const std::span<const float> untouched = level_values(read.cubemap, 0).subspan(0, 2 * 48);
     CHECK(std::all_of(untouched.begin(), untouched.end(), [](float value) { return value == 1.0F; }));
   }
-  const CubemapChain bright = changed(chain, [](float) { return 1e6F; });
+  const Cubemap bright = changed(chain, [](float) { return 1e6F; });
   std::vector<std::byte> bytes;
   CHECK(write_texture({bytes, "sky.ktx2"}, bright.views(), in_astc(TexelFormat::astc_4x4_hdr)).values_clamped == 288);
   CHECK(read_texture({std::as_const(bytes), "sky.ktx2"}).cubemap.face(0, 0)[0] == 65504.0F);
@@ -240,7 +240,7 @@ TEST_CASE("a cut ASTC file is refused, and a stopped write leaves none", "[codec
                           last = done;
                           if (done > 0.2) source.request_stop();
                         }};
-  const CubemapChain chain = smooth_chain(64, 1);
+  const Cubemap chain = smooth_chain(64, 1);
   const auto write = [&] { write_texture(path, chain.views(), in_astc(TexelFormat::astc_4x4_hdr), control); };
   CHECK(thrown_by(write).code == ErrorCode::cancelled);
   CHECK(last < 0.9);

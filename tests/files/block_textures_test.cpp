@@ -33,7 +33,7 @@ std::vector<RecordedBlock> blocks_of(image::Bc6hRange range) {
 }
 
 /// Whether every texel of a chain is what its block was recorded to stand for.
-bool is_recorded(const CubemapChain& chain, const std::vector<RecordedBlock>& blocks) {
+bool is_recorded(const Cubemap& chain, const std::vector<RecordedBlock>& blocks) {
   bool same = true;
   for (int level = 0; level < chain.levels(); ++level) {
     const int size = chain.level_size(level);
@@ -63,7 +63,7 @@ TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][tex
       for (const char* const name : {"sky.dds", "sky.ktx2"}) {
         CAPTURE(size, name);
         const auto path = directory.file(name);
-        const CubemapChain other = noisy_chain(size, full_chain_levels(size));
+        const Cubemap other = noisy_chain(size, full_chain_levels(size));
         write_texture(path, other.views(), {});
         const std::vector<char> header = read_bytes(path);
         write_bytes(path, path.extension() == ".dds" ? dds_of_blocks(header, blocks, size)
@@ -86,10 +86,10 @@ TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][tex
 TEST_CASE("cubemaps are written as BC6H and come back as their blocks say", "[codec][textures][bc6h]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 7, 64}) {
-    const CubemapChain chain = noisy_chain(size, full_chain_levels(size), 2);
+    const Cubemap chain = noisy_chain(size, full_chain_levels(size), 2);
     for (const bool is_signed : {false, true}) {
       for (const Bc6hEffort effort : {Bc6hEffort::fast, Bc6hEffort::slow}) {
-        const CubemapChain wanted = decode_bc6h(encode_bc6h(chain.views(), {effort, is_signed}));
+        const Cubemap wanted = decode_bc6h(encode_bc6h(chain.views(), {effort, is_signed}));
         for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
           for (const char* const name : {"sky.ktx2", "sky.dds"}) {
             if (packing != Supercompression::none && std::string(name) == "sky.dds") continue;
@@ -108,7 +108,7 @@ TEST_CASE("cubemaps are written as BC6H and come back as their blocks say", "[co
 
 TEST_CASE("headers of BC6H textures are as their specifications have them", "[codec][textures][bc6h]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   TextureOptions options;
   options.format = TexelFormat::bc6h_ufloat;
   write_texture(directory.file("sky.ktx2"), chain.views(), options);

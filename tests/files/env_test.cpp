@@ -50,8 +50,8 @@ BabylonEnvironment some_environment(int size, int octaves = 6) {
   return environment;
 }
 
-CubemapImage some_irradiance(int size) {
-  const CubemapChain chain = noisy_chain(size, 1, 3, 7);
+Cubemap some_irradiance(int size) {
+  const Cubemap chain = noisy_chain(size, 1, 3, 7);
   return {size, {chain.face(0, 0), chain.face(0, 0) + 6 * face_values(chain, 0)}};
 }
 
@@ -94,7 +94,7 @@ std::tuple<int, int, int> texel_at(int size, const glm::dvec3& direction) {
   return {0, 0, 0};
 }
 
-bool is_rgbd_of(const CubemapChain& written, const CubemapChain& read) {
+bool is_rgbd_of(const Cubemap& written, const Cubemap& read) {
   if (written.size() != read.size() || written.levels() != read.levels()) return false;
   for (int level = 0; level < written.levels(); ++level) {
     for (int face = 0; face < 6; ++face) {
@@ -113,7 +113,7 @@ bool is_rgbd_of(const CubemapChain& written, const CubemapChain& read) {
 }  // namespace
 
 TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes its sign", "[codec][env]") {
-  const CubemapChain chain = noisy_chain(5, 3);
+  const Cubemap chain = noisy_chain(5, 3);
   SphericalHarmonics radiance(3);
   for (int l = 0; l < 3; ++l) {
     for (int m = -l; m <= l; ++m) radiance.at(l, m) = glm::dvec3(1.0 + l * 3 + m, 0.5 * m, l - 0.25 * m);
@@ -192,7 +192,7 @@ TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env][
     const BabylonEnvironment read = read_babylon_environment(path);
     CHECK(read.version == 2);
     CHECK(read.lod_generation_scale == 0.75);
-    CHECK(read.irradiance.size == 0);
+    CHECK(read.irradiance.size() == 0);
     CHECK(!read.dominant_direction);
     REQUIRE(read.polynomial);
     CHECK(same_bits(*read.polynomial, *environment.polynomial));
@@ -208,13 +208,13 @@ TEST_CASE("an .env's irradiance texture and dominant direction come back", "[cod
     environment.dominant_direction = glm::dvec3(0.1, -0.7, 0.3);
     write_babylon_environment(directory.file("sky.env"), environment);
     const BabylonEnvironment read = read_babylon_environment(directory.file("sky.env"));
-    REQUIRE(read.irradiance.size == size);
+    REQUIRE(read.irradiance.size() == size);
     REQUIRE(read.dominant_direction);
     CHECK(same_bits(*read.dominant_direction, *environment.dominant_direction));
-    CubemapChain written(size, 1);
-    CubemapChain found(size, 1);
-    std::copy(environment.irradiance.pixels.begin(), environment.irradiance.pixels.end(), written.face(0, 0));
-    std::copy(read.irradiance.pixels.begin(), read.irradiance.pixels.end(), found.face(0, 0));
+    Cubemap written(size, 1);
+    Cubemap found(size, 1);
+    std::copy(environment.irradiance.pixels().begin(), environment.irradiance.pixels().end(), written.face(0, 0));
+    std::copy(read.irradiance.pixels().begin(), read.irradiance.pixels().end(), found.face(0, 0));
     CHECK(is_rgbd_of(written, found));
   }
 }
@@ -265,7 +265,7 @@ TEST_CASE("what an .env cannot hold is refused before anything is written", "[co
   CHECK(refusal(environment).says("power of two"));
   environment.specular = noisy_chain(8, 3);
   CHECK(refusal(environment).says("down to 1 texel"));
-  environment.specular = CubemapChain();
+  environment.specular = Cubemap();
   CHECK(refusal(environment).says("0 levels"));
   environment = some_environment(4);
   environment.polynomial->zz.y = NAN;
@@ -274,9 +274,6 @@ TEST_CASE("what an .env cannot hold is refused before anything is written", "[co
   environment.lod_generation_scale = -0.5;
   CHECK(refusal(environment).says("lodGenerationScale"));
   environment = some_environment(4);
-  environment.irradiance = some_irradiance(4);
-  environment.irradiance.pixels.pop_back();
-  CHECK(refusal(environment).says("irradiance cubemap has 287 values"));
   environment.irradiance = some_irradiance(4);
   environment.polynomial.reset();
   CHECK(refusal(environment).says("has a polynomial too"));
@@ -325,14 +322,14 @@ glm::dvec3 stored_term(const std::string& file, const std::string& term) {
 /// Mean over a level's texels of |log2 of green / green|, once the faces of `chain` went through `turn`: texel (column,
 /// row) of a face of the cubemap is compared with the one that `turn` names in the chain.
 template <class Turn>
-double log_difference(const CubemapImage& cubemap, const CubemapChain& chain, int level, const Turn& turn) {
-  const int size = cubemap.size;
+double log_difference(const Cubemap& cubemap, const Cubemap& chain, int level, const Turn& turn) {
+  const int size = cubemap.size();
   double sum = 0.0;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
         const auto [other_face, other_column, other_row] = turn(face, column, row);
-        const float ours = cubemap.pixels[static_cast<std::size_t>(((face * size + row) * size + column) * 3 + 1)];
+        const float ours = cubemap.pixels()[static_cast<std::size_t>(((face * size + row) * size + column) * 3 + 1)];
         const float theirs = chain.face(level, other_face)[(other_row * size + other_column) * 3 + 1];
         sum += std::abs(
             std::log2(std::max(1e-3, static_cast<double>(theirs)) / std::max(1e-3, static_cast<double>(ours))));
@@ -399,10 +396,10 @@ TEST_CASE("real .env files show their photographs, right way up and not mirrored
   for (const auto& [file, photograph] : pairs) {
     if (!is_here(kShared / "hdr" / "cube" / file)) return;
     CAPTURE(file);
-    const CubemapChain chain = mirrored_x(read_babylon_environment(kShared / "hdr" / "cube" / file).specular);
+    const Cubemap chain = mirrored_x(read_babylon_environment(kShared / "hdr" / "cube" / file).specular);
     const Environment picture = read_environment(kShared / "hdr" / "env" / photograph);
     const int size = chain.size() / 2;  // level 1 is nearly sharp
-    const CubemapImage cubemap = to_cubemap(picture.lat_long(), size);
+    const Cubemap cubemap = to_cubemap(picture.lat_long(), size);
     const int end = size - 1;
     const auto difference = [&](const auto& turn) { return log_difference(cubemap, chain, 1, turn); };
     const double as_it_is = difference([](int face, int column, int row) { return std::tuple(face, column, row); });
@@ -421,24 +418,25 @@ TEST_CASE("Babylon.js's irradiance texture and dominant direction are read", "[c
   if (!is_here(kOracle / "sky_64_irradiance_cdf.env")) return;
   const BabylonEnvironment plain = read_babylon_environment(kOracle / "sky_64_irradiance.env");
   const BabylonEnvironment cdf = read_babylon_environment(kOracle / "sky_64_irradiance_cdf.env");
-  CHECK(plain.irradiance.size == 32);
-  CHECK(cdf.irradiance.size == 32);
+  CHECK(plain.irradiance.size() == 32);
+  CHECK(cdf.irradiance.size() == 32);
   CHECK(cdf.dominant_direction);
   REQUIRE(plain.polynomial);
   // Irradiance over pi has the mean of the radiance (here unweighted, and by the samples of Babylon.js).
   double mean = 0.0;
   double radiance = 0.0;
-  for (const float value : plain.irradiance.pixels) mean += static_cast<double>(value);
+  for (const float value : plain.irradiance.pixels()) mean += static_cast<double>(value);
   for (std::size_t i = 0; i < 6 * face_values(plain.specular, 1); ++i) {
     radiance += static_cast<double>(plain.specular.face(1, 0)[i]);
   }
-  mean /= static_cast<double>(plain.irradiance.pixels.size());
+  mean /= static_cast<double>(plain.irradiance.pixels().size());
   radiance /= static_cast<double>(6 * face_values(plain.specular, 1));
   CHECK(mean > 0.6 * radiance);
   CHECK(mean < 1.4 * radiance);
   // What a white surface reflects along +y, in the texture and by the polynomial's way back, is of one size.
   double sum = 0.0;
-  for (std::size_t i = 0; i < 32 * 32; ++i) sum += static_cast<double>(plain.irradiance.pixels[(2 * 1024 + i) * 3 + 1]);
+  for (std::size_t i = 0; i < 32 * 32; ++i)
+    sum += static_cast<double>(plain.irradiance.pixels()[(2 * 1024 + i) * 3 + 1]);
   const double up = evaluate(*plain.polynomial, {0.0, 1.0, 0.0}).g;
   CHECK(sum / 1024.0 > 0.5 * up);
   CHECK(sum / 1024.0 < 2.0 * up);

@@ -51,7 +51,7 @@ std::uint32_t word(const std::string& bytes, std::size_t place) {
 TEST_CASE("KTX of the first version holds what KTX2 holds, of each format", "[codec][textures]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 6, 16}) {
-    const CubemapChain chain = noisy_chain(size, size == 16 ? 3 : 1);
+    const Cubemap chain = noisy_chain(size, size == 16 ? 3 : 1);
     for (const Case& each : cases()) {
       TextureOptions options{.format = each.format};
       options.metadata = {{"sh", "1 2 3\n"}, {"a", ""}};
@@ -69,7 +69,7 @@ TEST_CASE("KTX of the first version holds what KTX2 holds, of each format", "[co
 
 TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face before each level", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   for (const Case& each : cases()) {
     CAPTURE(each.header);
     TextureOptions options{.format = each.format};
@@ -125,7 +125,7 @@ TEST_CASE("a file of Filament's cmgen that is read and written has the same head
 
 TEST_CASE("what KTX of the first version cannot hold is refused", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(4, 1);
+  const Cubemap chain = noisy_chain(4, 1);
   const TextureOptions packed{.supercompression = Supercompression::zlib};
   CHECK(thrown_by([&] { write_texture(directory.file("a.ktx"), chain.views(), packed); }).says("be supercompressed"));
   TextureOptions large;

@@ -151,7 +151,7 @@ void write_pfm(const std::filesystem::path& path, const CubePicture& picture) {
   write_bytes(path, pfm_bytes(picture.width, picture.height, false, "-1", picture.pixels));
 }
 
-bool holds(const Environment& environment, const std::vector<float>& faces) {
+bool holds(const Environment& environment, std::span<const float> faces) {
   return std::equal(faces.begin(), faces.end(), environment.pixels.get());
 }
 
@@ -301,11 +301,11 @@ TEST_CASE("neighbouring texels of a cross are neighbours on the sphere, across f
 
 namespace {
 
-glm::dvec3 mean_of_face(const CubemapImage& map, int face) {
-  const std::size_t texels = static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size);
+glm::dvec3 mean_of_face(const Cubemap& map, int face) {
+  const std::size_t texels = static_cast<std::size_t>(map.size()) * static_cast<std::size_t>(map.size());
   glm::dvec3 sum(0.0);
   for (std::size_t i = 0; i < texels; ++i) {
-    const float* rgb = map.pixels.data() + 3 * (static_cast<std::size_t>(face) * texels + i);
+    const float* rgb = map.face(0) + 3 * (static_cast<std::size_t>(face) * texels + i);
     sum += glm::dvec3(rgb[0], rgb[1], rgb[2]);
   }
   return sum / static_cast<double>(texels);
@@ -314,7 +314,7 @@ glm::dvec3 mean_of_face(const CubemapImage& map, int face) {
 }  // namespace
 
 TEST_CASE("Positive axes have their primary colour, negative ones its complement", "[testmap]") {
-  const CubemapImage map = test_map_cubemap(32);
+  const Cubemap map = test_map_cubemap(32);
   for (int face = 0; face < 6; ++face) {
     const glm::dvec3 mean = mean_of_face(map, face);
     const int own = face / 2;
@@ -331,7 +331,7 @@ TEST_CASE("Positive axes have their primary colour, negative ones its complement
 
 TEST_CASE("Lat-long and cubemap are the same map", "[testmap][slow]") {
   const LatLongImage map = test_map_lat_long(512, 256);
-  const CubemapImage cube = test_map_cubemap(128);
+  const Cubemap cube = test_map_cubemap(128);
   const LatLongImage from_cube = to_lat_long(cube.view(), 512, 256);
   double squares = 0.0;
   for (std::size_t i = 0; i < map.pixels.size(); ++i) {
@@ -383,7 +383,7 @@ constexpr std::array kCubeLayouts{Layout::automatic,        Layout::vertical_str
 
 TEST_CASE("The labelled map goes through every layout and back without a moved texel", "[writers][layouts]") {
   for (const int size : {1, 2, 7, 32}) {
-    const CubemapImage map = test_map_cubemap(size);
+    const Cubemap map = test_map_cubemap(size);
     for (const char* extension : {".exr", ".pfm"}) {
       for (const Layout layout : kCubeLayouts) {
         const TemporaryDirectory directory;
@@ -393,20 +393,20 @@ TEST_CASE("The labelled map goes through every layout and back without a moved t
         REQUIRE(report.files.size() == (layout == Layout::six_files ? 6U : 1U));
         const Environment read = read_environment(report.files.front());  // the layout is told from shape and header
         REQUIRE(read.face_size() == size);
-        CHECK(same_bits(map.pixels, read.pixels.get()));
+        CHECK(same_bits(map.pixels(), read.pixels.get()));
       }
     }
   }
 }
 
 TEST_CASE("The labelled map goes into every engine's faces and back without a moved texel", "[resampling]") {
-  const CubemapImage map = test_map_cubemap(32);
+  const Cubemap map = test_map_cubemap(32);
   for (const Convention& engine : conventions()) {
     if (!engine.faces_from_engine) continue;
     const glm::dmat3 there = *engine.faces_from_engine * engine.from_welkin;
     CAPTURE(engine.name);
-    const CubemapImage turned = to_cubemap(map.view(), 32, there);
-    CHECK(same_bits(map.pixels, to_cubemap(turned.view(), 32, glm::transpose(there)).pixels.data()));
+    const Cubemap turned = to_cubemap(map.view(), 32, there);
+    CHECK(same_bits(map.pixels(), to_cubemap(turned.view(), 32, glm::transpose(there)).pixels().data()));
   }
 }
 

@@ -85,7 +85,7 @@ std::string all_texts(const TemporaryDirectory& folder) {
   TextureOptions options;
   options.metadata = {{"welkin.roughness", "0 0.25 0.5 1"}};
   const std::filesystem::path ktx2 = folder.file("specular.ktx2");
-  write_texture(ktx2, CubemapChain(8, 4).views(), options);
+  write_texture(ktx2, Cubemap(8, 4).views(), options);
   const StoredEnvironment stored = probe_environment(ktx2);
   for (const double roughness : stored.roughness) add(roughness);
   for (const std::string& note : stored.info.notes) all += note;
@@ -107,7 +107,7 @@ std::string all_texts(const TemporaryDirectory& folder) {
   add(project_file(hdr).radiance.at(0, 0).x);
 
   const std::filesystem::path env = folder.file("a.env");
-  write_babylon_environment(env, to_babylon(CubemapChain(8, 4), project_file(hdr).radiance));
+  write_babylon_environment(env, to_babylon(Cubemap(8, 4), project_file(hdr).radiance));
   all += bytes_of(env).substr(0, 700);
   add(project_file(env).radiance.at(0, 0).x);
 
@@ -140,7 +140,7 @@ TEST_CASE("stored roughness that is not used is noted", "[codec][locale]") {
   const auto stored_as = [&](const std::string& text, LevelContent content = LevelContent::automatic) {
     TextureOptions options;
     options.metadata = {{"welkin.roughness", text}};
-    write_texture(path, CubemapChain(8, 4).views(), options);
+    write_texture(path, Cubemap(8, 4).views(), options);
     return probe_environment(path, {}, content);
   };
   const auto notes = [](const StoredEnvironment& stored) {

@@ -98,7 +98,7 @@ void check_texture(const std::filesystem::path& path, std::span<const std::byte>
 }
 
 std::vector<std::filesystem::path> write_textures(const TemporaryDirectory& directory) {
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   const std::pair<const char*, TextureOptions> files[] = {
       {"none.ktx2", {.metadata = {{"welkin.roughness", "0 0.25 0.5 1"}}}},
       {"zlib.ktx2", {TexelFormat::b10g11r11, Supercompression::zlib, {}}},
@@ -204,7 +204,7 @@ struct SixFaces {
   std::array<std::filesystem::path, 6> paths;
 
   explicit SixFaces(const TemporaryDirectory& directory) {
-    const CubemapChain chain = noisy_chain(8, 1);
+    const Cubemap chain = noisy_chain(8, 1);
     write_environment(directory.file("sky.pfm"), chain.view(0), {.layout = Layout::six_files});
     paths = face_files(directory.file("sky_px.pfm"));
     for (std::size_t face = 0; face < 6; ++face) bytes[face] = bytes_of(paths[face]);
@@ -249,7 +249,7 @@ TEST_CASE("six faces in memory are read as six files are", "[codec][memory]") {
 TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory]") {
   const TemporaryDirectory directory;
   const LatLongImage picture{64, 32, some_pixels(64, 32)};
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   const auto check = [&](const char* name, const auto& write) {
     CAPTURE(name);
     Bytes bytes(3, std::byte{7});
@@ -283,7 +283,7 @@ TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory
 
 TEST_CASE("after an error the bytes that were to be written are as they were", "[codec][memory]") {
   const LatLongImage picture{64, 32, some_pixels(64, 32)};
-  const CubemapChain chain = noisy_chain(8, 1);
+  const Cubemap chain = noisy_chain(8, 1);
   const Bytes before(5, std::byte{9});
   Bytes bytes = before;
   std::stop_source stop;

@@ -60,8 +60,9 @@ TEST_CASE("probe files: captures in files give the bits of captures in memory", 
   for (std::size_t k = 0; k < grid.size(); ++k) {
     const std::filesystem::path cube = folder.path() / ("cube" + std::to_string(k) + (k % 2 == 0 ? ".ktx2" : ".dds"));
     write_texture(cube, {&captures.cubes[k], 1}, {.format = TexelFormat::rgba32f});
-    CubemapImage grey{6, {}};
-    for (const float each : captures.distances[k]) grey.pixels.insert(grey.pixels.end(), 3, each);
+    std::vector<float> rgb;
+    for (const float each : captures.distances[k]) rgb.insert(rgb.end(), 3, each);
+    const Cubemap grey(6, rgb);
     const std::filesystem::path depth = folder.path() / ("depth" + std::to_string(k) + ".ktx2");
     const CubemapView view = grey.view();
     write_texture(depth, {&view, 1}, {.format = TexelFormat::rgba32f});

@@ -23,7 +23,7 @@ struct File {
 
 std::vector<File> a_file_of_each_format() {
   const std::vector<float> pixels(std::size_t{3} * 8 * 4, 0.5F);
-  const CubemapChain chain = noisy_chain(4, 3);
+  const Cubemap chain = noisy_chain(4, 3);
   std::vector<File> files;
   for (const char* name : {"sky.hdr", "sky.pfm", "sky.png", "sky.exr"}) {
     File& file = files.emplace_back();

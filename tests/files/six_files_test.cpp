@@ -26,7 +26,7 @@ const std::vector<Names> kFamilies{
     {"0", "1", "2", "3", "4", "5"},
 };
 
-void write_face(const std::filesystem::path& path, int size, const std::vector<float>& faces, std::size_t face) {
+void write_face(const std::filesystem::path& path, int size, std::span<const float> faces, std::size_t face) {
   const auto count = static_cast<std::ptrdiff_t>(3 * size * size);
   const auto first = faces.begin() + static_cast<std::ptrdiff_t>(face) * count;
   const std::vector<float> pixels(first, first + count);

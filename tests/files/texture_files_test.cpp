@@ -31,7 +31,7 @@ ReadOptions at_level(int level) {
   return options;
 }
 
-std::span<const float> level_pixels(const CubemapChain& chain, int level) {
+std::span<const float> level_pixels(const Cubemap& chain, int level) {
   return {chain.face(level, 0), 6 * face_values(chain, level)};
 }
 
@@ -95,7 +95,7 @@ TEST_CASE("a texture is an environment at each of its levels", "[codec][textures
 TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was asked for", "[codec][textures]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("sky.dds");
-  const CubemapChain chain = noisy_chain(1, 1);
+  const Cubemap chain = noisy_chain(1, 1);
   write_texture(path, chain.views(), {TexelFormat::e5b9g9r9, Supercompression::none, {}});
   std::vector<char> bytes = read_bytes(path);
   for (std::size_t i = 0; i < 24; ++i) bytes[148 + i] = static_cast<char>(10 * i);
@@ -129,7 +129,7 @@ TEST_CASE("another layout or a level that is not there is refused", "[codec][tex
 
 TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(16, 5);
+  const Cubemap chain = noisy_chain(16, 5);
   ProjectionOptions options;
   options.target_size = 4;
   const TextureOptions blurred{TexelFormat::rgba16f, Supercompression::none, {{"Welkin.Roughness", "0 1"}}};
@@ -150,10 +150,10 @@ TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[
 TEST_CASE("an .env is an environment in Welkin's axes, with the light that it stores", "[codec][env]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("sky.env");
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   const SphericalHarmonics radiance = RandomLight(5).harmonics(3);
   write_babylon_environment(path, to_babylon(chain, radiance));
-  const CubemapChain stored = mirrored_x(read_babylon_environment(path).specular);
+  const Cubemap stored = mirrored_x(read_babylon_environment(path).specular);
   for (int level = 0; level < 4; ++level) {
     CHECK(same_bytes<float>(pixels_of(read_environment(path, at_level(level))), level_pixels(stored, level)));
   }
@@ -216,7 +216,7 @@ void put(std::vector<char>& bytes, std::size_t place, std::uint32_t value) {
 ThrownError refusal_with(const char* file, std::size_t place, std::uint32_t value,
                          Supercompression packing = Supercompression::none) {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(4, 3);
+  const Cubemap chain = noisy_chain(4, 3);
   write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
   std::vector<char> bytes = read_bytes(directory.file(file));
   put(bytes, place, value);
@@ -287,7 +287,7 @@ TEST_CASE("KTX2 files that are not for us are named for what they are", "[codec]
   CHECK(refusal_with("sky.ktx2", 96, 5, Supercompression::zstd).says("its size and format take 768"));
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
     const TemporaryDirectory directory;
-    const CubemapChain chain = noisy_chain(16, 1);
+    const Cubemap chain = noisy_chain(16, 1);
     write_texture(directory.file("sky.ktx2"), chain.views(), {TexelFormat::rgba16f, packing, {}});
     std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
     for (std::size_t i = bytes.size() - 4000; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i);
@@ -324,7 +324,7 @@ TEST_CASE("DDS files that are not for us are named for what they are", "[codec][
 
 TEST_CASE("a texture that takes more memory than it may is refused before it is read", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(64, 1);
+  const Cubemap chain = noisy_chain(64, 1);
   for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
     write_texture(directory.file("sky.ktx2"), chain.views(), {TexelFormat::rgba16f, packing, {}});
     const ThrownError error = thrown_by([&] { (void)read_texture(directory.file("sky.ktx2"), 100000); });
@@ -369,7 +369,7 @@ TEST_CASE("DDS mips are counted by their number, whether or not the flag beside 
 
 TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(2, 1);
+  const Cubemap chain = noisy_chain(2, 1);
   for (const int number : {-1, 8, 99}) {
     TextureOptions options;
     options.format = static_cast<TexelFormat>(number);
@@ -457,7 +457,7 @@ TEST_CASE("a manifest that is huge, deep or no JSON is refused", "[codec][env]")
 
 TEST_CASE("textures that cannot be written are refused, and nothing is left", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = noisy_chain(4, 3);
+  const Cubemap chain = noisy_chain(4, 3);
   const std::vector<CubemapView> mips = chain.views();
   const auto refusal = [&](const char* file, std::span<const CubemapView> levels, const TextureOptions& options = {}) {
     ThrownError error = thrown_by([&] { write_texture(directory.file(file), levels, options); });

@@ -54,7 +54,7 @@ double step(TexelFormat format, double value, double largest_of_texel) {
 }
 
 /// Whether each value of `read` is half a step from what was written, at most.
-bool is_rounded(const CubemapChain& written, const CubemapChain& read, TexelFormat format) {
+bool is_rounded(const Cubemap& written, const Cubemap& read, TexelFormat format) {
   if (written.size() != read.size() || written.levels() != read.levels()) return false;
   for (int level = 0; level < written.levels(); ++level) {
     for (int face = 0; face < 6; ++face) {
@@ -78,7 +78,7 @@ std::uint64_t number(const std::vector<char>& bytes, std::size_t place, std::siz
   return value;
 }
 
-CubemapChain half_chain(int size, int levels) {
+Cubemap half_chain(int size, int levels) {
   return changed(noisy_chain(size, levels), [](float value) { return static_cast<float>(Imath::half(value)); });
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("textures come back rounded as their format says, at every size", "[co
   for (const int size : {1, 2, 3, 7, 64, 257}) {
     for (const int levels : {1, full_chain_levels(size)}) {
       if (size == 257 && levels == 1) continue;  // takes its time, and says nothing new
-      const CubemapChain chain = noisy_chain(size, levels);
+      const Cubemap chain = noisy_chain(size, levels);
       for (const TexelFormat format : kFormats) {
         for (const Supercompression packing : kPackings) {
           CAPTURE(size, levels, static_cast<int>(format), static_cast<int>(packing));
@@ -112,7 +112,7 @@ TEST_CASE("textures come back rounded as their format says, at every size", "[co
 
 TEST_CASE("a KTX2 file has its parts where the specification wants them", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(6, 3);
+  const Cubemap chain = half_chain(6, 3);
   for (const TexelFormat format : kFormats) {
     for (const Supercompression packing : kPackings) {
       CAPTURE(static_cast<int>(format), static_cast<int>(packing));
@@ -159,7 +159,7 @@ TEST_CASE("a KTX2 file has its parts where the specification wants them", "[code
 
 TEST_CASE("a DDS file has face after face, with its levels from the largest to the smallest", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(4, 3);
+  const Cubemap chain = half_chain(4, 3);
   write_texture(directory.file("sky.dds"), chain.views(), {});
   const std::vector<char> bytes = read_bytes(directory.file("sky.dds"));
   REQUIRE(bytes.size() == 148 + 6 * (16 + 4 + 1) * 8);
@@ -191,7 +191,7 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
   const auto path = directory.file("sky.exr");
   for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f}) {
     for (const auto& [size, levels] : {std::pair{1, 1}, {2, 2}, {64, 7}, {64, 3}, {256, 1}}) {
-      const CubemapChain chain = half_chain(size, levels);
+      const Cubemap chain = half_chain(size, levels);
       write_texture(path, chain.views(), {format, Supercompression::none, {{"roughness", "0 0.5 1"}}});
       for (int level = 0; level < levels; ++level) {
         CAPTURE(size, levels, level);
@@ -211,7 +211,7 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
 
 TEST_CASE("levels of an OpenEXR cube that were not given are means of the last one", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(16, 2);
+  const Cubemap chain = half_chain(16, 2);
   write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
   ReadOptions options;
   options.level = 3;
@@ -229,7 +229,7 @@ TEST_CASE("levels of an OpenEXR cube that were not given are means of the last o
 TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]") {
   const TemporaryDirectory directory;
   for (const int size : {3, 7, 257}) {
-    const CubemapChain chain = half_chain(size, full_chain_levels(size));
+    const Cubemap chain = half_chain(size, full_chain_levels(size));
     write_texture(directory.file("sky.exr"), chain.views(), {});
     const Environment read = read_environment(directory.file("sky.exr"));
     CHECK(read.face_size() == size);
@@ -260,7 +260,7 @@ TEST_CASE("views of any format and stride are written as they are seen", "[codec
 
 TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textures]") {
   const TemporaryDirectory directory;
-  CubemapChain chain = noisy_chain(4, 3);
+  Cubemap chain = noisy_chain(4, 3);
   chain.face(0, 2)[7] = 1e6F;
   chain.face(2, 5)[0] = -1e6F;
   for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
@@ -273,7 +273,7 @@ TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textu
 
 TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[codec][textures]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = half_chain(4, 1);
+  const Cubemap chain = half_chain(4, 1);
   const float* rgb = chain.face(0, 0);
   for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {2, 16}}) {
     const auto texels = static_cast<std::size_t>(width * height);
@@ -310,7 +310,7 @@ TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[
 
 TEST_CASE("Octahedral maps go to KTX2 with all levels, and to OpenEXR a level a file", "[textures][octahedral]") {
   const TemporaryDirectory directory;
-  const CubemapChain chain = build_mips(make_cubemap(Content::smooth, 16, 3, 3).view());
+  const Cubemap chain = build_mips(make_cubemap(Content::smooth, 16, 3, 3).view());
   const OctahedralMap map = to_octahedral(chain, {.size = 24, .levels = 3});
   for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
     std::vector<std::byte> bytes;

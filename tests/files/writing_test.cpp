@@ -34,7 +34,7 @@ constexpr std::array kNames{"sky.exr", "sky.hdr", "sky.pfm", "sky.png"};
 }  // namespace
 
 TEST_CASE("A cancelled write leaves what was there", "[writers]") {
-  const CubemapImage map{32, some_pixels(32, 192)};
+  const Cubemap map{32, some_pixels(32, 192)};
   for (const char* file : kNames) {
     for (const Layout layout : {Layout::automatic, Layout::six_files}) {
       const TemporaryDirectory directory;
@@ -52,7 +52,7 @@ TEST_CASE("A cancelled write leaves what was there", "[writers]") {
 }
 
 TEST_CASE("A file that is there is replaced, and progress runs to one", "[writers]") {
-  const CubemapImage map{8, some_pixels(8, 48)};
+  const Cubemap map{8, some_pixels(8, 48)};
   for (const char* file : kNames) {
     for (const Layout layout : {Layout::automatic, Layout::six_files}) {
       const TemporaryDirectory directory;
@@ -73,7 +73,7 @@ TEST_CASE("A file that is there is replaced, and progress runs to one", "[writer
 TEST_CASE("Refusals to write say what would do", "[writers]") {
   const TemporaryDirectory directory;
   const LatLongImage map{4, 2, some_pixels(4, 2)};
-  const CubemapImage cube{2, some_pixels(2, 12)};
+  const Cubemap cube{2, some_pixels(2, 12)};
   const auto refusal = [&](const std::string& file, const WriteOptions& options = {}) {
     return thrown_by([&] { write_environment(directory.file(file), map.view(), options); });
   };
@@ -145,7 +145,7 @@ TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
   const TemporaryDirectory directory;
   const auto path = directory.file("cube.exr");
   const int size = 5;
-  const CubemapImage map{size, some_pixels(size, 6 * size)};
+  const Cubemap map{size, some_pixels(size, 6 * size)};
   write_environment(path, map.view(), {Layout::automatic, SampleType::float32});
   const Imf::InputFile file(path.string().c_str());
   REQUIRE(Imf::envmap(file.header()) == Imf::ENVMAP_CUBE);
@@ -168,7 +168,7 @@ TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
       const Imath::V2f pixel = Imf::CubeMap::pixelPosition(face, window, in_face);
       const int x = static_cast<int>(std::lround(pixel.x));
       const int y = static_cast<int>(std::lround(pixel.y));
-      const float* wanted = map.pixels.data() + 3 * (row * size + column);
+      const float* wanted = map.face(0) + 3 * (row * size + column);
       REQUIRE(std::equal(wanted, wanted + 3, stored.data() + 3 * (y * size + x)));
     }
   }

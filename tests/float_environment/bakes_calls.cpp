@@ -32,7 +32,7 @@ std::vector<PassRecord> records_of(const std::vector<PlannedPass>& passes) {
   return records;
 }
 
-void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_plans(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const SceneNeeds rough{.glossy = RoughnessRange{0.4, 1.0}};
   const SourceShape shape = shape_of(wide.view());
   calls.call("check(SceneNeeds", [&] {
@@ -67,7 +67,7 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(cube.view(), of_cube); });
 }
 
-void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const TemporaryDirectory folder;
   const std::filesystem::path file = folder.file("wide.pfm");
   write_environment(file, wide.view());
@@ -103,7 +103,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
 
 void call_bakes(Calls& calls) {
   const LatLongImage wide = small_lat_long();
-  const CubemapImage cube = small_cubemap();
+  const Cubemap cube = small_cubemap();
   calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(wide.view(), small_bake()); });
   calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(cube.view(), small_bake()); });
   calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(wide.view(), small_bake()); });

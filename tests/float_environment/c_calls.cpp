@@ -57,7 +57,7 @@ Given done_by_worker(welkin_worker* worker, const Post& post) {
 
 void call_c(Calls& calls) {
   const LatLongImage wide = small_lat_long();
-  const CubemapImage cube = small_cubemap();
+  const Cubemap cube = small_cubemap();
   const TemporaryDirectory folder;
   const std::string path = folder.file("wide.hdr").string();
   write_environment(path, wide.view());
@@ -65,7 +65,7 @@ void call_c(Calls& calls) {
   welkin_environment faces;
   WELKIN_INIT(faces);
   for (std::size_t face = 0; face < 6; ++face) faces.faces[face] = cube.view().faces[face];
-  faces.size = cube.size;
+  faces.size = cube.size();
   welkin_environment lat_long;
   WELKIN_INIT(lat_long);
   lat_long.faces[0] = wide.pixels.data();

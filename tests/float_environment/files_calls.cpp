@@ -26,7 +26,7 @@ BakeOptions small_bake() {
 void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
   const LatLongImage wide = small_lat_long();
   const LatLongImage dark = faint(wide);
-  const CubemapImage cube = small_cubemap();
+  const Cubemap cube = small_cubemap();
   for (const char* const name : {"wide.pfm", "wide.hdr", "wide.exr", "wide.png", "dark.pfm"}) {
     const std::filesystem::path path = folder.file(name);
     const LatLongView view = name == std::string("dark.pfm") ? dark.view() : wide.view();
@@ -74,7 +74,7 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
 }
 
 void call_textures(Calls& calls, const TemporaryDirectory& folder) {
-  const CubemapChain chain = noisy_chain(8, 4, 4);
+  const Cubemap chain = noisy_chain(8, 4, 4);
   const std::vector<CubemapView> views = chain.views();
   struct File {
     const char* name;
@@ -125,9 +125,9 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
   });
   calls.call("rgbd_pictures(", [&] { return rgbd_pictures(chain).png; });
   calls.call("read_babylon_environment(", [&] { return read_babylon_environment(env).specular; });
-  calls.call("mirrored_x(CubemapChain", [&] { return mirrored_x(chain); });
-  const CubemapImage cube = small_cubemap();
-  calls.call("mirrored_x(CubemapImage", [&] { return mirrored_x(cube); });
+  calls.call("mirrored_x(Cubemap", [&] { return mirrored_x(chain); });
+  const Cubemap cube = small_cubemap();
+  calls.call("mirrored_x(Cubemap", [&] { return mirrored_x(cube); });
 
   const std::filesystem::path prefiltered = folder.file("prefiltered.ktx2");
   write_texture(prefiltered, views, {.metadata = {{"welkin.roughness", "0 0.21 0.53 0.87"}}});

@@ -21,7 +21,7 @@
 namespace welkin::test {
 namespace {
 
-void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_image(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const glm::dmat3 turn = turn_about_y(21.0);
   calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(cube.view(), 7, turn); });
   calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(wide.view(), 9); });
@@ -33,14 +33,14 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
   calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(cube.view()); });
   calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(wide.view()); });
-  CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  Cubemap chain = build_mips(cube.view(), MipFilter::box);
   calls.call("octahedral_place(", [] {
     const auto place = octahedral_place({0.1, -0.7, -0.3});
     return dvec3(place[0], place[1], 0.0);
   });
   calls.call("octahedral_direction(", [] { return octahedral_direction(0.91, -0.13); });
   const auto square = [](const OctahedralMap& map) { return map.levels.front(); };
-  calls.call("to_octahedral(CubemapChain", [&] { return square(to_octahedral(chain, {.size = 9})); });
+  calls.call("to_octahedral(Cubemap", [&] { return square(to_octahedral(chain, {.size = 9})); });
   calls.call("to_octahedral(SphericalHarmonics",
              [&] { return square(to_octahedral(project(cube.view()).radiance, {.size = 9})); });
   calls.call("fill_mips(", [&] {
@@ -49,11 +49,11 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   });
   LatLongImage wide_without_sun = wide;
   calls.call("take_out_sun(LatLongImage", [&] { return take_out_sun(wide_without_sun); });
-  CubemapImage cube_without_sun = cube;
-  calls.call("take_out_sun(CubemapImage", [&] { return take_out_sun(cube_without_sun); });
+  Cubemap cube_without_sun = cube;
+  calls.call("take_out_sun(Cubemap", [&] { return take_out_sun(cube_without_sun); });
 }
 
-void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_projection(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   ProjectionOptions options;
   options.bands = 4;
   options.target_size = 5;
@@ -71,7 +71,7 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
   calls.call("project(EnvironmentView", [&] { return project(wide.view(), options); });
   calls.call("project(EnvironmentView", [&] { return project(half.view(), {.quadrature = Quadrature::midpoint}); });
   calls.refused("project(EnvironmentView", [&] { static_cast<void>(project(wide.view(), {.bands = 0})); });
-  const CubemapChain mips = build_mips(cube.view());
+  const Cubemap mips = build_mips(cube.view());
   const std::vector<CubemapView> views = mips.views();
   calls.call("project(span<CubemapView", [&] { return project(views, options); });
 
@@ -92,7 +92,7 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
   calls.call("total(", [&] { return total(kept); });
 }
 
-void call_probes(Calls& calls, const CubemapImage& cube) {
+void call_probes(Calls& calls, const Cubemap& cube) {
   const ProbeGrid grid{.counts = {2, 2, 1}, .origin = {0.1, 0.2, 0.3}, .spacing = {1.1, 0.7, 0.9}};
   std::vector<float> distances(6 * 9);
   for (std::size_t k = 0; k < distances.size(); ++k) distances[k] = 0.3F + 0.1F * static_cast<float>(k % 7);
@@ -157,7 +157,7 @@ void call_importance(Calls& calls, const LatLongImage& wide) {
   calls.call("importance_variance(", [&] { return importance_variance(wide.view(), whole).table; });
 }
 
-void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_irradiance(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const std::vector<glm::dvec3> normals{{0.36, -0.48, 0.8}, {0.0, 1.0, 0.0}};
   calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(cube.view(), normals); });
   calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(wide.view(), normals); });
@@ -173,7 +173,7 @@ void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage&
   calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
 }
 
-void call_kernels(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_kernels(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const std::vector<dvec3> directions{{0.1, 0.7, -0.3}};
   calls.call("ZonalKernel::charlie(", [] { return ZonalKernel::charlie(0.4).spectrum(40); });
   calls.call("ZonalKernel::lambert(", [] { return ZonalKernel::lambert().spectrum(9); });
@@ -195,7 +195,7 @@ void call_kernels(Calls& calls, const LatLongImage& wide, const CubemapImage& cu
              [&] { return reference_by_kernel(cube.view(), sheen, directions); });
 }
 
-void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   for (const RoughnessSchedule schedule :
        {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
         RoughnessSchedule::unreal}) {
@@ -223,8 +223,8 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage
   calls.call("BrdfTable::half_values(", [&] { return brdf->half_values(); });
 }
 
-void call_upload(Calls& calls, const CubemapImage& cube) {
-  const CubemapChain mips = build_mips(cube.view());
+void call_upload(Calls& calls, const Cubemap& cube) {
+  const Cubemap mips = build_mips(cube.view());
   for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::b10g11r11, TexelFormat::e5b9g9r9}) {
     const UploadLayout layout{.format = format, .size = mips.size(), .levels = mips.levels()};
     std::vector<std::byte> memory(upload_bytes(layout));
@@ -238,15 +238,15 @@ void call_upload(Calls& calls, const CubemapImage& cube) {
       store_texels(mips.view(0), targets.front());
       return bytes();
     });
-    calls.call("store_texels(CubemapChain", [&] {
+    calls.call("store_texels(Cubemap const", [&] {
       store_texels(mips, targets);
       return bytes();
     });
   }
 }
 
-void call_bc6h(Calls& calls, const CubemapImage& cube) {
-  const CubemapChain mips = build_mips(cube.view());
+void call_bc6h(Calls& calls, const Cubemap& cube) {
+  const Cubemap mips = build_mips(cube.view());
   const Bc6hCubemap blocks = calls.call("encode_bc6h(", [&] { return encode_bc6h(mips.views()); });
   calls.call("decode_bc6h(", [&] { return decode_bc6h(blocks); });
   calls.call("bc6h_errors(", [&] { return bc6h_errors(blocks, mips.views()); });
@@ -256,7 +256,7 @@ void call_bc6h(Calls& calls, const CubemapImage& cube) {
 
 void call_pictures(Calls& calls) {
   const LatLongImage wide = small_lat_long();
-  const CubemapImage cube = small_cubemap();
+  const Cubemap cube = small_cubemap();
   call_image(calls, wide, cube);
   call_image(calls, faint(wide), faint(cube));
   call_projection(calls, wide, cube);

@@ -25,7 +25,7 @@ BakeOptions small_bake() {
 }
 
 void call_requests(Calls& calls) {
-  const CubemapImage cube = small_cubemap();
+  const Cubemap cube = small_cubemap();
   const LatLongImage wide = small_lat_long();
   const glm::dmat3 turn = turn_about_y(21.0);
   const Project project_cubemap{cube, {.target_size = 5}};

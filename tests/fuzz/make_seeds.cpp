@@ -160,7 +160,7 @@ void make_astc_seeds(const std::filesystem::path& directory) {
   for (const TexelFormat format : {TexelFormat::astc_4x4_hdr, TexelFormat::astc_6x6_hdr}) {
     for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
       const TextureOptions options{.format = format, .supercompression = packing};
-      const CubemapChain chain = test::noisy_chain(7, full_chain_levels(7), 2);
+      const Cubemap chain = test::noisy_chain(7, full_chain_levels(7), 2);
       const auto path = [&] { return directory / ("astc" + std::to_string(count++) + ".ktx2"); };
       try {
         write_texture(path(), chain.views(), options);
@@ -181,7 +181,7 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
       for (const int size : {1, 4, 5}) {
         TextureOptions options{format, packing, {}};
         if (count % 2 == 1) options.metadata = {{"roughness", "0 1"}, {"note", "seed"}};
-        const CubemapChain chain = test::noisy_chain(size, count % 3 == 0 ? 1 : full_chain_levels(size));
+        const Cubemap chain = test::noisy_chain(size, count % 3 == 0 ? 1 : full_chain_levels(size));
         write_texture(directory / ("seed" + std::to_string(count++) + extension), chain.views(), options);
         if (size < 4) continue;
         write_texture_2d(directory / ("seed" + std::to_string(count++) + extension), 2 * size, size, chain.face(0, 0),
@@ -240,7 +240,7 @@ void make_env_seeds(const std::filesystem::path& directory) {
       environment.specular = test::noisy_chain(size, full_chain_levels(size));
       if (irradiance >= 0) environment.polynomial = BabylonPolynomial{};
       if (irradiance > 0) {
-        const CubemapChain chain = test::noisy_chain(irradiance, 1);
+        const Cubemap chain = test::noisy_chain(irradiance, 1);
         environment.irradiance = {irradiance, {chain.face(0, 0), chain.face(0, 0) + 6 * test::face_values(chain, 0)}};
         environment.dominant_direction = glm::dvec3(0.0, 1.0, 0.0);
       }
@@ -270,7 +270,7 @@ void write_entry(const std::filesystem::path& path, cache::EntryKind kind, const
 
 void make_entry_seeds(const std::filesystem::path& directory) {
   const std::vector<float> pixels(6 * 4 * 4 * 3, 0.5F);
-  const CubemapImage image{4, pixels};
+  const Cubemap image{4, pixels};
   using Kind = cache::EntryKind;
   write_entry(directory / "projection", Kind::projection, cache::encode(project(image.view())));
   const PrefilteredSpecular chain = prefilter_specular(image.view(), {.size = 2});

@@ -68,7 +68,7 @@ std::vector<double> octahedral_solid_angles(int inner) {
   return steradians;
 }
 
-CubemapChain chain_of(Content content, int size) { return build_mips(make_cubemap(content, size, 3, 5).view()); }
+Cubemap chain_of(Content content, int size) { return build_mips(make_cubemap(content, size, 3, 5).view()); }
 
 }  // namespace
 
@@ -148,7 +148,7 @@ TEST_CASE("Bilinear filtering of an octahedral map has no step at its edge", "[o
 }
 
 TEST_CASE("Octahedral maps show what the cubemap shows", "[octahedral]") {
-  const CubemapChain chain = chain_of(Content::smooth, 64);
+  const Cubemap chain = chain_of(Content::smooth, 64);
   const OctahedralMap map = to_octahedral(chain, {.size = 256, .levels = 4});
   for (int level = 0; level < 4; ++level) {
     const image::CubemapSampler cube(chain.view(level));
@@ -174,7 +174,7 @@ TEST_CASE("An octahedral map has the light of each of the cubemap's texels", "[o
     const int quarter = size / 4;
     for (const auto& [face, column, row] :
          {std::array{5, 5, 15}, {0, 0, 0}, {1, size - 1, quarter}, {2, half, half}, {3, quarter, 1}, {4, half, 0}}) {
-      CubemapChain chain(size, 1);
+      Cubemap chain(size, 1);
       for (int each = 0; each < 6; ++each) std::fill_n(chain.face(0, each), 3 * size * size, 0.0F);
       chain.face(0, face)[3 * (row * size + column) + 1] = 1000.0F;
       const OctahedralMap map = to_octahedral(chain, {.size = inner + 2, .border = 1});
@@ -194,7 +194,7 @@ TEST_CASE("An octahedral map has the light of each of the cubemap's texels", "[o
 TEST_CASE("A texel of an octahedral map is the mean of bilinear interpolation over its area", "[octahedral]") {
   // Texels of odd maps lie across the edges of octants.
   for (const auto& [size, inner] : {std::array{20, 16}, {20, 17}, {7, 24}, {1, 5}, {2, 1}}) {
-    const CubemapChain chain = chain_of(Content::random, size);
+    const Cubemap chain = chain_of(Content::random, size);
     const image::CubemapSampler cube(chain.view(0));
     const OctahedralMap map = to_octahedral(chain, {.size = inner + 2, .border = 1});
     const int parts = 480 / inner;
@@ -233,7 +233,7 @@ TEST_CASE("Coefficients are at an octahedral map's centres", "[octahedral]") {
 }
 
 TEST_CASE("Octahedral maps that cannot be are refused", "[octahedral]") {
-  const CubemapChain chain = chain_of(Content::uniform, 8);
+  const Cubemap chain = chain_of(Content::uniform, 8);
   for (const OctahedralOptions& options : {OctahedralOptions{.size = 0},
                                            {.size = 20000},
                                            {.size = 16, .levels = 0},
@@ -245,7 +245,7 @@ TEST_CASE("Octahedral maps that cannot be are refused", "[octahedral]") {
     CAPTURE(options.size, options.levels, options.border);
     CHECK(thrown_by([&] { static_cast<void>(to_octahedral(chain, options)); }).code == ErrorCode::invalid_argument);
   }
-  CHECK(thrown_by([&] { static_cast<void>(to_octahedral(CubemapChain(), {})); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { static_cast<void>(to_octahedral(Cubemap(), {})); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([&] { static_cast<void>(to_octahedral(SphericalHarmonics(2), {.size = 16, .levels = 2})); }).code ==
         ErrorCode::invalid_argument);
 }

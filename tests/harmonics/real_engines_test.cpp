@@ -68,16 +68,16 @@ LatLongImage lat_long(int width, int height) {
   return image;
 }
 
-CubemapImage cubemap(int size) {
-  CubemapImage cube{size, {}};
+Cubemap cubemap(int size) {
+  std::vector<float> pixels;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        append(cube.pixels, radiance(image::face_direction(size, face, column + 0.5, row + 0.5)));
+        append(pixels, radiance(image::face_direction(size, face, column + 0.5, row + 0.5)));
       }
     }
   }
-  return cube;
+  return {size, pixels};
 }
 
 // Largest distance between the first nine terms and what is recorded, over the largest recorded one.
@@ -174,18 +174,18 @@ const Case kCases[] = {
     {"quad_diag_64", 64, [](const glm::dvec3& d, int, int, int) { return d * d; }},
     {"orient_16", 16, [](const glm::dvec3&, int f, int x, int y) { return glm::dvec3(f + 1, x, 2 * y); }}};
 
-CubemapImage cubemap(const Case& of) {
-  CubemapImage cube{of.size, {}};
+Cubemap cubemap(const Case& of) {
+  std::vector<float> pixels;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < of.size; ++row) {
       for (int column = 0; column < of.size; ++column) {
         const glm::dvec3 direction = image::face_direction(of.size, face, column + 0.5, row + 0.5);
         const glm::dvec3 rgb = of.formula(glm::normalize(direction), face, column, row);
-        for (int channel = 0; channel < 3; ++channel) cube.pixels.push_back(static_cast<float>(rgb[channel]));
+        for (int channel = 0; channel < 3; ++channel) pixels.push_back(static_cast<float>(rgb[channel]));
       }
     }
   }
-  return cube;
+  return {of.size, pixels};
 }
 
 // As the command turns light: out of the frames of CubemapView in which the engine's faces lie, into its axes.

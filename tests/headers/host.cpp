@@ -128,8 +128,8 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
 
 void call_pictures(const welkin::LatLongImage& image, const std::string& folder) {
   const glm::dmat3 turn = welkin::turn_about_y(35.0);
-  const welkin::CubemapImage cubemap = welkin::to_cubemap(image.view(), 16, turn);
-  print("to_cubemap", std::span<const float>(cubemap.pixels));
+  const welkin::Cubemap cubemap = welkin::to_cubemap(image.view(), 16, turn);
+  print("to_cubemap", std::span<const float>(cubemap.pixels()));
   const std::vector<welkin::dvec3> normals{glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.6, 0.0, 0.8)};
   for (const glm::dvec3 value : welkin::direct_irradiance(cubemap.view(), normals)) print("direct irradiance", value);
   print("direct irradiance", glm::dvec3(welkin::direct_irradiance(image.view(), glm::dvec3(0.0, 0.0, 1.0))));
@@ -153,7 +153,7 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   options.background->size = 8;
   welkin::BakeResult bake = welkin::bake(cubemap.view(), options);
   print("bake", *bake.radiance);
-  print("bake", std::span<const float>(bake.irradiance->pixels));
+  print("bake", std::span<const float>(bake.irradiance->pixels()));
   print("bake", bake.diagnostics);
 
   const std::filesystem::path file = std::filesystem::path(folder) / "picture.pfm";
@@ -169,7 +169,7 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   print("cache", cache.project(cubemap.view(), {}, {.exposure = 2.0, .turn = turn}).radiance);
   welkin::Worker worker;
   auto job = worker.post(welkin::ToCubemap{image, 4, turn});
-  print("job", std::span<const float>(job.get().pixels));
+  print("job", job.get().pixels());
 }
 
 void call_sky() {

@@ -29,12 +29,12 @@ namespace {
 
 constexpr std::array kEfforts{Bc6hEffort::fast, Bc6hEffort::normal, Bc6hEffort::slow};
 
-CubemapChain sky(int size, Content content = Content::high_range) {
+Cubemap sky(int size, Content content = Content::high_range) {
   return build_mips(make_cubemap(content, size, 3, 5).view());
 }
 
 /// 16 blocks of a picture, as `load` puts them.
-std::unique_ptr<image::BlockGroup> group_of(const CubemapChain& chain, int first, const image::Bc6hKernels& kernels,
+std::unique_ptr<image::BlockGroup> group_of(const Cubemap& chain, int first, const image::Bc6hKernels& kernels,
                                             bool is_signed) {
   auto group = std::make_unique<image::BlockGroup>();
   const int size = chain.level_size(0);
@@ -93,7 +93,7 @@ image::EndTrials some_trials(bool is_signed) {
   return trials;
 }
 
-double chain_error(const Bc6hCubemap& blocks, const CubemapChain& chain) {
+double chain_error(const Bc6hCubemap& blocks, const Cubemap& chain) {
   const std::vector<double> errors = bc6h_errors(blocks, chain.views());
   double sum = 0.0;
   double texels = 0.0;
@@ -108,10 +108,10 @@ double chain_error(const Bc6hCubemap& blocks, const CubemapChain& chain) {
 }  // namespace
 
 TEST_CASE("BC6H kernels give the same blocks on every instruction set, and their exact errors", "[image][bc6h]") {
-  const CubemapChain chain = sky(64);
-  const CubemapChain noise = noisy_chain(64, 1, 4);
+  const Cubemap chain = sky(64);
+  const Cubemap noise = noisy_chain(64, 1, 4);
   for (const bool is_signed : {false, true}) {
-    for (const CubemapChain* const picture : {&chain, &noise}) {
+    for (const Cubemap* const picture : {&chain, &noise}) {
       image::SingleLineBlocks first_single{};
       image::TwoLineBlocks first_pair{};
       image::EndTrials first_trials{};
@@ -179,13 +179,13 @@ TEST_CASE("BC6H kernels try ends as the decoder reads them", "[image][bc6h]") {
 
 TEST_CASE("one colour is exact in BC6H at every size, and negatives where there is a sign", "[image][bc6h]") {
   for (const int size : {1, 2, 3, 4, 7, 64, 257}) {
-    CubemapChain chain(size, full_chain_levels(size));
+    Cubemap chain(size, full_chain_levels(size));
     for (const float value : {0.0F, 0x1p-24F, 0.3F, 1.0F, 65504.0F}) {
       for (const bool is_signed : {false, true}) {
         CAPTURE(size, value, is_signed);
         const float signed_value = is_signed ? -value : value;
         chain = changed(chain, [&](float) { return signed_value; });
-        const CubemapChain decoded = decode_bc6h(encode_bc6h(chain.views(), {Bc6hEffort::normal, is_signed}));
+        const Cubemap decoded = decode_bc6h(encode_bc6h(chain.views(), {Bc6hEffort::normal, is_signed}));
         const float half = image::float_from_half(image::half_from_float(signed_value));
         CHECK(all_values(decoded, chain, [&](float a, float) {
           // A step of the signed format is two halves where a block stores 16 bits.
@@ -198,7 +198,7 @@ TEST_CASE("one colour is exact in BC6H at every size, and negatives where there 
 
 TEST_CASE("what lies beyond a small face does not touch BC6H's texels", "[image][bc6h]") {
   for (const int size : {1, 2}) {
-    const CubemapChain chain = noisy_chain(size, 1, 2);
+    const Cubemap chain = noisy_chain(size, 1, 2);
     const Bc6hCubemap blocks = encode_bc6h(chain.views());
     CHECK(bc6h_errors(blocks, chain.views()).front() < (size == 1 ? 0.0006 : 0.25));
   }
@@ -206,20 +206,20 @@ TEST_CASE("what lies beyond a small face does not touch BC6H's texels", "[image]
 
 TEST_CASE("BC6H clamps what halves cannot hold, and counts texels once", "[image][bc6h]") {
   for (const int size : {1, 2, 3, 5, 16}) {
-    CubemapChain chain = changed(CubemapChain(size, 1), [](float) { return 1.0F; });
+    Cubemap chain = changed(Cubemap(size, 1), [](float) { return 1.0F; });
     chain.face(0, 0)[0] = -1.0F;
     chain.face(0, 1)[1] = std::numeric_limits<float>::quiet_NaN();
     chain.face(0, 2)[3 * (size * size - 1) + 2] = std::numeric_limits<float>::infinity();
     chain.face(0, 3)[0] = 65505.0F;
     CHECK(encode_bc6h(chain.views()).values_clamped == 4);
     CHECK(encode_bc6h(chain.views(), {Bc6hEffort::fast, true}).values_clamped == 3);
-    const CubemapChain decoded = decode_bc6h(encode_bc6h(chain.views()));
+    const Cubemap decoded = decode_bc6h(encode_bc6h(chain.views()));
     CHECK(all_values(decoded, chain, [](float a, float) { return a >= 0.0F && a <= 65504.0F; }));
   }
 }
 
 TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image][bc6h]") {
-  const CubemapChain chain = prefilter_specular(sky(256).view(0), {.size = 128, .mips = 8}).cubemap;
+  const Cubemap chain = prefilter_specular(sky(256).view(0), {.size = 128, .mips = 8}).cubemap;
   double last = 0.15;  // the picture is noise, of which 14 % is lost with one line
   for (const Bc6hEffort effort : kEfforts) {
     const Bc6hCubemap blocks = encode_bc6h(chain.views(), {effort});
@@ -236,11 +236,11 @@ TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image
 }
 
 TEST_CASE("BC6H keeps the mean of each channel where a sun has most of the light", "[image][bc6h]") {
-  const CubemapChain chain = sun_chain(128);
+  const Cubemap chain = sun_chain(128);
   for (const Bc6hEffort effort : kEfforts) {
     for (const bool is_signed : {false, true}) {
       const Bc6hCubemap blocks = encode_bc6h(chain.views(), {effort, is_signed});
-      const CubemapChain decoded = decode_bc6h(blocks);
+      const Cubemap decoded = decode_bc6h(blocks);
       for (int level = 0; level < 4; ++level) {  // down to 16 texels
         CAPTURE(static_cast<int>(effort), is_signed, level);
         CHECK(largest_bias(decoded, chain, level) < (is_signed ? 0.008 : 0.005));  // up to 0.05 where nothing is done
@@ -261,12 +261,12 @@ TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bou
     PrefilterOptions options;
     options.size = 256;
     options.mips = 9;
-    const CubemapChain chain = prefilter_specular(picture.lat_long(), options).cubemap;
+    const Cubemap chain = prefilter_specular(picture.lat_long(), options).cubemap;
     for (std::size_t effort = 0; effort < kEfforts.size(); ++effort) {
       const Bc6hCubemap blocks = encode_bc6h(chain.views(), {kEfforts[effort]});
       const double error = chain_error(blocks, chain);
       sums[effort] += error * error / static_cast<double>(names.size());
-      const CubemapChain decoded = decode_bc6h(blocks);
+      const Cubemap decoded = decode_bc6h(blocks);
       for (int level = 0; level < 5; ++level) {  // down to 16 texels
         CAPTURE(effort, level);
         CHECK(largest_bias(decoded, chain, level) < 0.003);
@@ -280,7 +280,7 @@ TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bou
 }
 
 TEST_CASE("BC6H of chains that do not fit is refused", "[image][bc6h]") {
-  const CubemapChain chain = noisy_chain(8, 4);
+  const Cubemap chain = noisy_chain(8, 4);
   std::vector<CubemapView> uneven = {chain.view(0), chain.view(2)};
   CHECK(thrown_by([&] { (void)encode_bc6h(uneven); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([&] { (void)encode_bc6h({}); }).code == ErrorCode::invalid_argument);

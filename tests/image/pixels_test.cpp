@@ -13,6 +13,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "image/geometry.h"
@@ -174,7 +175,7 @@ TEST_CASE("Solid angles of all row classes make a sphere", "[image][sun]") {
 namespace {
 
 /// A texel below by its definition: the mean of all texels over the area that it shares with each, in double.
-double value_below(const CubemapChain& chain, int level, int face, int column, int row, int channel, MipFilter filter) {
+double value_below(const Cubemap& chain, int level, int face, int column, int row, int channel, MipFilter filter) {
   const int above = chain.level_size(level - 1);
   const int size = chain.level_size(level);
   double sum = 0.0;
@@ -202,11 +203,41 @@ constexpr MipFilter kFilters[] = {MipFilter::box, MipFilter::solid_angle};
 
 }  // namespace
 
+TEST_CASE("A cubemap copies its pixels, moves and is refused", "[image]") {
+  const Cubemap noise = noisy_chain(6, 3);
+  Cubemap copy = noise;
+  CHECK(same_bits(noise, copy));
+  copy.pixels().back() = 7.0F;
+  CHECK_FALSE(same_bits(noise, copy));  // each has its own
+
+  const float* const first = copy.face(0);
+  CHECK(first == copy.face(0, 0));
+  CHECK(copy.face(5) == copy.face(0, 5));
+  CHECK(copy.pixels().size() == 18 * (6 * 6 + 3 * 3 + 1));
+  Cubemap taken = std::move(copy);
+  CHECK(taken.face(0) == first);
+  CHECK(copy.size() == 0);  // NOLINT(bugprone-use-after-move): it promises what it is then
+  CHECK(copy.levels() == 0);
+  CHECK(copy.pixels().empty());
+  CHECK(copy.view().size == 0);
+  CHECK(copy.views().empty());
+  CHECK(same_bits(Cubemap(copy), copy));
+
+  const std::vector<float> pixels(18 * 4, 0.5F);
+  const Cubemap made(2, pixels);
+  CHECK(made.levels() == 1);
+  CHECK(std::ranges::equal(made.pixels(), pixels));
+  CHECK(made.view() == made.view(0));
+  CHECK_THROWS_WITH(Cubemap(3, pixels), "a cubemap of 3 texels takes 162 floats, not 72");
+  CHECK_THROWS_WITH(Cubemap(0), Catch::Matchers::Contains("size is 0"));
+  CHECK_THROWS_WITH(Cubemap(4, 4), Catch::Matchers::Contains("cannot have 4 levels"));
+}
+
 TEST_CASE("Each mip is the mean of the one above over each texel's area", "[mips]") {
   for (const MipFilter filter : kFilters) {
     for (const int size : {1, 2, 3, 5, 7, 12, 26, 27, 52}) {
       const TestCubemap map = make_cubemap(Content::random, size, 4, 3);
-      const CubemapChain chain = build_mips(map.view(), filter);
+      const Cubemap chain = build_mips(map.view(), filter);
       REQUIRE(chain.levels() == full_chain_levels(size));
       for (int level = 1; level < chain.levels(); ++level) {
         const int edge = chain.level_size(level);
@@ -232,7 +263,7 @@ TEST_CASE("Mips have the same bits everywhere, and their tiles allocate nothing"
   for (const MipFilter filter : kFilters) {
     for (const int size : {96, 257, 300}) {
       const TestCubemap map = make_cubemap(Content::high_range, size, 3, 4);
-      CubemapChain expected;
+      Cubemap expected;
       force_instruction_set(available_instruction_sets().front());
       run_with_threads(1, [&] { expected = build_mips(map.view(), filter); });
       for (const InstructionSet set : available_instruction_sets()) {
@@ -255,7 +286,7 @@ TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
   CHECK(thrown_by([&] { return build_mips(map.view(), MipFilter::box, -1); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([&] { return build_mips(CubemapView{}); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([] {
-          CubemapChain none;
+          Cubemap none;
           fill_mips(none, MipFilter::box);
           return 0;
         }).says("no levels"));
@@ -289,22 +320,22 @@ std::vector<glm::dmat3> cube_symmetries() {
   return all;
 }
 
-CubemapImage some_cubemap(int size) { return {size, some_pixels(size, 6 * size)}; }
+Cubemap some_cubemap(int size) { return {size, some_pixels(size, 6 * size)}; }
 
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+bool same_bits(std::span<const float> a, std::span<const float> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-const float* nearest(const CubemapImage& map, const glm::dvec3& direction) {
+const float* nearest(const Cubemap& map, const glm::dvec3& direction) {
   double best = -2.0;
   const float* found = nullptr;
-  for (int row = 0; row < 6 * map.size; ++row) {
-    for (int column = 0; column < map.size; ++column) {
-      const double cosine =
-          glm::dot(direction, image::face_direction(map.size, row / map.size, column + 0.5, row % map.size + 0.5));
+  for (int row = 0; row < 6 * map.size(); ++row) {
+    for (int column = 0; column < map.size(); ++column) {
+      const double cosine = glm::dot(
+          direction, image::face_direction(map.size(), row / map.size(), column + 0.5, row % map.size() + 0.5));
       if (cosine <= best) continue;
       best = cosine;
-      found = map.pixels.data() + 3 * (row * map.size + column);
+      found = map.face(0) + 3 * (row * map.size() + column);
     }
   }
   return best > 1.0 - 1e-12 ? found : nullptr;
@@ -315,15 +346,15 @@ const float* nearest(const CubemapImage& map, const glm::dvec3& direction) {
 TEST_CASE("All 48 symmetries of a cube move texels to where they turn directions", "[resampling]") {
   REQUIRE(cube_symmetries().size() == 48);
   for (const int size : {1, 2, 3}) {
-    const CubemapImage map = some_cubemap(size);
+    const Cubemap map = some_cubemap(size);
     for (const glm::dmat3& turn : cube_symmetries()) {
-      const CubemapImage turned = to_cubemap(map.view(), size, turn);
+      const Cubemap turned = to_cubemap(map.view(), size, turn);
       for (int row = 0; row < 6 * size; ++row) {
         for (int column = 0; column < size; ++column) {
           const glm::dvec3 from = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
           const float* place = nearest(turned, turn * from);
           REQUIRE(place != nullptr);
-          REQUIRE(std::equal(place, place + 3, map.pixels.data() + 3 * (row * size + column)));
+          REQUIRE(std::equal(place, place + 3, map.face(0) + 3 * (row * size + column)));
         }
       }
     }
@@ -363,9 +394,10 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
 TEST_CASE("Exact turns read every pixel format, and rows from the bottom up", "[resampling]") {
   const TestCubemapHalf half = make_cubemap_half(Content::random, 5, 4, 3);
   const TestCubemap whole = make_cubemap(Content::random, 5, 3, 3);
-  const CubemapImage of_half = to_cubemap(half.view(), 5, turn_about_y(90.0));
-  const CubemapImage of_float = to_cubemap(whole.view(), 5, turn_about_y(90.0));
-  for (std::size_t i = 0; i < of_half.pixels.size(); ++i) REQUIRE(of_half.pixels[i] == as_half(of_float.pixels[i]));
+  const Cubemap of_half = to_cubemap(half.view(), 5, turn_about_y(90.0));
+  const Cubemap of_float = to_cubemap(whole.view(), 5, turn_about_y(90.0));
+  for (std::size_t i = 0; i < of_half.pixels().size(); ++i)
+    REQUIRE(of_half.pixels()[i] == as_half(of_float.pixels()[i]));
 
   LatLongImage map{6, 4, some_pixels(6, 4)};
   LatLongView upside_down = map.view();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "image/geometry.h"
@@ -31,16 +32,16 @@ glm::dvec3 radiance(const glm::dvec3& d) {
           1.5 - 0.7 * d.y + 0.4 * (d.x * d.x - d.z * d.z)};
 }
 
-void put(std::vector<float>& pixels, std::size_t texel, const glm::dvec3& value) {
+void put(std::span<float> pixels, std::size_t texel, const glm::dvec3& value) {
   for (int c = 0; c < 3; ++c) pixels[3 * texel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
 }
 
-CubemapImage smooth_cubemap(int size, const glm::dmat3& turn = glm::dmat3(1.0)) {
-  CubemapImage map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
+Cubemap smooth_cubemap(int size, const glm::dmat3& turn = glm::dmat3(1.0)) {
+  Cubemap map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
   for (int row = 0; row < 6 * size; ++row) {
     for (int column = 0; column < size; ++column) {
       const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      put(map.pixels, static_cast<std::size_t>(row * size + column), radiance(glm::transpose(turn) * to));
+      put(map.pixels(), static_cast<std::size_t>(row * size + column), radiance(glm::transpose(turn) * to));
     }
   }
   return map;
@@ -57,7 +58,7 @@ LatLongImage smooth_lat_long(int width, int height, const glm::dmat3& turn = glm
   return map;
 }
 
-double worst_difference(const std::vector<float>& a, const std::vector<float>& b) {
+double worst_difference(std::span<const float> a, std::span<const float> b) {
   REQUIRE(a.size() == b.size());
   double worst = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(static_cast<double>(a[i]) - b[i]));
@@ -88,11 +89,11 @@ double relative_difference(const SphericalHarmonics& a, const SphericalHarmonics
 }  // namespace
 
 TEST_CASE("A smooth environment is resampled to itself in every shape, askew too", "[resampling]") {
-  const CubemapImage cube = smooth_cubemap(64);
+  const Cubemap cube = smooth_cubemap(64);
   const LatLongImage lat_long = smooth_lat_long(256, 128);
   for (const glm::dmat3& turn : {glm::dmat3(1.0), kAskew, kAskew * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
-    CHECK(worst_difference(to_cubemap(cube.view(), 48, turn).pixels, smooth_cubemap(48, turn).pixels) < 2e-3);
-    CHECK(worst_difference(to_cubemap(lat_long.view(), 48, turn).pixels, smooth_cubemap(48, turn).pixels) < 2e-3);
+    CHECK(worst_difference(to_cubemap(cube.view(), 48, turn).pixels(), smooth_cubemap(48, turn).pixels()) < 2e-3);
+    CHECK(worst_difference(to_cubemap(lat_long.view(), 48, turn).pixels(), smooth_cubemap(48, turn).pixels()) < 2e-3);
     CHECK(worst_difference_off_poles(to_lat_long(cube.view(), 160, 80, turn), smooth_lat_long(160, 80, turn)) < 2e-3);
     CHECK(worst_difference_off_poles(to_lat_long(lat_long.view(), 160, 80, turn), smooth_lat_long(160, 80, turn)) <
           2e-3);
@@ -100,7 +101,7 @@ TEST_CASE("A smooth environment is resampled to itself in every shape, askew too
 }
 
 TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
-  const CubemapImage cube = smooth_cubemap(128);
+  const Cubemap cube = smooth_cubemap(128);
   const SphericalHarmonics wanted = project(cube.view()).radiance;
   CHECK(relative_difference(project(to_cubemap(cube.view(), 64).view()).radiance, wanted) < 2e-4);
   CHECK(relative_difference(project(to_lat_long(cube.view(), 512, 256).view()).radiance, wanted) < 2e-4);
@@ -109,7 +110,7 @@ TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
 
 TEST_CASE("Faces are interpolated across their edges without a seam", "[resampling]") {
   // Interpolated much finer, neighbours on either side of an edge differ by no more than those inside a face do.
-  const CubemapImage coarse = smooth_cubemap(8);
+  const Cubemap coarse = smooth_cubemap(8);
   const int width = 1024;
   const LatLongImage fine = to_lat_long(coarse.view(), width, 512);
   double largest_step = 0.0;
@@ -128,18 +129,18 @@ TEST_CASE("Faces are interpolated across their edges without a seam", "[resampli
 TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]") {
   for (const int width : {64, 63}) {
     const LatLongImage coarse = smooth_lat_long(width, 32);
-    const CubemapImage wanted = smooth_cubemap(64);
+    const Cubemap wanted = smooth_cubemap(64);
     const glm::dmat3 upright(1.0);
-    CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, ResampleFilter::bilinear).pixels, wanted.pixels) <
+    CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, ResampleFilter::bilinear).pixels(), wanted.pixels()) <
           0.01);
-    CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels, smooth_cubemap(64, kAskew).pixels) < 0.01);
+    CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels(), smooth_cubemap(64, kAskew).pixels()) < 0.01);
     // By area a texel next to the pole goes on to the pole as it is.
-    CHECK(worst_difference(to_cubemap(coarse.view(), 64).pixels, wanted.pixels) < 0.02);
+    CHECK(worst_difference(to_cubemap(coarse.view(), 64).pixels(), wanted.pixels()) < 0.02);
   }
 }
 
 TEST_CASE("Resampling refuses what it cannot do, and can be stopped", "[resampling]") {
-  const CubemapImage map = smooth_cubemap(4);
+  const Cubemap map = smooth_cubemap(4);
   const ThrownError skewed = thrown_by([&] { return to_cubemap(map.view(), 4, glm::dmat3(1.1)); });
   CHECK(skewed.code == ErrorCode::invalid_argument);
   CHECK(skewed.says("orthogonal"));
@@ -164,14 +165,14 @@ LatLongImage black(int width, int height) {
   return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
 }
 
-glm::dvec3 total_radiance(const CubemapImage& map) {
-  std::vector<double> angles(static_cast<std::size_t>(map.size));
+glm::dvec3 total_radiance(const Cubemap& map) {
+  std::vector<double> angles(static_cast<std::size_t>(map.size()));
   glm::dvec3 sum(0.0);
-  for (int row = 0; row < map.size; ++row) {
+  for (int row = 0; row < map.size(); ++row) {
     image::cubemap_row_solid_angles(row, angles);
     for (int face = 0; face < 6; ++face) {
-      for (int column = 0; column < map.size; ++column) {
-        const float* const rgb = map.pixels.data() + 3 * ((face * map.size + row) * map.size + column);
+      for (int column = 0; column < map.size(); ++column) {
+        const float* const rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
         sum += angles[static_cast<std::size_t>(column)] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
       }
     }
@@ -180,16 +181,17 @@ glm::dvec3 total_radiance(const CubemapImage& map) {
 }
 
 /// Where the light lies: the integral of direction times radiance, over that of radiance.
-glm::dvec3 middle_of_light(const CubemapImage& map) {
-  std::vector<double> angles(static_cast<std::size_t>(map.size));
+glm::dvec3 middle_of_light(const Cubemap& map) {
+  std::vector<double> angles(static_cast<std::size_t>(map.size()));
   glm::dvec3 sum(0.0);
-  for (int row = 0; row < map.size; ++row) {
+  for (int row = 0; row < map.size(); ++row) {
     image::cubemap_row_solid_angles(row, angles);
     for (int face = 0; face < 6; ++face) {
-      for (int column = 0; column < map.size; ++column) {
-        const float value = map.pixels[static_cast<std::size_t>(3 * ((face * map.size + row) * map.size + column))];
+      for (int column = 0; column < map.size(); ++column) {
+        const float value =
+            map.pixels()[static_cast<std::size_t>(3 * ((face * map.size() + row) * map.size() + column))];
         sum += angles[static_cast<std::size_t>(column)] * static_cast<double>(value) *
-               image::face_direction(map.size, face, column + 0.5, row + 0.5);
+               image::face_direction(map.size(), face, column + 0.5, row + 0.5);
       }
     }
   }
@@ -200,8 +202,8 @@ glm::dvec3 middle_of_light(const CubemapImage& map) {
 double lone_texel_error(int width, int height, int column, int row, int size) {
   LatLongImage map = black(width, height);
   map.pixels[static_cast<std::size_t>(3 * (row * width + column) + 1)] = 1e6F;
-  const CubemapImage cube = to_cubemap(map.view(), size);
-  for (const float value : cube.pixels) REQUIRE(value >= 0.0F);
+  const Cubemap cube = to_cubemap(map.view(), size);
+  for (const float value : cube.pixels()) REQUIRE(value >= 0.0F);
   const double wanted = 1e6 * image::lat_long_texel_solid_angle(width, height, row);
   return std::abs(total_radiance(cube).y / wanted - 1.0);
 }
@@ -250,7 +252,7 @@ TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][sl
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
     const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
     for (const int size : {1, 2, 3, 7, 64, 257}) {
-      for (const float value : to_cubemap(map.view(), size).pixels) REQUIRE(value == 0.1F);
+      for (const float value : to_cubemap(map.view(), size).pixels()) REQUIRE(value == 0.1F);
     }
   }
 }
@@ -264,10 +266,10 @@ TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels"
     for (const glm::dmat3& turn : {turn_about_y(90.0), turn_about_y(180.0), glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, 1),
                                    glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
       const LatLongImage turned = to_lat_long(map.view(), width, height, turn);
-      const CubemapImage before = to_cubemap(to_cubemap(map.view(), size).view(), size, turn);
-      const CubemapImage after = to_cubemap(turned.view(), size);
-      for (std::size_t i = 0; i < after.pixels.size(); ++i) {
-        REQUIRE(after.pixels[i] == Approx(before.pixels[i]).epsilon(3e-6));
+      const Cubemap before = to_cubemap(to_cubemap(map.view(), size).view(), size, turn);
+      const Cubemap after = to_cubemap(turned.view(), size);
+      for (std::size_t i = 0; i < after.pixels().size(); ++i) {
+        REQUIRE(after.pixels()[i] == Approx(before.pixels()[i]).epsilon(3e-6));
       }
     }
   }
@@ -288,13 +290,13 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
       double worst[2] = {};
       double worst_off_poles = 0.0;
       for (int k = 0; k < 2; ++k) {
-        const CubemapImage cube =
+        const Cubemap cube =
             to_cubemap(map.view(), size, glm::dmat3(1.0), k == 0 ? ResampleFilter::area : ResampleFilter::bilinear);
         for (int row = 0; row < 6 * size; ++row) {
           for (int column = 0; column < size; ++column) {
             const glm::dvec3 wanted = radiance(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
             for (int c = 0; c < 3; ++c) {
-              const double found = cube.pixels[static_cast<std::size_t>(3 * (row * size + column) + c)];
+              const double found = cube.pixels()[static_cast<std::size_t>(3 * (row * size + column) + c)];
               worst[k] = std::max(worst[k], std::abs(found - wanted[c]));
               const double y = image::face_direction(size, row / size, column + 0.5, row % size + 0.5).y;
               if (k == 0 && std::abs(y) < 0.998)
@@ -320,7 +322,7 @@ TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and 
       const TestLatLong map = make_lat_long(Content::high_range, width, height, 4);
       for (const int size : {16, 61, 130}) {
         const auto resampled = [&] { return to_cubemap(map.view(), size, glm::dmat3(1.0), filter); };
-        CubemapImage expected;
+        Cubemap expected;
         force_instruction_set(available_instruction_sets().front());
         run_with_threads(1, [&] { expected = resampled(); });
         for (const InstructionSet set : available_instruction_sets()) {
@@ -344,8 +346,8 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
       double worst = 0.0;
       const int step = std::max(1, 6 * size * size / 150);
       for (int texel = 0; texel < 6 * size * size; texel += step) {
-        CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
-        cube.pixels[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
+        Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
+        cube.pixels()[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
         const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
         glm::dvec3 sum(0.0);
         glm::dvec3 place(0.0);
@@ -372,7 +374,7 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
 
 TEST_CASE("A uniform cube is a uniform lat-long by area, and the same bits everywhere", "[area]") {
   for (const int size : {1, 2, 3, 7, 64}) {
-    const CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
+    const Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
     for (const glm::dmat3& turn : {glm::dmat3(1.0), turn_about_y(90.0)}) {
       const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, ResampleFilter::area);
       for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));

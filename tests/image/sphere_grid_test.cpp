@@ -174,23 +174,23 @@ SphereGrid noise_grid(int rings, int columns, GridContent content, std::uint32_t
   });
 }
 
-std::array<float*, 6> faces_of(CubemapImage& map) {
+std::array<float*, 6> faces_of(Cubemap& map) {
   std::array<float*, 6> faces{};
   for (std::size_t face = 0; face < 6; ++face) {
-    faces[face] = map.pixels.data() + face * map.pixels.size() / 6;
+    faces[face] = map.face(0) + face * map.pixels().size() / 6;
   }
   return faces;
 }
 
-CubemapImage sampled(const SphereGrid& grid, int size, const image::GridSampling& sampling = {},
-                     const Control& control = {}) {
-  CubemapImage map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), NAN)};
+Cubemap sampled(const SphereGrid& grid, int size, const image::GridSampling& sampling = {},
+                const Control& control = {}) {
+  Cubemap map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), NAN)};
   image::sample_faces(grid, size, faces_of(map), sampling, control);
   return map;
 }
 
-glm::dvec3 texel_of(const CubemapImage& map, int face, int column, int row) {
-  const float* rgb = map.pixels.data() + 3 * ((face * map.size + row) * map.size + column);
+glm::dvec3 texel_of(const Cubemap& map, int face, int column, int row) {
+  const float* rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
   return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -250,7 +250,7 @@ TEST_CASE("Faces hold the grid's function at their texels' centres", "[faces]") 
       for (const int size : {1, 2, 3, 7, 64, 257}) {
         if (size == 257 && rings < 200) continue;
         CAPTURE(rings, columns, size);
-        const CubemapImage map = sampled(grid, size);
+        const Cubemap map = sampled(grid, size);
         double worst = 0.0;
         for_each_texel(size, [&](int face, int column, int row) {
           const glm::dvec3 wanted = value_at(grid, image::face_direction(size, face, column + 0.5, row + 0.5));
@@ -265,7 +265,7 @@ TEST_CASE("Faces hold the grid's function at their texels' centres", "[faces]") 
 TEST_CASE("What lies in a direction lies there on the faces too", "[faces]") {
   // Each channel grows along an axis of its own: a swapped, mirrored or turned face shows.
   const SphereGrid grid = grid_of(256, 512, GridContent::samples, [](const glm::dvec3& d) { return d; });
-  const CubemapImage map = sampled(grid, 16);
+  const Cubemap map = sampled(grid, 16);
   for_each_texel(16, [&](int face, int column, int row) {
     const glm::dvec3 to = image::face_direction(16, face, column + 0.5, row + 0.5);
     REQUIRE(worst_component(texel_of(map, face, column, row) - to) < 1e-3);
@@ -276,7 +276,7 @@ TEST_CASE("Equal texels give equal faces, to four units in the last place", "[fa
   for (const GridContent content : {GridContent::spline_coefficients, GridContent::samples}) {
     const SphereGrid grid = grid_of(30, 62, content, [](const glm::dvec3&) { return glm::dvec3(1.0, 0.1, 60000.0); });
     for (const int size : {1, 3, 64, 129}) {
-      const CubemapImage map = sampled(grid, size);
+      const Cubemap map = sampled(grid, size);
       for_each_texel(size, [&](int face, int column, int row) {
         const glm::dvec3 value = texel_of(map, face, column, row);
         REQUIRE(std::abs(value.x - 1.0) < 3e-7);
@@ -298,8 +298,8 @@ TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
     }
     turned.fill_sides(0, 40);
     turned.fill_poles();
-    const CubemapImage before = sampled(grid, size);
-    const CubemapImage after = sampled(turned, size);
+    const Cubemap before = sampled(grid, size);
+    const Cubemap after = sampled(turned, size);
     const auto find = [&](const glm::dvec3& to, int& face, int& column, int& row) {
       double best = -2.0;
       for_each_texel(size, [&](int f, int c, int r) {
@@ -329,7 +329,7 @@ TEST_CASE("Neighbours across a face's edge agree as those inside one do", "[face
   const Radiance smooth = [](const glm::dvec3& d) { return glm::dvec3(1.0 + d.x * d.y, d.z + d.y * d.z, d.x - d.y); };
   const SphereGrid grid = grid_of(64, 128, GridContent::samples, smooth);
   const int size = 64;
-  const CubemapImage map = sampled(grid, size);
+  const Cubemap map = sampled(grid, size);
   for_each_texel(size, [&](int face, int column, int row) {
     const bool edge = column == 0 || row == 0 || column == size - 1 || row == size - 1;
     if (!edge) return;

@@ -23,8 +23,8 @@ std::size_t texel_bytes(TexelFormat format) {
   return format == TexelFormat::rgba32f ? 16 : format == TexelFormat::rgba16f ? 8 : 4;
 }
 
-CubemapChain random_chain(int size, int levels) {
-  CubemapChain chain(size, levels);
+Cubemap random_chain(int size, int levels) {
+  Cubemap chain(size, levels);
   for (int level = 0; level < levels; ++level) {
     const TestCubemap pixels = make_cubemap(Content::high_range, chain.level_size(level), 3, 7U);
     std::memcpy(chain.face(level, 0), pixels.pixels.data(), pixels.pixels.size() * sizeof(float));
@@ -33,7 +33,7 @@ CubemapChain random_chain(int size, int levels) {
 }
 
 /// What one row is in the format, by the encoder whose every value tests/files/textures_test.cpp knows.
-std::vector<std::uint8_t> encoded_row(const CubemapChain& chain, int level, int face, int row, TexelFormat format) {
+std::vector<std::uint8_t> encoded_row(const Cubemap& chain, int level, int face, int row, TexelFormat format) {
   const auto edge = static_cast<std::size_t>(chain.level_size(level));
   std::vector<std::uint8_t> texels(edge * texel_bytes(format));
   image::encode_texels(format, chain.face(level, face) + 3 * edge * static_cast<std::size_t>(row), edge, texels.data());
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> encoded_row(const CubemapChain& chain, int level, int 
 
 TEST_CASE("upload: every texel is where the layout says, and nothing else is touched") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
-    const CubemapChain chain = random_chain(size, full_chain_levels(size));
+    const Cubemap chain = random_chain(size, full_chain_levels(size));
     for (const TexelFormat format : kFormats) {
       for (const UploadOrder order : {UploadOrder::level_by_level, UploadOrder::face_by_face}) {
         for (const std::uint64_t alignment : {1U, 256U}) {
@@ -109,7 +109,7 @@ TEST_CASE("upload: bottom-up rows, pixels of every kind, and the same bytes on a
 }
 
 TEST_CASE("upload: what a format cannot hold is clamped and counted") {
-  CubemapChain chain(1, 1);
+  Cubemap chain(1, 1);
   std::fill_n(chain.face(0, 0), 18, 1.0F);
   chain.face(0, 0)[0] = 1e6F;
   chain.face(0, 1)[1] = -2.0F;
@@ -123,7 +123,7 @@ TEST_CASE("upload: what a format cannot hold is clamped and counted") {
 }
 
 TEST_CASE("upload: what does not fit is refused before anything is written") {
-  const CubemapChain chain = random_chain(8, 2);
+  const Cubemap chain = random_chain(8, 2);
   const UploadLayout layout{TexelFormat::rgba16f, 8, 2};
   std::vector<std::byte> memory(upload_bytes(layout), kUntouched);
   const auto refused = [&](const auto& change) {

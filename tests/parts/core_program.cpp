@@ -37,14 +37,14 @@ welkin::LatLongImage even_picture() {
 
 void pixels_to_light() {
   const welkin::LatLongImage picture = even_picture();
-  const welkin::CubemapImage faces = welkin::to_cubemap(picture.view(), kSize);
+  const welkin::Cubemap faces = welkin::to_cubemap(picture.view(), kSize);
   const welkin::SphericalHarmonics radiance = welkin::project(faces.view()).radiance;
   const welkin::SphericalHarmonics irradiance = welkin::irradiance_from_radiance(radiance);
   const glm::dvec3 up(0.0, 1.0, 0.0);
   require(near(welkin::evaluate(irradiance, up).x, 2.0 * kPi), "the irradiance of an even sphere is not pi times it");
   require(near(welkin::direct_irradiance(faces.view(), {&up, 1}).front().y, 2.0 * kPi), "nor is the direct one");
-  const welkin::CubemapImage diffuse = welkin::irradiance_cubemap(irradiance, 4);
-  require(diffuse.size == 4, "the irradiance cubemap has another size");
+  const welkin::Cubemap diffuse = welkin::irradiance_cubemap(irradiance, 4);
+  require(diffuse.size() == 4, "the irradiance cubemap has another size");
 
   welkin::PrefilterOptions options;
   options.size = kSize;

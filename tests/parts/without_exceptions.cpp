@@ -55,7 +55,7 @@ struct Number {
   }
 };
 
-welkin::CubemapImage grey(float value) { return {4, std::vector<float>(std::size_t{6} * 4 * 4 * 3, value)}; }
+welkin::Cubemap grey(float value) { return {4, std::vector<float>(std::size_t{6} * 4 * 4 * 3, value)}; }
 
 }  // namespace
 
@@ -77,7 +77,7 @@ int main() {
   // No side of a cubemap can be of -1 texels: the call throws inside the library, and what follows is not run.
   auto failing = worker.post(welkin::ToCubemap{grey(1.0F), -1});
   const welkin::JobHandle failed = failing;
-  auto after = std::move(failing).then([](const welkin::CubemapImage& image) { return image.size; });
+  auto after = std::move(failing).then([](const welkin::Cubemap& image) { return image.size(); });
 
   expect(!light.try_take() && !light.error(), "a job that waits gives nothing");
   own_thread->run_all();

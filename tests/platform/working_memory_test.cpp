@@ -208,18 +208,18 @@ TEST_CASE("A test can fill blocks before they are used", "[platform][memory]") {
 
 TEST_CASE("Large chains leave their memory to the next one, unless the caller gave it", "[platform][memory]") {
   const KeptMemory kept(64 * kMebi);
-  CubemapChain first(256, 2);
+  Cubemap first(256, 2);
   const float* const pixels = first.face(0, 0);
   first = {};
   CHECK(kept_working_memory() >= 6 * kMebi - kMebi / 2);
-  const CubemapChain second(256, 2);
+  const Cubemap second(256, 2);
   CHECK(second.face(0, 0) == pixels);
   CHECK(kept_working_memory() == 0);
-  { const CubemapChain small(32, 2); }
-  { const CubemapChain elsewhere(256, 2, own_heap()); }
+  { const Cubemap small(32, 2); }
+  { const Cubemap elsewhere(256, 2, own_heap()); }
   CHECK(kept_working_memory() == 0);
   keep_working_memory(0);
-  { const CubemapChain third(256, 2); }
+  { const Cubemap third(256, 2); }
   CHECK(kept_working_memory() == 0);
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 void projections() {
   for (const int size : kSizes) {
-    const CubemapImage cube = cubemap(size, 1);
+    const Cubemap cube = cubemap(size, 1);
     const LatLongImage wide = lat_long(size, 2);
     for (const int bands : {3, 9}) {
       const std::string ending = "_bands_" + std::to_string(bands);
@@ -49,7 +49,7 @@ void harmonics() {
     for (std::size_t k = 0; k < form.terms.size() && k < 9; ++k) terms.coefficients()[k] = form.terms[k].rgb;
     print(std::string("harmonics/") + convention(engine).name, terms);
   }
-  print("harmonics/irradiance_cubemap", irradiance_cubemap(irradiance_from_radiance(light), 17).pixels);
+  print("harmonics/irradiance_cubemap", irradiance_cubemap(irradiance_from_radiance(light), 17).pixels());
   LatLongImage sunny = lat_long(64, 5);
   for (int c = 0; c < 3; ++c) sunny.pixels[static_cast<std::size_t>(3 * (20 * 128 + 30) + c)] = 60000.0F;
   const auto sun = take_out_sun(sunny);
@@ -58,10 +58,10 @@ void harmonics() {
 
 void resampling() {
   for (const int size : kSizes) {
-    print(sized("resample/to_cubemap", size), to_cubemap(lat_long(size, 6).view(), size).pixels);
+    print(sized("resample/to_cubemap", size), to_cubemap(lat_long(size, 6).view(), size).pixels());
     print(sized("resample/mips", size), build_mips(cubemap(size, 7).view()));
   }
-  print("resample/turned", to_cubemap(cubemap(31, 8).view(), 16, turn_about_y(33.0)).pixels);
+  print("resample/turned", to_cubemap(cubemap(31, 8).view(), 16, turn_about_y(33.0)).pixels());
   print("resample/to_lat_long", to_lat_long(cubemap(31, 9).view(), 40, 20).pixels);
 }
 
@@ -70,7 +70,7 @@ void reflections() {
     print(sized("prefilter/cubemap", size), prefilter_specular(cubemap(size, 10).view(), {.size = size}).cubemap);
     print(sized("prefilter/lat_long", size), prefilter_specular(lat_long(size, 11).view(), {.size = size}).cubemap);
   }
-  const CubemapImage cube = cubemap(32, 12);
+  const Cubemap cube = cubemap(32, 12);
   print("prefilter/spectral",
         prefilter_specular(cube.view(), {.size = 32, .method = PrefilterMethod::spectral}).cubemap);
   // Light so faint that factors of it are denormal numbers: there is no flag on every processor that flushes them.
@@ -103,7 +103,7 @@ void skies() {
   for (const double elevation : {60.0, 2.0, -5.0}) {
     const dvec3 sun = sun_direction(elevation, 120.0);
     const std::string ending = "_" + std::to_string(static_cast<int>(elevation));
-    print("sky/cubemap" + ending, sky_cubemap(view, sun, 33, {.sun_disc = true}).pixels);
+    print("sky/cubemap" + ending, sky_cubemap(view, sun, 33, {.sun_disc = true}).pixels());
     print("sky/harmonics" + ending, SkyProjector(view).project(sun), view.irradiance(sun), view.sun(sun).irradiance);
   }
   const SkyCurve curve(view, {.nodes = 32});

@@ -40,7 +40,7 @@ void pictures() {
 void bakes() {
   const std::vector<std::byte> file = written("sky.hdr", lat_long(64, 22));
   const BakeResult light = bake_file({file, "sky.hdr"}, {}, {.specular = PrefilterOptions{.size = 32}});
-  print("files/bake", light.specular->cubemap, *light.radiance, light.irradiance->pixels);
+  print("files/bake", light.specular->cubemap, *light.radiance, light.irradiance->pixels());
   std::vector<std::byte> texture;
   write_texture({texture, "sky.ktx2"}, light.specular->cubemap.views(), {.format = TexelFormat::e5b9g9r9});
   print_bytes("files/ktx2", texture);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,10 +39,10 @@ class Hash {
   void add(const SphericalHarmonics& harmonics) {
     for (const dvec3& coefficient : harmonics.coefficients()) add(coefficient);
   }
-  void add(const std::vector<float>& numbers) {
+  void add(std::span<const float> numbers) {
     for (const float number : numbers) add(number);
   }
-  void add(const CubemapChain& chain) {
+  void add(const Cubemap& chain) {
     for (int level = 0; level < chain.levels(); ++level) {
       const auto values = std::size_t{3} * static_cast<std::size_t>(chain.level_size(level) * chain.level_size(level));
       for (int face = 0; face < 6; ++face) {
@@ -92,7 +93,7 @@ inline std::vector<float> radiances(std::size_t count, std::uint64_t seed, float
   return values;
 }
 
-inline CubemapImage cubemap(int size, std::uint64_t seed, float scale = 1.0F) {
+inline Cubemap cubemap(int size, std::uint64_t seed, float scale = 1.0F) {
   return {size, radiances(std::size_t{18} * static_cast<std::size_t>(size * size), seed, scale)};
 }
 

@@ -21,7 +21,7 @@ using Depth = std::function<float(std::size_t probe, const dvec3& direction)>;
 
 /// Cubemaps and depths that stay where they are.
 struct Captures {
-  std::vector<CubemapImage> images;
+  std::vector<Cubemap> images;
   std::vector<std::vector<float>> distances;
   std::vector<CubemapView> cubes;
   std::vector<DepthView> depths;
@@ -30,16 +30,16 @@ struct Captures {
 
   Captures(std::size_t count, int size, const Light& light, int depth_size = 0, const Depth& depth = {}) {
     for (std::size_t k = 0; k < count; ++k) {
-      images.push_back({size, {}});
+      float* to = images.emplace_back(size).face(0);
       for_each_texel(size, [&](const dvec3& direction) {
         const dvec3 rgb = light(k, direction);
-        for (int c = 0; c < 3; ++c) images.back().pixels.push_back(static_cast<float>(rgb[c]));
+        for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(rgb[c]);
       });
       if (depth_size == 0) continue;
       distances.emplace_back();
       for_each_texel(depth_size, [&](const dvec3& direction) { distances.back().push_back(depth(k, direction)); });
     }
-    for (const CubemapImage& image : images) cubes.push_back(image.view());
+    for (const Cubemap& image : images) cubes.push_back(image.view());
     for (const std::vector<float>& each : distances) depths.push_back(depth_view(each, depth_size));
   }
 

@@ -47,12 +47,12 @@ SphericalHarmonics some_harmonics(int bands) {
 }  // namespace
 
 TEST_CASE("Irradiance beyond the floats is the largest float, not infinity", "[irradiance_cubemap]") {
-  const CubemapImage source{4, std::vector<float>(6 * 4 * 4 * 3, 3e38F)};
+  const Cubemap source{4, std::vector<float>(6 * 4 * 4 * 3, 3e38F)};
   const LatLongImage lat_long{8, 4, std::vector<float>(8 * 4 * 3, 3e38F)};
   const SphericalHarmonics irradiance = irradiance_from_radiance(project(source.view()).radiance);
-  for (const CubemapImage& map : {irradiance_cubemap(irradiance, 8), direct_irradiance_cubemap(source.view(), 2),
-                                  direct_irradiance_cubemap(lat_long.view(), 2)}) {
-    for (const float value : map.pixels) CHECK(value == std::numeric_limits<float>::max());
+  for (const Cubemap& map : {irradiance_cubemap(irradiance, 8), direct_irradiance_cubemap(source.view(), 2),
+                             direct_irradiance_cubemap(lat_long.view(), 2)}) {
+    for (const float value : map.pixels()) CHECK(value == std::numeric_limits<float>::max());
   }
 }
 
@@ -60,13 +60,13 @@ TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre",
   for (const int bands : {1, 2, 3, 4, 9, 16}) {
     const SphericalHarmonics harmonics = some_harmonics(bands);
     for (const int size : {1, 2, 3, 7, 33}) {
-      const CubemapImage map = irradiance_cubemap(harmonics, size);
-      REQUIRE(map.size == size);
+      const Cubemap map = irradiance_cubemap(harmonics, size);
+      REQUIRE(map.size() == size);
       for (int row = 0; row < 6 * size; ++row) {
         for (int column = 0; column < size; ++column) {
           const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
           const glm::dvec3 wanted = evaluate(harmonics, to);
-          const float* const found = map.pixels.data() + 3 * (row * size + column);
+          const float* const found = map.face(0) + 3 * (row * size + column);
           for (int c = 0; c < 3; ++c)
             REQUIRE(std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands);
         }
@@ -76,16 +76,16 @@ TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre",
 }
 
 TEST_CASE("A uniform environment's irradiance is pi times it, everywhere the same", "[irradiance_cubemap]") {
-  const CubemapImage map = irradiance_cubemap(irradiance_from_radiance(constant_radiance({1.0, 2.0, 0.5}, 3)), 64);
-  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+  const Cubemap map = irradiance_cubemap(irradiance_from_radiance(constant_radiance({1.0, 2.0, 0.5}, 3)), 64);
+  for (std::size_t i = 0; i < map.pixels().size(); ++i) {
     const double radiance = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 2.0 : 0.5;
-    REQUIRE(map.pixels[i] == static_cast<float>(std::numbers::pi * radiance));
+    REQUIRE(map.pixels()[i] == static_cast<float>(std::numbers::pi * radiance));
   }
 }
 
 TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cubemap]") {
   const TestCubemap source = make_cubemap(Content::high_range, 16, 3, 2);
-  const CubemapImage direct = direct_irradiance_cubemap(source.view(), 5);
+  const Cubemap direct = direct_irradiance_cubemap(source.view(), 5);
   std::vector<glm::dvec3> normals;
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 5; ++column) {
@@ -95,15 +95,15 @@ TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cub
   const std::vector<glm::dvec3> wanted = direct_irradiance(source.view(), normals);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      REQUIRE(direct.pixels[3 * i + c] == static_cast<float>(wanted[i][static_cast<glm::length_t>(c)]));
+      REQUIRE(direct.pixels()[3 * i + c] == static_cast<float>(wanted[i][static_cast<glm::length_t>(c)]));
     }
   }
   const TestLatLong lat_long = make_lat_long(Content::smooth, 32, 16, 2);
   const SphericalHarmonics radiance = project(lat_long.view()).radiance;
-  const CubemapImage by_bands = irradiance_cubemap(irradiance_from_radiance(radiance), 6);
-  const CubemapImage reference = direct_irradiance_cubemap(lat_long.view(), 6);
-  for (std::size_t i = 0; i < reference.pixels.size(); ++i) {
-    REQUIRE(by_bands.pixels[i] == Approx(reference.pixels[i]).epsilon(0.02));
+  const Cubemap by_bands = irradiance_cubemap(irradiance_from_radiance(radiance), 6);
+  const Cubemap reference = direct_irradiance_cubemap(lat_long.view(), 6);
+  for (std::size_t i = 0; i < reference.pixels().size(); ++i) {
+    REQUIRE(by_bands.pixels()[i] == Approx(reference.pixels()[i]).epsilon(0.02));
   }
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("Irradiance cubemaps have the same bits everywhere, and their tiles al
   const InstructionSet before = active_instruction_set();
   const SphericalHarmonics harmonics = some_harmonics(5);
   force_instruction_set(available_instruction_sets().front());
-  CubemapImage expected;
+  Cubemap expected;
   run_with_threads(1, [&] { expected = irradiance_cubemap(harmonics, 67); });
   for (const InstructionSet set : available_instruction_sets()) {
     force_instruction_set(set);
@@ -343,10 +343,10 @@ TEST_CASE("The irradiance cubemap of a bake of a real environment is within its 
     const Environment environment = read_environment(folder / name);
     const auto check = [](const auto& view) {
       BakeOptions options{.background = {}, .specular = {}, .irradiance = IrradianceOptions{.size = 3}, .brdf = {}};
-      const CubemapImage found = *bake(view, options).irradiance;
-      const CubemapImage truth = direct_irradiance_cubemap(view, 3);
-      for (std::size_t k = 0; k < truth.pixels.size(); ++k)
-        CHECK(found.pixels[k] == Approx(truth.pixels[k]).epsilon(5e-3).margin(1e-4));
+      const Cubemap found = *bake(view, options).irradiance;
+      const Cubemap truth = direct_irradiance_cubemap(view, 3);
+      for (std::size_t k = 0; k < truth.pixels().size(); ++k)
+        CHECK(found.pixels()[k] == Approx(truth.pixels()[k]).epsilon(5e-3).margin(1e-4));
     };
     if (environment.info.layout == Layout::lat_long) {
       check(environment.lat_long());

@@ -15,15 +15,15 @@ namespace welkin::test {
 namespace {
 
 template <class Radiance>
-CubemapImage cubemap_of(int size, const Radiance& radiance) {
-  CubemapImage image{size, {}};
+Cubemap cubemap_of(int size, const Radiance& radiance) {
+  std::vector<float> pixels;
   for (int row = 0; row < 6 * size; ++row) {
-    for (int column = 0; column < size; ++column) image.pixels.insert(image.pixels.end(), 3, radiance(column, row));
+    for (int column = 0; column < size; ++column) pixels.insert(pixels.end(), 3, radiance(column, row));
   }
-  return image;
+  return {size, pixels};
 }
 
-CubemapImage checkers(int size, int period) {
+Cubemap checkers(int size, int period) {
   return cubemap_of(
       size, [=](int column, int row) { return (column / period + row % size / period) % 2 == 0 ? 0.0F : 1.0F; });
 }
@@ -45,12 +45,11 @@ TEST_CASE("An even cubemap does not deceive the midpoint rule's estimate", "[sh]
   for (const int size : {16, 32, 64, 128}) {
     for (const int bands : {5, 7, 9}) {
       CAPTURE(size);
-      const CubemapImage even = cubemap_of(size, [](int, int) { return 1.0F; });
+      const Cubemap even = cubemap_of(size, [](int, int) { return 1.0F; });
       check_honest(even.view(), {.bands = bands, .quadrature = Quadrature::midpoint}, 5.0);
     }
   }
-  const CubemapImage slope =
-      cubemap_of(64, [](int, int row) { return 1.0F + 0.02F * static_cast<float>(row) / 384.0F; });
+  const Cubemap slope = cubemap_of(64, [](int, int row) { return 1.0F + 0.02F * static_cast<float>(row) / 384.0F; });
   check_honest(slope.view(), {.bands = 5, .quadrature = Quadrature::midpoint}, 5.0);
 }
 
@@ -61,7 +60,7 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
       for (int texel = 0; texel<half * half; texel += size> 8 ? 3 : 1) {
         CAPTURE(size, texel);
         const int lit_row = size * (texel % 6) + texel / half;
-        const CubemapImage lamp = cubemap_of(
+        const Cubemap lamp = cubemap_of(
             size, [=](int column, int row) { return row == lit_row && column == texel % half ? 1e6F : 1.0F; });
         const Projection found = project(lamp.view(), {.bands = bands, .quadrature = Quadrature::midpoint});
         const SphericalHarmonics truth = project(lamp.view(), {.bands = bands}).radiance;
@@ -76,9 +75,9 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
 TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target][estimates][truth]") {
   for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
     for (const int period : {1, 3}) {
-      const CubemapImage cubemap = checkers(72, period);
-      const CubemapImage half = checkers(48, period);
-      const LatLongView lat_long{half.pixels.data(), 48, 24, 0, PixelFormat::rgb32f};
+      const Cubemap cubemap = checkers(72, period);
+      const Cubemap half = checkers(48, period);
+      const LatLongView lat_long{half.face(0), 48, 24, 0, PixelFormat::rgb32f};
       for (const int target : {4, 7, 16}) {
         CAPTURE(period);
         check_honest(cubemap.view(), {.bands = 5, .quadrature = quadrature, .target_size = target}, 1.5);
@@ -91,7 +90,7 @@ TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target]
 }
 
 TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estimates]") {
-  const CubemapImage cubemap = checkers(40, 3);
+  const Cubemap cubemap = checkers(40, 3);
   const CubemapView views[] = {cubemap.view()};
   for (const ProjectionOptions& options :
        {ProjectionOptions{.target_size = 7}, ProjectionOptions{.bands = 5, .quadrature = Quadrature::midpoint}}) {

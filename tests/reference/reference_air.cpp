@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
+#include <string>
 
+#include "platform/text.h"
 #include "reference/reference_quadrature.h"
 #include "sky/air.h"
 
@@ -189,6 +192,14 @@ std::vector<double> ReferenceAir::shadow_ends(const AirRay& ray, double sun_slop
   }
   sort_unique(result);
   return result;
+}
+
+void check_direction(const char* what, const glm::dvec3& direction) {
+  if (std::abs(glm::length(direction) - 1.0) <= 1e-6) return;
+  throw Error(ErrorCode::invalid_argument, std::string(what) + " is (" + platform::number_text(direction.x) + ", " +
+                                               platform::number_text(direction.y) + ", " +
+                                               platform::number_text(direction.z) +
+                                               "); it must be of length 1 (normalise it)");
 }
 
 }  // namespace welkin::sky

@@ -93,4 +93,7 @@ class ReferenceAir {
   std::vector<double> altitudes_;
 };
 
+/// Throws `Error` (invalid_argument), by the argument's name, for a direction that is not of length 1.
+void check_direction(const char* what, const glm::dvec3& direction);
+
 }  // namespace welkin::sky

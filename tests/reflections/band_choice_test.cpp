@@ -21,18 +21,18 @@
 namespace welkin::test {
 namespace {
 
-CubemapImage picture(int size, const std::function<float(const glm::dvec3&)>& light) {
-  CubemapImage image{size, {}};
-  for (const glm::dvec3& direction : centres(size)) image.pixels.insert(image.pixels.end(), 3, light(direction));
-  return image;
+Cubemap picture(int size, const std::function<float(const glm::dvec3&)>& light) {
+  std::vector<float> pixels;
+  for (const glm::dvec3& direction : centres(size)) pixels.insert(pixels.end(), 3, light(direction));
+  return {size, pixels};
 }
 
 /// Rings of latitude of one frequency.
-CubemapImage stripes(int size, double frequency) {
+Cubemap stripes(int size, double frequency) {
   return picture(size, [=](const glm::dvec3& d) { return std::sin(frequency * std::asin(d.y)) > 0.0 ? 1.0F : 0.01F; });
 }
 
-int bands_of(const CubemapImage& image, const PrefilterOptions& options) {
+int bands_of(const Cubemap& image, const PrefilterOptions& options) {
   return prefilter_specular(image.view(), options).mips.front().bands;
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("A bound of 1e-4 begins with hardly more bands than one of 1e-3", "[sp
 }
 
 TEST_CASE("A picture takes its bands at once where the transform has enough", "[specular][bands]") {
-  const CubemapImage fine = stripes(64, 20.0);
+  const Cubemap fine = stripes(64, 20.0);
   const PrefilteredSpecular result =
       prefilter_specular(fine.view(), {.size = 64, .mips = 3, .method = PrefilterMethod::spectral, .rms_error = 3e-2});
   const auto again = [](const PassRecord& pass) { return pass.name == "energies"; };
@@ -106,14 +106,14 @@ TEST_CASE("Pictures with more energy than most take more bands", "[specular][ban
   const PrefilterOptions options{.size = 16, .mips = 1, .roughness = {0.2}, .method = PrefilterMethod::spectral};
   const int usual = reflections::plan_prefilter(options).bands;
   CHECK(bands_of(picture(32, [](const glm::dvec3& d) { return static_cast<float>(2.0 + d.x); }), options) <= usual);
-  const CubemapImage fine = stripes(64, 78.0);
+  const Cubemap fine = stripes(64, 78.0);
   const PrefilteredSpecular result = prefilter_specular(fine.view(), options);
   CHECK(result.mips.front().bands > reflections::plan_prefilter(options).mips.front().bands.bands());
   CHECK(*result.mips.front().error_estimate <= 1e-3);
 }
 
 TEST_CASE("Bands that a small cubemap's lobe will take are foreseen within reason", "[kernels][bands]") {
-  const CubemapImage noise = picture(64, [](const glm::dvec3& d) {
+  const Cubemap noise = picture(64, [](const glm::dvec3& d) {
     return static_cast<float>(1.5 + std::sin(9.0 * d.x) +
                               (std::sin(71.0 * d.x + 53.0 * d.y + 97.0 * d.z) > 0.9 ? 20.0 : 0.0));
   });
@@ -129,7 +129,7 @@ TEST_CASE("Bands that a small cubemap's lobe will take are foreseen within reaso
 
 // A chain's other mips decide too, so that a mip has the same bits with and without them.
 TEST_CASE("Mips that are left out do not change the bands of the others", "[specular][bands][bits]") {
-  const CubemapImage fine = stripes(64, 78.0);
+  const Cubemap fine = stripes(64, 78.0);
   const reflections::PrefilterPlan plan =
       reflections::plan_prefilter({.size = 16, .roughness = {0.2, 0.5}, .method = PrefilterMethod::spectral});
   const PrefilteredSpecular whole = reflections::prefilter(fine.view(), plan, {}, {}, {});

@@ -85,7 +85,7 @@ TEST_CASE("True errors of other lobes lie under their estimates, and few are ref
 TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][specular][bright][truth]") {
   RandomEnvironments random(5);
   for (int k = 0; k < 4; ++k) {
-    const CubemapImage lamps = random.cubemap(Family::lamps, 67);
+    const Cubemap lamps = random.cubemap(Family::lamps, 67);
     const PrefilteredSpecular result = prefilter_specular(lamps.view(), {.size = 4, .mips = 1, .roughness = {0.4447}});
     const std::vector<glm::dvec3> truth = reference_specular(lamps.view(), 0.4447, centres(4));
     CAPTURE(k);
@@ -94,7 +94,7 @@ TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][sp
 }
 
 TEST_CASE("A channel too dark for the bound on the largest error is named", "[specular]") {
-  const auto names_dark = [](const CubemapImage& image, double roughness) {
+  const auto names_dark = [](const Cubemap& image, double roughness) {
     const auto result = prefilter_specular(image.view(), {.size = 16, .mips = 1, .roughness = {roughness}});
     const auto& passes = result.pixels.passes;
     return std::any_of(passes.begin(), passes.end(),
@@ -102,14 +102,14 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
   };
   for (const int size : {16, 67}) {
     const auto floats = std::size_t{3} * static_cast<std::size_t>(size * size);
-    CubemapImage image{size, std::vector<float>(6 * floats, 1.0F)};
-    image.pixels[floats / 2] = 1e6F;
+    Cubemap image{size, std::vector<float>(6 * floats, 1.0F)};
+    image.pixels()[floats / 2] = 1e6F;
     for (const double roughness : {0.03, 0.3, 0.7}) {
       CAPTURE(size, roughness);
       CHECK_FALSE(names_dark(image, roughness));
     }
     const std::vector<glm::dvec3> places = centres(size);  // a sky of 1 over a ground of 1e-7
-    for (std::size_t k = 0; k < 3 * places.size(); ++k) image.pixels[k] = places[k / 3].y > 0.0 ? 1.0F : 1e-7F;
+    for (std::size_t k = 0; k < 3 * places.size(); ++k) image.pixels()[k] = places[k / 3].y > 0.0 ? 1.0F : 1e-7F;
     CHECK(names_dark(image, 0.3));
   }
 }
@@ -117,7 +117,7 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
 // Weights of a table of rings are floats: what even light loses to them was above the estimate where lobes are narrow.
 TEST_CASE("Estimates count what tables of rings round", "[estimates][specular][truth]") {
   for (const int size : {4, 8, 10, 16}) {
-    const CubemapImage even{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.37F)};
+    const Cubemap even{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.37F)};
     for (const double roughness : {0.07, 0.15, 0.3}) {
       const auto result = prefilter_specular(even.view(), {.size = 16, .mips = 1, .roughness = {roughness}});
       const std::vector<glm::dvec3> truth(std::size_t{6} * 16 * 16, glm::dvec3(static_cast<double>(1.37F)));

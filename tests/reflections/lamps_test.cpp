@@ -43,7 +43,7 @@ class LampRoom {
 
   [[nodiscard]] PrefilteredSpecular prefilter(const PrefilterOptions& options) const {
     return height_ > 0 ? prefilter_specular(LatLongImage{width_, height_, pixels_}.view(), options)
-                       : prefilter_specular(CubemapImage{width_, pixels_}.view(), options);
+                       : prefilter_specular(Cubemap{width_, pixels_}.view(), options);
   }
 
   [[nodiscard]] double truth(const glm::dvec3& normal, double alpha) const {
@@ -202,7 +202,7 @@ TEST_CASE("Sheen and diffuse light of lamps with large texels are within the bou
     const bool cubemap = width == 4;
     std::vector<float> pixels(std::size_t{3} * (cubemap ? 96 : 128), 1.0F);
     std::fill_n(pixels.begin() + 3 * 37, 3, 1e6F);
-    const CubemapImage cube{4, cubemap ? pixels : std::vector<float>()};
+    const Cubemap cube = cubemap ? Cubemap(4, pixels) : Cubemap();
     const LatLongImage lat_long{16, 8, cubemap ? std::vector<float>() : pixels};
     const KernelChainOptions options{.size = 8, .kernels = {ZonalKernel::charlie(0.35), ZonalKernel::lambert()}};
     const PrefilteredSpecular result =

@@ -137,8 +137,8 @@ TEST_CASE("Narrow lobes see a pole's triangles from some rows away", "[specular]
 // Lamps on wide texels are points to the far part; too few of them erred by 6.6e-5.
 TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow lobes", "[specular][narrow][lamps]") {
   const auto floats = std::size_t{3} * 7 * 7;
-  CubemapImage image{7, std::vector<float>(6 * floats, 1.0F)};
-  for (const std::size_t texel : {10, 24, 100, 151, 230, 280}) std::fill_n(image.pixels.begin() + 3 * texel, 3, 1e4F);
+  Cubemap image{7, std::vector<float>(6 * floats, 1.0F)};
+  for (const std::size_t texel : {10, 24, 100, 151, 230, 280}) std::fill_n(image.pixels().begin() + 3 * texel, 3, 1e4F);
   check_bounds(image.view(), {0.03, 0.052}, 16, 5);
 }
 
@@ -146,9 +146,9 @@ TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow l
 TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
           "[specular][prefilter][narrow][truth]") {
   constexpr int size = 64;
-  CubemapImage image{size, std::vector<float>(std::size_t{18} * size * size, 0.0F)};
+  Cubemap image{size, std::vector<float>(std::size_t{18} * size * size, 0.0F)};
   const auto lamp = static_cast<std::size_t>(40 * size + 36);
-  std::fill_n(image.pixels.begin() + 3 * lamp, 3, 1.0F);
+  std::fill_n(image.pixels().begin() + 3 * lamp, 3, 1.0F);
   for (const double roughness : {0.01, 0.05}) {
     CAPTURE(roughness);
     const PrefilteredSpecular result =

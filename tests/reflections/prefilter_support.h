@@ -34,7 +34,7 @@ struct LevelError {
 };
 
 /// Of every `step`-th texel against `truth` there.
-inline LevelError level_error(const CubemapChain& chain, int level, const std::vector<glm::dvec3>& truth,
+inline LevelError level_error(const Cubemap& chain, int level, const std::vector<glm::dvec3>& truth,
                               std::size_t step = 1) {
   const float* const rgb = chain.face(level, 0);
   LevelError error;

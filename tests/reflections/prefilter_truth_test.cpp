@@ -277,8 +277,8 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
       for (const float light : {1e4F, 1e7F}) {
         if (size == 128 && light < 1e5F) continue;
         CAPTURE(size, texel, light);
-        CubemapImage source{size, std::vector<float>(18 * face, 1.0F)};
-        for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] = light;
+        Cubemap source{size, std::vector<float>(18 * face, 1.0F)};
+        for (std::size_t c = 0; c < 3; ++c) source.pixels()[3 * texel + c] = light;
         const LevelError worst =
             worst_level(source.view(), {.size = size == 32 ? 16 : 6, .roughness = {0.3, 0.5, 0.8}});
         CHECK(worst.rms < 1e-3);
@@ -337,13 +337,13 @@ TEST_CASE("Suns on cubemaps of few texels leave the dark beside them right", "[s
 // Such edges lie on the rings' own: taking back more than was blurred there cost 8e-5.
 TEST_CASE("A sky over a ground on a cubemap keeps its horizon", "[specular][prefilter][truth]") {
   for (const int size : {4, 8, 9}) {
-    CubemapImage image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 0.1F)};
+    Cubemap image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 0.1F)};
     const image::TexelGrid grid = image::TexelGrid::cubemap(size);
     for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
       const glm::dvec3 d = grid.direction(texel);
       // A ground, and a wall that ends at meridians.
       const float value = d.y > 0.0 ? 2.0F : (d.z > std::abs(d.x) ? 0.5F : 0.1F);
-      std::fill_n(image.pixels.begin() + 3 * texel, 3, value);
+      std::fill_n(image.pixels().begin() + 3 * texel, 3, value);
     }
     const auto result = prefilter_specular(image.view(), {.size = 16, .mips = 1, .roughness = {0.19}});
     const LevelError error = level_error(result.cubemap, 0, reference_specular(image.view(), 0.19, centres(16)));

@@ -103,7 +103,7 @@ TEST_CASE("Even light stays even on rings", "[prefilter][rings]") {
   for (const int size : {1, 2, 7, 16, 40}) {
     for (const int rows : {64, 100}) {
       CAPTURE(size, rows);
-      const CubemapImage cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
+      const Cubemap cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
       const LatLongImage rings = rings_of(cube.view(), rows);
       float worst = 0.0F;
       for (std::size_t k = 0; k < rings.pixels.size(); k += 3)

@@ -17,11 +17,11 @@ namespace welkin::test {
 namespace {
 
 /// A sky of radiance 1 over a ground.
-CubemapImage sky_over_dark_ground(int size, float ground) {
-  CubemapImage image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), ground)};
+Cubemap sky_over_dark_ground(int size, float ground) {
+  Cubemap image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), ground)};
   const image::TexelGrid grid = image::TexelGrid::cubemap(size);
   for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
-    if (grid.direction(texel).y > 0.0) std::fill_n(image.pixels.begin() + 3 * texel, 3, 1.0F);
+    if (grid.direction(texel).y > 0.0) std::fill_n(image.pixels().begin() + 3 * texel, 3, 1.0F);
   }
   return image;
 }

@@ -45,7 +45,7 @@ TEST_CASE("report: probes are the texels' centres", "[report]") {
 }
 
 TEST_CASE("report: errors at probes are by solid angle, the largest by its own truth", "[report]") {
-  CubemapChain chain(1, 1);
+  Cubemap chain(1, 1);
   for (int face = 0; face < 6; ++face) std::fill_n(chain.face(0, face), 3, 1.0F);
   std::mt19937 random(1);
   const std::vector<Probe> probes = probes_of(chain, 0, 100, random);
@@ -61,7 +61,7 @@ TEST_CASE("report: errors at probes are by solid angle, the largest by its own t
 
 TEST_CASE("report: many texels are probed evenly, and where they are brightest and darkest", "[report]") {
   const ReportEnvironment light = built_in_environment(64);
-  CubemapChain chain(16, 1);
+  Cubemap chain(16, 1);
   for (std::size_t k = 0; k < std::size_t{6} * 256 * 3; ++k) chain.face(0, 0)[k] = light.image.pixels[k];
   chain.face(0, 3)[3 * 77 + 1] = 1e6F;
   chain.face(0, 5)[3 * 5 + 1] = -1.0F;
@@ -96,8 +96,8 @@ TEST_CASE("report: norms of harmonics", "[report]") {
 }
 
 TEST_CASE("report: formats hold what they can", "[report]") {
-  CubemapImage image{1, std::vector<float>(18, 0.5F)};
-  image.pixels[0] = 2.0F;
+  Cubemap image{1, std::vector<float>(18, 0.5F)};
+  image.pixels()[0] = 2.0F;
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgb16f, PixelFormat::rgba16f,
                                    PixelFormat::rgb8, PixelFormat::rgba8, PixelFormat::srgb8, PixelFormat::srgba8}) {
     INFO(name(format));

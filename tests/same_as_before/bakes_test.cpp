@@ -52,7 +52,7 @@ BakeResult light_alone(const EnvironmentView& view) {
 }
 
 LatLongImage wide_picture() { return {96, 48, make_lat_long(Content::sun_disc, 96, 48, 71).pixels}; }
-CubemapImage cube_picture() { return {24, make_cubemap(Content::high_range, 24, 3, 72).pixels}; }
+Cubemap cube_picture() { return {24, make_cubemap(Content::high_range, 24, 3, 72).pixels}; }
 
 struct NamedNeeds {
   const char* name;
@@ -78,7 +78,7 @@ class SomeFiles {
   SomeFiles() {
     write_environment(path("wide.pfm"), wide_picture().view());
     write_environment(path("wide.hdr"), wide_picture().view());
-    const CubemapChain chain = noisy_chain(16, 5, 4);
+    const Cubemap chain = noisy_chain(16, 5, 4);
     const auto radiance = project(chain.view(0)).radiance;
     write_babylon_environment(path("light.env"), to_babylon(chain, radiance));
     write_texture(path("cube.ktx2"), chain.views(), {.metadata = {{"welkin.roughness", "0 0.2 0.5 0.8 1"}}});
@@ -143,7 +143,7 @@ std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyT
 
 TEST_CASE("Whole bakes are the same as before", "[same_as_before]") {
   const LatLongImage wide = wide_picture();
-  const CubemapImage cube = cube_picture();
+  const Cubemap cube = cube_picture();
   const TestLatLongHalf half = make_lat_long_half(Content::special_values, 61, 30, 73, 4);
   const TestCubemap odd = make_cubemap(Content::special_values, 15, 4, 74);
   BakeOptions without_bands = small_bake();
@@ -169,7 +169,7 @@ TEST_CASE("Whole bakes are the same as before", "[same_as_before]") {
 
 TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
   const LatLongImage wide = wide_picture();
-  const CubemapImage cube = cube_picture();
+  const Cubemap cube = cube_picture();
   std::vector<NamedResult> results;
   for (const NamedNeeds& scene : scenes()) {
     std::string name = "lat_long_";
@@ -203,7 +203,7 @@ TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
 
 TEST_CASE("Results of the cache, computed and found, are the same as before", "[same_as_before]") {
   const LatLongImage wide = wide_picture();
-  const CubemapImage cube = cube_picture();
+  const Cubemap cube = cube_picture();
   const SomeFiles files;
   const LightChange change{
       .exposure = 1.5, .turn = glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)), .keep_faces = true};
@@ -231,7 +231,7 @@ TEST_CASE("Results of the cache, computed and found, are the same as before", "[
 
 TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
   const auto wide = std::make_shared<const LatLongImage>(wide_picture());
-  const auto cube = std::make_shared<const CubemapImage>(cube_picture());
+  const auto cube = std::make_shared<const Cubemap>(cube_picture());
   const SomeFiles files;
   const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), tiny_tables()));
   const glm::dvec3 sun = sun_direction(25.0, 60.0);

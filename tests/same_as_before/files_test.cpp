@@ -66,8 +66,8 @@ auto read_back(const char* file_name, const Write& write, const Read& read) {
 }
 
 /// Texels from 2^-6 to 2^6.
-CubemapImage some_cubemap(int size) {
-  const CubemapChain chain = noisy_chain(size, 1, 6, 3);
+Cubemap some_cubemap(int size) {
+  const Cubemap chain = noisy_chain(size, 1, 6, 3);
   return {size, {chain.face(0, 0), chain.face(0, 0) + 6 * face_values(chain, 0)}};
 }
 
@@ -77,7 +77,7 @@ std::vector<char> picture_bytes(const char* file_name, const LatLongImage& pictu
   return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
 }
 
-std::vector<char> picture_bytes(const char* file_name, const CubemapImage& picture, const WriteOptions& options = {}) {
+std::vector<char> picture_bytes(const char* file_name, const Cubemap& picture, const WriteOptions& options = {}) {
   return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
 }
 
@@ -89,11 +89,11 @@ Environment picture_back(const char* file_name, const Picture& picture, const Wr
       [&](const auto& path) { return read_environment(path, read_options); });
 }
 
-std::vector<char> texture_bytes(const char* file_name, const CubemapChain& chain, const TextureOptions& options) {
+std::vector<char> texture_bytes(const char* file_name, const Cubemap& chain, const TextureOptions& options) {
   return bytes_of(file_name, [&](const auto& path) { write_texture(path, chain.views(), options); });
 }
 
-CubemapChain texture_back(const char* file_name, const CubemapChain& chain, const TextureOptions& options) {
+Cubemap texture_back(const char* file_name, const Cubemap& chain, const TextureOptions& options) {
   return read_back(
       file_name, [&](const auto& path) { write_texture(path, chain.views(), options); },
       [](const auto& path) { return read_texture(path).cubemap; });
@@ -112,7 +112,7 @@ BabylonEnvironment some_environment(int size, bool with_irradiance) {
     value *= 0.75;
   }
   BabylonEnvironment environment = to_babylon(noisy_chain(size, full_chain_levels(size), 5), radiance,
-                                              with_irradiance ? some_cubemap(4) : CubemapImage{});
+                                              with_irradiance ? some_cubemap(4) : Cubemap{});
   if (with_irradiance) environment.dominant_direction = glm::dvec3(0.6, 0.0, 0.8);
   return environment;
 }
@@ -135,7 +135,7 @@ std::uint64_t bits_of_environment(const BabylonEnvironment& environment) {
 TEST_CASE("Bytes of pictures are the same as before", "[same_as_before]") {
   const LatLongImage wide = some_lat_long(Content::high_range);
   const LatLongImage special = some_lat_long(Content::special_values);
-  const CubemapImage cube = some_cubemap(9);
+  const Cubemap cube = some_cubemap(9);
   require_as_recorded(
       "picture_bytes",
       {
@@ -167,7 +167,7 @@ TEST_CASE("Pictures that were written and read are the same as before", "[same_a
   const LatLongImage wide = some_lat_long(Content::high_range);
   const LatLongImage dim = some_lat_long(Content::random);
   const LatLongImage special = some_lat_long(Content::special_values);
-  const CubemapImage cube = some_cubemap(9);
+  const Cubemap cube = some_cubemap(9);
   const auto write_exr = [&](const auto& path) { write_environment(path, wide.view()); };
   const SampleType f32 = SampleType::float32;
   require_as_recorded(
@@ -209,9 +209,9 @@ TEST_CASE("Pictures that were written and read are the same as before", "[same_a
 }
 
 TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_before]") {
-  const CubemapChain chain = noisy_chain(16, 5);
-  const CubemapChain odd = noisy_chain(13, 2, 20, 5);
-  const CubemapImage square = some_cubemap(5);
+  const Cubemap chain = noisy_chain(16, 5);
+  const Cubemap odd = noisy_chain(13, 2, 20, 5);
+  const Cubemap square = some_cubemap(5);
   std::vector<NamedResult> results;
   for (const auto& [format_name, format] : kFormats) {
     for (const auto& [file_name, kind] : {std::pair{"a.ktx2", "ktx2_"}, std::pair{"a.dds", "dds_"}}) {
@@ -268,7 +268,7 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
     std::string name = "two_dimensional_";
     name += file_name;
     results.emplace_back(name, [&square, file_name] {
-      return bytes_of(file_name, [&](const auto& path) { write_texture_2d(path, 25, 6, square.pixels.data()); });
+      return bytes_of(file_name, [&](const auto& path) { write_texture_2d(path, 25, 6, square.face(0)); });
     });
   }
   require_as_recorded("texture", results);
@@ -299,7 +299,7 @@ TEST_CASE("Environments of Babylon.js are the same as before", "[same_as_before]
 
 TEST_CASE("Packed bytes are the same as before, with the same compressors", "[same_as_before]") {
   const LatLongImage dim = some_lat_long(Content::random);
-  const CubemapChain chain = noisy_chain(16, 5);
+  const Cubemap chain = noisy_chain(16, 5);
   const BabylonEnvironment plain = some_environment(16, false);
   const BabylonEnvironment full = some_environment(8, true);
   const auto ktx2 = [&chain](Supercompression method) {

@@ -81,7 +81,7 @@ std::uint64_t bits_without_sun(Image image, const SunOptions& options = {}) {
 
 LatLongImage wide_picture(Content content) { return {128, 64, make_lat_long(content, 128, 64, 31).pixels}; }
 
-CubemapImage cube_picture(Content content) { return {64, make_cubemap(content, 64, 3, 32).pixels}; }
+Cubemap cube_picture(Content content) { return {64, make_cubemap(content, 64, 3, 32).pixels}; }
 
 }  // namespace
 

@@ -170,7 +170,7 @@ TEST_CASE("Projections at a target size and of mip chains are the same as before
   const TestCubemap cube = make_cubemap(Content::high_range, 128, 3, 13);
   const TestCubemap odd = make_cubemap(Content::special_values, 99, 4, 14);
   const TestLatLong wide = make_lat_long(Content::high_range, 300, 151, 15);
-  const CubemapChain mips = build_mips(cube.view());
+  const Cubemap mips = build_mips(cube.view());
   const std::vector<CubemapView> levels = mips.views();
   std::vector<NamedResult> results;
   for (const auto& [quadrature_name, quadrature] : kQuadratures) {

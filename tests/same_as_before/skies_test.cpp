@@ -111,7 +111,7 @@ SkyBakeOptions small_sky() {
 
 std::uint64_t bits_of_bake(const SkyPlan& plan) {
   const SkyBake sky = bake(plan, sun_direction(12.0, 33.0));
-  return bits_of(sky.tables, sky.radiance, sky.sun, sky.specular, sky.background.value_or(CubemapImage()), sky.brdf,
+  return bits_of(sky.tables, sky.radiance, sky.sun, sky.specular, sky.background.value_or(Cubemap()), sky.brdf,
                  sky.curve ? bits_of_curve(*sky.curve) : std::uint64_t{0});
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -37,7 +38,7 @@ const SkyView& view_at(double altitude) {
 }
 
 /// Integral over the sphere, and what its sun adds to that without it.
-glm::dvec3 total_radiance_of(const image::TexelGrid& grid, const std::vector<float>& pixels) {
+glm::dvec3 total_radiance_of(const image::TexelGrid& grid, std::span<const float> pixels) {
   std::vector<std::int64_t> texels;
   for (std::int64_t i = 0; i < grid.texels(); ++i) texels.push_back(i);
   const std::vector<double> areas = image::solid_angles_of(grid, texels);
@@ -55,7 +56,7 @@ void check_disc_irradiance(const glm::dvec3& with, const glm::dvec3& without, co
   }
 }
 
-bool all_sound(const std::vector<float>& pixels) {
+bool all_sound(std::span<const float> pixels) {
   return std::all_of(pixels.begin(), pixels.end(), [](float value) { return value >= 0.0F && std::isfinite(value); });
 }
 
@@ -67,16 +68,16 @@ TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pi
     const SkyView& view = view_at(altitude);
     for (const int size : {1, 2, 3, 7, 64}) {
       CAPTURE(altitude, size);
-      const CubemapImage cube = sky_cubemap(view, sun, size);
-      REQUIRE(cube.size == size);
+      const Cubemap cube = sky_cubemap(view, sun, size);
+      REQUIRE(cube.size() == size);
       const image::TexelGrid grid = image::TexelGrid::cubemap(size);
-      REQUIRE(cube.pixels.size() == 3 * static_cast<std::size_t>(grid.texels()));
+      REQUIRE(cube.pixels().size() == 3 * static_cast<std::size_t>(grid.texels()));
       const LatLongImage map = sky_lat_long(view, sun, size);
       REQUIRE(map.width == 2 * size);
       const image::TexelGrid flat = image::TexelGrid::lat_long(map.width, map.height);
       double worst = 0.0;
       double brightest = 0.0;
-      const auto compare = [&](const image::TexelGrid& texels, const std::vector<float>& pixels) {
+      const auto compare = [&](const image::TexelGrid& texels, std::span<const float> pixels) {
         for (std::int64_t i = 0; i < texels.texels(); i += 1 + texels.texels() / 200) {
           const glm::dvec3 expected = view.radiance(texels.direction(i), sun);
           for (int c = 0; c < 3; ++c) {
@@ -86,7 +87,7 @@ TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pi
           }
         }
       };
-      compare(grid, cube.pixels);
+      compare(grid, cube.pixels());
       compare(flat, map.pixels);
       CHECK(worst <= 1e-6 * brightest);
     }
@@ -103,11 +104,11 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
       const glm::dvec3 irradiance = view.sun(sun).irradiance;
       for (const int size : {1, 2, 3, 7, 64}) {
         CAPTURE(altitude, elevation, size);
-        const CubemapImage with = sky_cubemap(view, sun, size, {.sun_disc = true});
+        const Cubemap with = sky_cubemap(view, sun, size, {.sun_disc = true});
         const image::TexelGrid cube = image::TexelGrid::cubemap(size);
-        CHECK(all_sound(with.pixels));
-        check_disc_irradiance(total_radiance_of(cube, with.pixels),
-                              total_radiance_of(cube, sky_cubemap(view, sun, size).pixels), irradiance);
+        CHECK(all_sound(with.pixels()));
+        check_disc_irradiance(total_radiance_of(cube, with.pixels()),
+                              total_radiance_of(cube, sky_cubemap(view, sun, size).pixels()), irradiance);
         if (size > 7) continue;
         const LatLongImage map = sky_lat_long(view, sun, size, {.sun_disc = true});
         const image::TexelGrid grid = image::TexelGrid::lat_long(2 * size, size);
@@ -190,7 +191,7 @@ TEST_CASE("sky specular: it is the sky's cubemap, prefiltered", "[sky][view][spe
   options.size = 16;
   for (const bool disc : {false, true}) {
     const PrefilteredSpecular found = sky_specular(view, sun, options, {.sun_disc = disc});
-    const CubemapImage sky = sky_cubemap(view, sun, 16, {.sun_disc = disc});
+    const Cubemap sky = sky_cubemap(view, sun, 16, {.sun_disc = disc});
     const PrefilteredSpecular expected = prefilter_specular(sky.view(), options);
     REQUIRE(found.cubemap.levels() == expected.cubemap.levels());
     bool same = true;

@@ -14,7 +14,7 @@
 namespace welkin::test::stability {
 namespace {
 
-CubemapImage cube_of(int size) {
+Cubemap cube_of(int size) {
   const auto edge = static_cast<std::size_t>(size);
   return {size, std::vector<float>(18 * edge * edge)};
 }
@@ -25,7 +25,8 @@ LatLongImage lat_long_of(int width, int height) {
 
 template <class Image, class Value>
 Image filled(Image image, const Value& value) {
-  for (std::size_t k = 0; k < image.pixels.size(); ++k) image.pixels[k] = value(k);
+  const std::span<float> values = test::values_of(image);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = value(k);
   return image;
 }
 
@@ -49,7 +50,7 @@ float noise(std::uint32_t seed, std::uint32_t index) noexcept {
   return static_cast<float>(hashed(seed, index) >> 8U) * 0x1p-24F;
 }
 
-CubemapImage uniform_cube(int size, float value) {
+Cubemap uniform_cube(int size, float value) {
   return filled(cube_of(size), [value](std::size_t) { return value; });
 }
 
@@ -57,7 +58,7 @@ LatLongImage uniform_lat_long(int width, int height, float value) {
   return filled(lat_long_of(width, height), [value](std::size_t) { return value; });
 }
 
-CubemapImage noise_cube(int size, std::uint32_t seed) {
+Cubemap noise_cube(int size, std::uint32_t seed) {
   return filled(cube_of(size), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
@@ -66,7 +67,7 @@ LatLongImage noise_lat_long(int width, int height, std::uint32_t seed) {
                 [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
-CubemapImage checkerboard_cube(int size, float amplitude) {
+Cubemap checkerboard_cube(int size, float amplitude) {
   return filled(cube_of(size), [=](std::size_t k) { return board(k, size, amplitude); });
 }
 
@@ -74,7 +75,7 @@ LatLongImage checkerboard_lat_long(int width, int height, float amplitude) {
   return filled(lat_long_of(width, height), [=](std::size_t k) { return board(k, width, amplitude); });
 }
 
-CubemapImage upper_half_cube(int size) {
+Cubemap upper_half_cube(int size) {
   const auto edge = static_cast<std::size_t>(size);
   return filled(cube_of(size), [=](std::size_t k) {
     const std::size_t texel = k / 3;
@@ -180,7 +181,7 @@ std::vector<glm::dvec3> spread_directions(int count) {
   return directions;
 }
 
-std::vector<glm::dvec3> texels(const CubemapChain& chain, int level) {
+std::vector<glm::dvec3> texels(const Cubemap& chain, int level) {
   const auto edge = static_cast<std::size_t>(chain.level_size(level));
   std::vector<glm::dvec3> values;
   for (int face = 0; face < 6; ++face) {

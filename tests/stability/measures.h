@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "support/values_of.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/sky.h"
@@ -21,24 +22,24 @@ namespace welkin::test::stability {
 /// In [0, 1), exact in float.
 [[nodiscard]] float noise(std::uint32_t seed, std::uint32_t index) noexcept;
 
-[[nodiscard]] CubemapImage uniform_cube(int size, float value);
+[[nodiscard]] Cubemap uniform_cube(int size, float value);
 [[nodiscard]] LatLongImage uniform_lat_long(int width, int height, float value);
-[[nodiscard]] CubemapImage noise_cube(int size, std::uint32_t seed);
+[[nodiscard]] Cubemap noise_cube(int size, std::uint32_t seed);
 [[nodiscard]] LatLongImage noise_lat_long(int width, int height, std::uint32_t seed);
 
 /// The same with all channels of one texel (counted from the first face's first) set.
 template <class Image>
 [[nodiscard]] Image with_texel(Image image, std::size_t texel, float value) {
-  for (std::size_t c = 0; c < 3; ++c) image.pixels[3 * texel + c] = value;
+  for (std::size_t c = 0; c < 3; ++c) test::values_of(image)[3 * texel + c] = value;
   return image;
 }
 
 /// +size and -size by turns along rows and columns.
-[[nodiscard]] CubemapImage checkerboard_cube(int size, float amplitude);
+[[nodiscard]] Cubemap checkerboard_cube(int size, float amplitude);
 [[nodiscard]] LatLongImage checkerboard_lat_long(int width, int height, float amplitude);
 
 /// 1 above the horizon, 0 below. `size` even.
-[[nodiscard]] CubemapImage upper_half_cube(int size);
+[[nodiscard]] Cubemap upper_half_cube(int size);
 [[nodiscard]] LatLongImage upper_half_lat_long(int width, int height);
 
 /// |c| over all coefficients and channels, from band `first` on.
@@ -79,7 +80,7 @@ template <class Image>
 [[nodiscard]] std::vector<glm::dvec3> spread_directions(int count);
 
 /// The texels of a level in the order of its memory.
-[[nodiscard]] std::vector<glm::dvec3> texels(const CubemapChain& chain, int level);
+[[nodiscard]] std::vector<glm::dvec3> texels(const Cubemap& chain, int level);
 
 /// Where the truth is above 0: the largest relative error of any channel.
 [[nodiscard]] double worst_relative_error(std::span<const glm::dvec3> found, std::span<const glm::dvec3> truth);

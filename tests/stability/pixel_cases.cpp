@@ -62,9 +62,9 @@ double half_error(std::uint16_t half, double value) {
 
 /// How wrong the light of the background is once that of the bright texel is known and subtracted.
 double background_error(float value) {
-  const CubemapImage map = with_texel(uniform_cube(kSize, 1.0F), kTexel, value);
-  const CubemapImage texel = with_texel(uniform_cube(kSize, 0.0F), kTexel, value);
-  const CubemapImage rest = with_texel(uniform_cube(kSize, 1.0F), kTexel, 0.0F);
+  const Cubemap map = with_texel(uniform_cube(kSize, 1.0F), kTexel, value);
+  const Cubemap texel = with_texel(uniform_cube(kSize, 0.0F), kTexel, value);
+  const Cubemap rest = with_texel(uniform_cube(kSize, 1.0F), kTexel, 0.0F);
   const SphericalHarmonics whole = project(map.view()).radiance;
   const SphericalHarmonics lone = reference_projection(texel.view());
   SphericalHarmonics difference(3);
@@ -73,7 +73,7 @@ double background_error(float value) {
 }
 
 double background_error_without_sun(float value) {
-  CubemapImage map = with_texel(uniform_cube(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
+  Cubemap map = with_texel(uniform_cube(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
   if (!take_out_sun(map)) return std::numeric_limits<double>::infinity();
   return uniform_error(map.view(), 1.0);
 }
@@ -166,7 +166,7 @@ double worst_ulps(std::span<const float> values, double truth) {
 }
 
 double mips_ulps(float value) {
-  const CubemapChain chain = build_mips(uniform_cube(31, value).view());
+  const Cubemap chain = build_mips(uniform_cube(31, value).view());
   double worst = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
     for (const glm::dvec3& texel : texels(chain, level)) worst = worse(worst, float_ulps(texel.x, value));
@@ -196,7 +196,7 @@ Blurred blurred(const Image& source, double roughness) {
   return {found, reference_specular(source.view(), roughness, directions)};
 }
 
-CubemapImage bright_cube(float value) { return with_texel(uniform_cube(32, 1.0F), kImageTexel, value); }
+Cubemap bright_cube(float value) { return with_texel(uniform_cube(32, 1.0F), kImageTexel, value); }
 LatLongImage bright_lat_long(float value) { return with_texel(uniform_lat_long(128, 64, 1.0F), 2500, value); }
 LatLongImage dark_lat_long(float factor) {
   return with_texel(uniform_lat_long(128, 64, factor), 2500, 100.0F * factor);
@@ -217,7 +217,7 @@ double error_of_peak(const Blurred& mip) {
 }
 
 double error_without_sun(double roughness) {
-  CubemapImage map = with_texel(noise_cube(64, 12), std::size_t{2} * 64 * 64 + 20 * 64 + 29, 1e8F);
+  Cubemap map = with_texel(noise_cube(64, 12), std::size_t{2} * 64 * 64 + 20 * 64 + 29, 1e8F);
   if (!take_out_sun(map)) return std::numeric_limits<double>::infinity();
   return worst_error(blurred(map, roughness));
 }
@@ -235,7 +235,7 @@ double prefilter_uniform_ulps(float value) {
 
 double irradiance_cubemap_ulps(float value) {
   const SphericalHarmonics irradiance = irradiance_from_radiance(constant_radiance(glm::dvec3(value), 3));
-  return worst_ulps(irradiance_cubemap(irradiance, 4).pixels, value * 3.14159265358979323846);
+  return worst_ulps(irradiance_cubemap(irradiance, 4).pixels(), value * 3.14159265358979323846);
 }
 
 std::string name_of(const char* what, const std::string& value) {
@@ -262,7 +262,7 @@ void add_uniform_images(StabilityCases& cases) {
     };
     add("mips", "every mip of a uniform cubemap", 1.0, [value = value] { return mips_ulps(value); });
     add("to-cubemap", "a cubemap resampled from a uniform lat-long", 0.0,
-        [value = value] { return worst_ulps(to_cubemap(uniform_lat_long(37, 19, value).view(), 11).pixels, value); });
+        [value = value] { return worst_ulps(to_cubemap(uniform_lat_long(37, 19, value).view(), 11).pixels(), value); });
     add("prefilter-automatic", "a prefiltered uniform lat-long", kUniformUlps,
         [value = value] { return prefilter_uniform_ulps(value); });
   }
@@ -389,8 +389,8 @@ double projected(const Image& map, const Replacement& r) {
 }
 
 double irradiance_of(const Replacement& r) {
-  const CubemapImage bad = with_texel(noise_cube(16, 1), kOddTexel, r.bad);
-  const CubemapImage good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
+  const Cubemap bad = with_texel(noise_cube(16, 1), kOddTexel, r.bad);
+  const Cubemap good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
   const std::vector<glm::dvec3> normals = spread_directions(8);
   return rms_error(direct_irradiance(bad.view(), normals, r.options.pixels), direct_irradiance(good.view(), normals));
 }
@@ -398,7 +398,7 @@ double irradiance_of(const Replacement& r) {
 double prefiltered(const Replacement& r) {
   PrefilterOptions options{.size = 8};
   options.roughness = {0.0, 0.5};
-  const CubemapImage good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
+  const Cubemap good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
   const PrefilteredSpecular wanted = prefilter_specular(good.view(), options);
   options.pixels = r.options.pixels;
   const PrefilteredSpecular found = prefilter_specular(with_texel(noise_cube(16, 1), kOddTexel, r.bad).view(), options);
@@ -409,7 +409,7 @@ double prefiltered(const Replacement& r) {
 double rejections() {
   constexpr NonFinitePolicy reject = NonFinitePolicy::reject;
   const auto refused = [](float value, const ProjectionOptions& options) {
-    const CubemapImage cube = with_texel(noise_cube(16, 1), kOddTexel, value);
+    const Cubemap cube = with_texel(noise_cube(16, 1), kOddTexel, value);
     const LatLongImage lat_long = with_texel(noise_lat_long(64, 32, 1), kOddTexel, value);
     const std::vector<glm::dvec3> normals = spread_directions(1);
     PrefilterOptions prefilter{.size = 4};
@@ -429,9 +429,9 @@ double rejections() {
 
 /// The counts of what was replaced.
 double miscounts() {
-  CubemapImage map = noise_cube(16, 1);
+  Cubemap map = noise_cube(16, 1);
   const auto set = [&](std::size_t first, std::size_t count, float value) {
-    for (std::size_t k = first; k < first + count; ++k) map.pixels[k] = value;
+    for (std::size_t k = first; k < first + count; ++k) map.pixels()[k] = value;
   };
   set(10, 5, kNaN);
   set(400, 7, kInfinity);
@@ -452,10 +452,10 @@ double all_nan() {
 
 /// NaN in alpha, four channels.
 double alpha_error() {
-  const CubemapImage rgb = noise_cube(16, 1);
+  const Cubemap rgb = noise_cube(16, 1);
   std::vector<float> rgba;
-  for (std::size_t texel = 0; texel < rgb.pixels.size() / 3; ++texel) {
-    for (std::size_t c = 0; c < 3; ++c) rgba.push_back(rgb.pixels[3 * texel + c]);
+  for (std::size_t texel = 0; texel < rgb.pixels().size() / 3; ++texel) {
+    for (std::size_t c = 0; c < 3; ++c) rgba.push_back(rgb.pixels()[3 * texel + c]);
     rgba.push_back(texel % 2 == 0 ? kNaN : kInfinity);
   }
   CubemapView view{{}, 16, 0, PixelFormat::rgba32f};

@@ -99,7 +99,7 @@ void add_brdf_cases(StabilityCases& cases) {
 // Lobes from a point to the whole hemisphere: roughness 0, 1e-6, 1e-3, about the change of methods, 1.
 namespace {
 
-PrefilteredSpecular prefiltered(const CubemapImage& source, int size, double roughness, PrefilterMethod method) {
+PrefilteredSpecular prefiltered(const Cubemap& source, int size, double roughness, PrefilterMethod method) {
   PrefilterOptions options{.size = size};
   options.roughness = {roughness};
   options.method = method;
@@ -107,21 +107,21 @@ PrefilteredSpecular prefiltered(const CubemapImage& source, int size, double rou
 }
 
 double error_of(double roughness, int size, PrefilterMethod method) {
-  const CubemapImage source = noise_cube(16, 12);
+  const Cubemap source = noise_cube(16, 12);
   return worst_relative_error(texels(prefiltered(source, size, roughness, method).cubemap, 0),
                               reference_specular(source.view(), roughness, texel_directions(size)));
 }
 
 /// Of lobes narrower than a texel, at the source's own size.
 double narrow_error(double roughness) {
-  const CubemapImage source = noise_cube(8, 12);
+  const Cubemap source = noise_cube(8, 12);
   return rms_error(texels(prefiltered(source, 8, roughness, PrefilterMethod::automatic).cubemap, 0),
                    reference_specular(source.view(), roughness, texel_directions(8)));
 }
 
 /// How far a texel leaves the range of the source's, 1 to 1000, over the end that it leaves.
 double outside_of_range(double roughness) {
-  const CubemapImage source = with_texel(uniform_cube(16, 1.0F), 300, 1000.0F);
+  const Cubemap source = with_texel(uniform_cube(16, 1.0F), 300, 1000.0F);
   double worst = 0.0;
   for (const glm::dvec3& texel : texels(prefiltered(source, 16, roughness, PrefilterMethod::automatic).cubemap, 0)) {
     worst = worse(worst, worse(1.0 - texel.x, texel.x / 1000.0 - 1.0));
@@ -130,21 +130,21 @@ double outside_of_range(double roughness) {
 }
 
 double copy_differs() {
-  const CubemapImage source = noise_cube(32, 12);
+  const Cubemap source = noise_cube(32, 12);
   const PrefilteredSpecular found = prefiltered(source, 32, 0.0, PrefilterMethod::automatic);
   double wrong = 0.0;
-  for (std::size_t k = 0; k < source.pixels.size(); ++k)
-    wrong += wrong_if(found.cubemap.face(0, 0)[k] != source.pixels[k]);
+  for (std::size_t k = 0; k < source.pixels().size(); ++k)
+    wrong += wrong_if(found.cubemap.face(0, 0)[k] != source.pixels()[k]);
   return wrong;
 }
 
 /// The truth of a lobe far narrower than a texel is the texel it points at.
 double narrow_truth(double roughness) {
-  const CubemapImage source = noise_cube(8, 12);
+  const Cubemap source = noise_cube(8, 12);
   const std::vector<glm::dvec3> truth = reference_specular(source.view(), roughness, texel_directions(8));
   std::vector<glm::dvec3> values;
   for (std::size_t k = 0; k < truth.size(); ++k) {
-    values.emplace_back(source.pixels[3 * k], source.pixels[3 * k + 1], source.pixels[3 * k + 2]);
+    values.emplace_back(source.pixels()[3 * k], source.pixels()[3 * k + 1], source.pixels()[3 * k + 2]);
   }
   return worst_relative_error(truth, values);
 }
@@ -241,7 +241,7 @@ double cosine_relative_error(const Image& map, double degrees) {
 
 /// What a lobe sees of a half-lit sphere, plus what its mirror image in the horizon sees: all of it.
 double mirrored_lobes(double roughness, const std::vector<glm::dvec3>& directions) {
-  const CubemapImage map = upper_half_cube(32);
+  const Cubemap map = upper_half_cube(32);
   std::vector<glm::dvec3> both = directions;
   for (const glm::dvec3& d : directions) both.emplace_back(d.x, -d.y, d.z);
   const std::vector<glm::dvec3> light = reference_specular(map.view(), roughness, both);
@@ -285,7 +285,7 @@ double mirrored_texels(double roughness) {
 
 /// What a lobe towards the nadir sees of a lit upper half: nothing.
 double lobe_behind(double roughness) {
-  const CubemapImage map = upper_half_cube(32);
+  const Cubemap map = upper_half_cube(32);
   return reference_specular(map.view(), roughness, {glm::dvec3(0.0, -1.0, 0.0)})[0].x;
 }
 

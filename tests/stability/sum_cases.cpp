@@ -136,7 +136,7 @@ double growth(const std::function<double(int)>& error, const std::vector<int>& s
 
 /// Mean of the sphere on each mip against that of the first.
 double mips_drift(int size, const Control& control) {
-  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
+  const Cubemap chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
   const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
   double worst = 0.0;
   for (int level = 1; level < chain.levels(); ++level) {
@@ -242,15 +242,15 @@ double uniform_lat_long_leak(int height, int band_count) {
 }
 
 /// 1 + amplitude * noise, which is a map of floats like any other: truth and result read the same ones.
-CubemapImage nearly_uniform(int size, float amplitude) {
-  CubemapImage map = noise_cube(size, 5);
-  for (float& value : map.pixels) value = 1.0F + amplitude * value;
+Cubemap nearly_uniform(int size, float amplitude) {
+  Cubemap map = noise_cube(size, 5);
+  for (float& value : map.pixels()) value = 1.0F + amplitude * value;
   return map;
 }
 
 /// Bands above the first against their own size.
 double upper_band_error(float amplitude) {
-  const CubemapImage map = nearly_uniform(32, amplitude);
+  const Cubemap map = nearly_uniform(32, amplitude);
   return relative_error(project(map.view()).radiance, reference_projection(map.view()), 1);
 }
 
@@ -263,8 +263,8 @@ double checkerboard_error(const Image& map, double amplitude) {
 
 /// Normals of a board's irradiance against that of the map read in mirrored order: E(map) + E(-map) = 0.
 double checkerboard_irradiance() {
-  const CubemapImage plus = checkerboard_cube(33, 1.0F);
-  const CubemapImage minus = checkerboard_cube(33, -1.0F);
+  const Cubemap plus = checkerboard_cube(33, 1.0F);
+  const Cubemap minus = checkerboard_cube(33, -1.0F);
   double worst = 0.0;
   for (const glm::dvec3& normal : spread_directions(20)) {
     const glm::dvec3 sum = direct_irradiance(plus.view(), normal) + direct_irradiance(minus.view(), normal);
@@ -362,7 +362,7 @@ double projection_error(const Image& map, int bands, Quadrature quadrature) {
 }
 
 double prefilter_error(int source, int size) {
-  const CubemapImage map = noise_cube(source, 6);
+  const Cubemap map = noise_cube(source, 6);
   PrefilterOptions options{.size = size};
   options.roughness = {0.4};
   const PrefilteredSpecular found = prefilter_specular(map.view(), options);
@@ -371,9 +371,8 @@ double prefilter_error(int source, int size) {
 
 /// A cube of one texel a face, to a lat-long and back.
 double round_trip_error() {
-  const CubemapImage map = noise_cube(1, 8);
-  const CubemapImage back =
-      to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), ResampleFilter::area).view(), 1);
+  const Cubemap map = noise_cube(1, 8);
+  const Cubemap back = to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), ResampleFilter::area).view(), 1);
   double worst = 0.0;
   const glm::dvec3 before = project(map.view()).diagnostics.total_radiance;
   worst = relative_error(project(back.view()).diagnostics.total_radiance, before);
@@ -384,9 +383,9 @@ double round_trip_error() {
 double small_results() {
   double wrong = 0.0;
   for (const int size : {1, 2}) {
-    const CubemapImage map = noise_cube(size, 7);
+    const Cubemap map = noise_cube(size, 7);
     wrong += unsound(to_lat_long(map.view(), 1, 1).pixels) + unsound(to_lat_long(map.view(), 3, 1).pixels);
-    wrong += unsound(to_cubemap(to_lat_long(map.view(), 2, 1).view(), size).pixels);
+    wrong += unsound(to_cubemap(to_lat_long(map.view(), 2, 1).view(), size).pixels());
     wrong += wrong_if(build_mips(map.view()).levels() != size);
     const BrdfTable& table = *brdf_table({.width = size, .height = size});
     wrong += unsound(table.values);
@@ -395,10 +394,10 @@ double small_results() {
 }
 
 double one_texel_irradiance() {
-  const CubemapImage map = uniform_cube(1, 2.0F);
+  const Cubemap map = uniform_cube(1, 2.0F);
   const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
   double worst = 0.0;
-  for (const float value : irradiance_cubemap(light, 1).pixels) {
+  for (const float value : irradiance_cubemap(light, 1).pixels()) {
     worst = worse(worst, float_ulps(value, 2.0 * 3.14159265358979323846));
   }
   return worst;
@@ -415,10 +414,11 @@ double one_mip_error(double roughness) {
 }
 
 double one_mip_copy() {
-  const CubemapImage map = noise_cube(8, 3);
+  const Cubemap map = noise_cube(8, 3);
   const PrefilteredSpecular found = prefilter_specular(map.view(), {.size = 8, .mips = 1});
   double wrong = wrong_if(found.cubemap.levels() != 1);
-  for (std::size_t k = 0; k < map.pixels.size(); ++k) wrong += wrong_if(found.cubemap.face(0, 0)[k] != map.pixels[k]);
+  for (std::size_t k = 0; k < map.pixels().size(); ++k)
+    wrong += wrong_if(found.cubemap.face(0, 0)[k] != map.pixels()[k]);
   return wrong;
 }
 

@@ -99,18 +99,12 @@ inline void add_bits(BitHash& hash, const LatLongImage& image) {
   hash.add_word(static_cast<std::uint64_t>(image.height));
   for (const float value : image.pixels) add_bits(hash, value);
 }
-inline void add_bits(BitHash& hash, const CubemapImage& image) {
-  hash.add_word(static_cast<std::uint64_t>(image.size));
-  for (const float value : image.pixels) add_bits(hash, value);
-}
-inline void add_bits(BitHash& hash, const CubemapChain& chain) {
-  hash.add_word(static_cast<std::uint64_t>(chain.levels()));
-  for (int level = 0; level < chain.levels(); ++level) {
-    const auto edge = static_cast<std::size_t>(chain.level_size(level));
+inline void add_bits(BitHash& hash, const Cubemap& cubemap) {
+  if (cubemap.levels() != 1) hash.add_word(static_cast<std::uint64_t>(cubemap.levels()));
+  for (int level = 0; level < cubemap.levels(); ++level) {
+    const auto edge = static_cast<std::size_t>(cubemap.level_size(level));
     hash.add_word(edge);
-    for (int face = 0; face < 6; ++face) {
-      for (const float value : std::span(chain.face(level, face), 3 * edge * edge)) add_bits(hash, value);
-    }
+    for (const float value : std::span(cubemap.face(level, 0), 18 * edge * edge)) add_bits(hash, value);
   }
 }
 /// Pixels, size and layout; the words about the file are left out.

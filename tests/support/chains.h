@@ -2,28 +2,28 @@
 #pragma once
 
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <span>
 #include <vector>
 
+#include "support/same_bits.h"
 #include "welkin/image.h"
 
 namespace welkin::test {
 
-inline std::size_t face_values(const CubemapChain& chain, int level) {
+inline std::size_t face_values(const Cubemap& chain, int level) {
   const auto edge = static_cast<std::size_t>(chain.level_size(level));
   return 3 * edge * edge;
 }
 
 /// All values of a level: its six faces lie one after the other.
-inline std::span<const float> level_values(const CubemapChain& chain, int level) {
+inline std::span<const float> level_values(const Cubemap& chain, int level) {
   return {chain.face(level, 0), 6 * face_values(chain, level)};
 }
 
 /// Noise from 2^-`octaves` to 2^`octaves`, as many in each octave.
-inline CubemapChain noisy_chain(int size, int levels, int octaves = 6, unsigned seed = 1) {
-  CubemapChain chain(size, levels);
+inline Cubemap noisy_chain(int size, int levels, int octaves = 6, unsigned seed = 1) {
+  Cubemap chain(size, levels);
   std::mt19937 random(seed);
   for (int level = 0; level < levels; ++level) {
     for (int face = 0; face < 6; ++face) {
@@ -39,8 +39,8 @@ inline CubemapChain noisy_chain(int size, int levels, int octaves = 6, unsigned 
 
 /// The chain after each value went through `change`.
 template <class Change>
-CubemapChain changed(const CubemapChain& chain, const Change& change) {
-  CubemapChain result(chain.size(), chain.levels());
+Cubemap changed(const Cubemap& chain, const Change& change) {
+  Cubemap result(chain.size(), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
     for (int face = 0; face < 6; ++face) {
       for (std::size_t i = 0; i < face_values(chain, level); ++i) {
@@ -54,7 +54,7 @@ CubemapChain changed(const CubemapChain& chain, const Change& change) {
 /// Calls `compare(a, b)` with the values of both chains, in order; false if they have not the same shape or it was ever
 /// false.
 template <class Compare>
-bool all_values(const CubemapChain& a, const CubemapChain& b, const Compare& compare) {
+bool all_values(const Cubemap& a, const Cubemap& b, const Compare& compare) {
   if (a.size() != b.size() || a.levels() != b.levels()) return false;
   for (int level = 0; level < a.levels(); ++level) {
     for (int face = 0; face < 6; ++face) {
@@ -62,15 +62,6 @@ bool all_values(const CubemapChain& a, const CubemapChain& b, const Compare& com
         if (!compare(a.face(level, face)[i], b.face(level, face)[i])) return false;
       }
     }
-  }
-  return true;
-}
-
-inline bool same_bits(const CubemapChain& a, const CubemapChain& b) {
-  if (a.size() != b.size() || a.levels() != b.levels()) return false;
-  for (int level = 0; level < a.levels(); ++level) {
-    const std::span<const float> values = level_values(a, level);
-    if (std::memcmp(values.data(), level_values(b, level).data(), values.size_bytes()) != 0) return false;
   }
   return true;
 }

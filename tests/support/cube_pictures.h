@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ inline std::vector<float> unlike_texels(int size) {
 }
 
 /// `faces`: 6 x size x size x 3. What no face covers is filled with `blank`.
-inline CubePicture cube_picture(Layout layout, int size, const std::vector<float>& faces, float blank) {
+inline CubePicture cube_picture(Layout layout, int size, std::span<const float> faces, float blank) {
   const std::vector<std::string> rows = drawing(layout);
   CubePicture picture;
   picture.width = size * static_cast<int>(rows.front().size());

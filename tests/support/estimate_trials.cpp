@@ -43,7 +43,7 @@ glm::dvec3 direction_of(int size, int texel) {
   return image::face_direction(size, row / size, texel % size + 0.5, row % size + 0.5);
 }
 
-glm::dvec3 value_of(const CubemapChain& chain, int level, int texel) {
+glm::dvec3 value_of(const Cubemap& chain, int level, int texel) {
   const float* const rgb = chain.face(level, 0) + std::ptrdiff_t{3} * texel;
   return {rgb[0], rgb[1], rgb[2]};
 }
@@ -63,7 +63,7 @@ std::vector<double> shares_of(int size) {
 }
 
 /// Squares of the differences to the texels on either side within the face.
-double gradient_square(const CubemapChain& chain, int level, int texel) {
+double gradient_square(const Cubemap& chain, int level, int texel) {
   const int size = chain.level_size(level);
   const int column = texel % size;
   const int row = texel / size % size;
@@ -85,7 +85,7 @@ double gradient_square(const CubemapChain& chain, int level, int texel) {
 class MipTruth {
  public:
   /// `probes`: texels that are drawn; of up to twice as many, all are taken.
-  MipTruth(const CubemapChain& chain, int level, RandomEnvironments& random, int probes = kProbes)
+  MipTruth(const Cubemap& chain, int level, RandomEnvironments& random, int probes = kProbes)
       : chain_(chain), level_(level), count_(probes), shares_(shares_of(chain.level_size(level))) {
     for (std::size_t k = 0; k < shares_.size(); ++k) {
       const glm::dvec3 value = value_of(chain, level, static_cast<int>(k));
@@ -152,7 +152,7 @@ class MipTruth {
     }
   }
 
-  const CubemapChain& chain_;
+  const Cubemap& chain_;
   int level_;
   int count_;
   std::vector<double> shares_;
@@ -224,7 +224,7 @@ class Trial {
   /// A level of a mip chain.
   void project_levels(const CubemapView& view) {
     const SphericalHarmonics truth = reference_projection(view);
-    const CubemapChain chain = build_mips(view, MipFilter::solid_angle);
+    const Cubemap chain = build_mips(view, MipFilter::solid_angle);
     if (chain.levels() < 3) return;
     const std::vector<CubemapView> views = chain.views();
     const int level = random_.whole(1, chain.levels() - 2);
@@ -318,9 +318,8 @@ bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed,
   return true;
 }
 
-CubemapImage picture_of(const std::vector<CubemapImage>& pictures, RandomEnvironments& random) {
-  const CubemapImage& picture =
-      pictures[static_cast<std::size_t>(random.whole(0, static_cast<int>(pictures.size()) - 1))];
+Cubemap picture_of(const std::vector<Cubemap>& pictures, RandomEnvironments& random) {
+  const Cubemap& picture = pictures[static_cast<std::size_t>(random.whole(0, static_cast<int>(pictures.size()) - 1))];
   return to_cubemap(picture.view(), random.whole(6, 20), turn_about_y(random.between(0.0, 360.0)));
 }
 
@@ -334,25 +333,25 @@ int rows_of_family(RandomEnvironments& random, bool large) {
 }  // namespace
 
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
-                         const std::vector<CubemapImage>& pictures, EstimateTrials& trials) {
+                         const std::vector<Cubemap>& pictures, EstimateTrials& trials) {
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
     const bool real = !pictures.empty() && random.chance(0.2);
     const double exposure = random.chance(0.2) ? random.scale(1e-6, 1e-2) : 1.0;
     const bool large = random.chance(0.1);
-    const auto expose = [&](std::vector<float>& pixels) {
+    const auto expose = [&](std::span<float> pixels) {
       for (float& value : pixels) value *= static_cast<float>(exposure);
     };
-    CubemapImage cube;
+    Cubemap cube;
     if (real) cube = picture_of(pictures, random);
     if (random.chance(0.5)) {
       if (!real) cube = random.cubemap(4, large ? 40 : 16);
-      expose(cube.pixels);
+      expose(cube.pixels());
       Trial(own, false, roughness, random, trials).run(cube.view());
     } else {
       LatLongImage image;
       if (real) {
-        image = to_lat_long(cube.view(), 4 * cube.size, 2 * cube.size);
+        image = to_lat_long(cube.view(), 4 * cube.size(), 2 * cube.size());
       } else {
         image = random.lat_long(6, large ? 64 : 24);
       }
@@ -362,18 +361,18 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
   }
 }
 
-int add_lobe_trials(std::uint32_t seed, int count, const std::vector<CubemapImage>& pictures, EstimateTrials& trials) {
+int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& pictures, EstimateTrials& trials) {
   int refused = 0;
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
     const bool cubemap = random.chance(0.5);
     const int rows = random.chance(0.15) ? random.whole(32, 48) : random.whole(4, 24);
     const int kind = random.whole(0, 9);
-    CubemapImage cube;
+    Cubemap cube;
     LatLongImage image;
     if (kind == 9 && !pictures.empty()) {
       cube = picture_of(pictures, random);
-      if (!cubemap) image = to_lat_long(cube.view(), 4 * cube.size, 2 * cube.size);
+      if (!cubemap) image = to_lat_long(cube.view(), 4 * cube.size(), 2 * cube.size());
     } else if (kind >= 7) {
       if (cubemap) cube = random.cubemap(4, 24);
       if (!cubemap) image = random.lat_long(6, 32);
@@ -397,7 +396,7 @@ void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& rough
     const auto family = static_cast<Family>(own % kFamilies);
     const int rows = rows_of_family(random, large);
     if (random.chance(0.5)) {
-      const CubemapImage cube = random.cubemap(family, rows);
+      const Cubemap cube = random.cubemap(family, rows);
       Trial(own, true, roughness, random, trials).run(cube.view());
     } else {
       const LatLongImage image =

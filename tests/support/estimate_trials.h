@@ -27,7 +27,7 @@ struct RoughnessSpan {
 /// true. Errors of projections are relative to the norm of the coefficients, those of mips (if their record has an
 /// estimate) to their root mean square over the sphere, at up to 192 of its texels.
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
-                         const std::vector<CubemapImage>& pictures, EstimateTrials& trials);
+                         const std::vector<Cubemap>& pictures, EstimateTrials& trials);
 
 /// The same of environments of each `Family` in turn, by up to nine bands. Their sources have 4 to 16 rows, or with
 /// `large` up to 24, and now and then 67, 72 or 88. Where `roughness` begins below 0.1, two fifths are below that. Now
@@ -39,6 +39,6 @@ void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& rough
 /// lobe other than GGX (Charlie of 0.05 to 1, Phong and Blinn of 1 to 2000, Lambert, given spectra) to a mip of 4 to 32
 /// texels, now and then 64, within 1e-3 or 1e-4, and adds what was estimated and what is true. Returns how many were
 /// refused.
-int add_lobe_trials(std::uint32_t seed, int count, const std::vector<CubemapImage>& pictures, EstimateTrials& trials);
+int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& pictures, EstimateTrials& trials);
 
 }  // namespace welkin::test

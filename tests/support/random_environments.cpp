@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "image/geometry.h"
@@ -13,9 +14,8 @@
 namespace welkin::test {
 namespace {
 
-void fill(const image::TexelGrid& grid, std::vector<float>& pixels,
+void fill(const image::TexelGrid& grid, std::span<float> pixels,
           const std::function<glm::dvec3(const glm::dvec3&, double, double)>& radiance) {
-  pixels.resize(static_cast<std::size_t>(3 * grid.texels()));
   for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
     const glm::dvec3 value = radiance(grid.direction(texel), static_cast<double>(texel % grid.columns()),
                                       static_cast<double>(texel / grid.columns()));
@@ -252,21 +252,21 @@ RandomEnvironments::Radiance RandomEnvironments::of_family(Family family, int co
   }
 }
 
-CubemapImage RandomEnvironments::cubemap(Family family, int size) {
+Cubemap RandomEnvironments::cubemap(Family family, int size) {
   description_ = "cubemap " + std::to_string(size) + ":";
-  CubemapImage image{size, {}};
-  fill(image::TexelGrid::cubemap(size), image.pixels, of_family(family, size, 6 * size));
+  Cubemap image(size);
+  fill(image::TexelGrid::cubemap(size), image.pixels(), of_family(family, size, 6 * size));
   return image;
 }
 
 LatLongImage RandomEnvironments::lat_long(Family family, int width, int height) {
   description_ = "lat-long " + std::to_string(width) + " x " + std::to_string(height) + ":";
-  LatLongImage image{width, height, {}};
+  LatLongImage image{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
   fill(image::TexelGrid::lat_long(width, height), image.pixels, of_family(family, width, height));
   return image;
 }
 
-CubemapImage RandomEnvironments::cubemap(int least_size, int most_size) {
+Cubemap RandomEnvironments::cubemap(int least_size, int most_size) {
   int size = whole(least_size, most_size);
   if (chance(0.4)) {  // of a power of two, as most are
     int power = 1;
@@ -274,8 +274,8 @@ CubemapImage RandomEnvironments::cubemap(int least_size, int most_size) {
     if (power >= least_size) size = power;
   }
   description_ = "cubemap " + std::to_string(size) + ":";
-  CubemapImage image{size, {}};
-  fill(image::TexelGrid::cubemap(size), image.pixels, environment(size));
+  Cubemap image(size);
+  fill(image::TexelGrid::cubemap(size), image.pixels(), environment(size));
   return image;
 }
 
@@ -283,7 +283,7 @@ LatLongImage RandomEnvironments::lat_long(int least_height, int most_height) {
   const int height = whole(least_height, most_height);
   const int width = chance(0.8) ? 2 * height : whole(least_height, 4 * most_height);
   description_ = "lat-long " + std::to_string(width) + " x " + std::to_string(height) + ":";
-  LatLongImage image{width, height, {}};
+  LatLongImage image{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
   fill(image::TexelGrid::lat_long(width, height), image.pixels, environment(0.5 * height));
   return image;
 }

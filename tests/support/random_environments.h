@@ -29,12 +29,12 @@ class RandomEnvironments {
   explicit RandomEnvironments(std::uint32_t seed) : engine_(seed) {}
 
   /// Edge of a face drawn from `sizes`' span, odd ones too. What it is made of is said in `description()`.
-  [[nodiscard]] CubemapImage cubemap(int least_size, int most_size);
+  [[nodiscard]] Cubemap cubemap(int least_size, int most_size);
   /// Twice as wide as high as a rule, now and then of another shape.
   [[nodiscard]] LatLongImage lat_long(int least_height, int most_height);
 
   /// Those of a family.
-  [[nodiscard]] CubemapImage cubemap(Family family, int size);
+  [[nodiscard]] Cubemap cubemap(Family family, int size);
   [[nodiscard]] LatLongImage lat_long(Family family, int width, int height);
 
   /// Of the last one: kinds and size.

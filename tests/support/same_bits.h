@@ -22,7 +22,7 @@ inline bool same_bits(const glm::dvec3& a, const glm::dvec3& b) { return std::me
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// `wanted` against as many values from `found` on.
-inline bool same_bits(const std::vector<float>& wanted, const float* found) {
+inline bool same_bits(std::span<const float> wanted, const float* found) {
   return std::memcmp(wanted.data(), found, wanted.size() * sizeof(float)) == 0;
 }
 
@@ -40,8 +40,8 @@ inline bool same_bits(const Projection& a, const Projection& b) {
                     });
 }
 
-inline bool same_bits(const CubemapImage& a, const CubemapImage& b) {
-  return a.size == b.size && same_bytes<float>(a.pixels, b.pixels);
+inline bool same_bits(const Cubemap& a, const Cubemap& b) {
+  return a.size() == b.size() && a.levels() == b.levels() && same_bytes<float>(a.pixels(), b.pixels());
 }
 
 inline bool same_bits(const LatLongImage& a, const LatLongImage& b) {

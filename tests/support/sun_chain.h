@@ -14,8 +14,8 @@
 namespace welkin::test {
 
 /// Noise of 0.5 to 1, and a coloured disc three texels wide that reaches 50 000.
-inline CubemapChain sun_chain(int size) {
-  CubemapChain sky(size, 1);
+inline Cubemap sun_chain(int size) {
+  Cubemap sky(size, 1);
   std::uint32_t state = 7;
   for (int k = 0; k < 18 * size * size; ++k) {
     state = 1664525U * state + 1013904223U;
@@ -36,7 +36,7 @@ inline CubemapChain sun_chain(int size) {
 }
 
 /// The most that a channel's mean over a level is off.
-inline double largest_bias(const CubemapChain& decoded, const CubemapChain& given, int level) {
+inline double largest_bias(const Cubemap& decoded, const Cubemap& given, int level) {
   std::array<double, 3> sums{};
   std::array<double, 3> wanted{};
   for (std::size_t k = 0; k < 6 * face_values(given, level); ++k) {

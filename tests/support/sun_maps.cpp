@@ -75,12 +75,12 @@ LatLongImage grey_lat_long(int width, int height, float value) {
   return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), value)};
 }
 
-CubemapImage grey_cubemap(int size, float value) {
+Cubemap grey_cubemap(int size, float value) {
   return {size, std::vector<float>(static_cast<std::size_t>(18 * size * size), value)};
 }
 
 image::TexelGrid grid_of(const LatLongImage& image) { return image::TexelGrid::lat_long(image.width, image.height); }
-image::TexelGrid grid_of(const CubemapImage& image) { return image::TexelGrid::cubemap(image.size); }
+image::TexelGrid grid_of(const Cubemap& image) { return image::TexelGrid::cubemap(image.size()); }
 
 void paint_disc(LatLongImage& image, const glm::dvec3& direction, double radius_degrees, const glm::dvec3& radiance) {
   const auto density = [](const glm::dvec3& d) { return std::sqrt(d.x * d.x + d.z * d.z); };
@@ -93,18 +93,18 @@ void paint_disc(LatLongImage& image, const glm::dvec3& direction, double radius_
   });
 }
 
-void paint_disc(CubemapImage& image, const glm::dvec3& direction, double radius_degrees, const glm::dvec3& radiance) {
+void paint_disc(Cubemap& image, const glm::dvec3& direction, double radius_degrees, const glm::dvec3& radiance) {
   const auto density = [](const glm::dvec3& d) {
     const double along_normal = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
     return along_normal * along_normal * along_normal;
   };
-  for_texels_near(grid_of(image), direction, radius_degrees, 180.0 / image.size, [&](std::int64_t texel) {
-    const auto row = static_cast<int>(texel / image.size);
+  for_texels_near(grid_of(image), direction, radius_degrees, 180.0 / image.size(), [&](std::int64_t texel) {
+    const auto row = static_cast<int>(texel / image.size());
     const auto place = [&](double right, double down) {
-      return image::face_direction(image.size, row / image.size, static_cast<double>(texel % image.size) + right,
-                                   row % image.size + down);
+      return image::face_direction(image.size(), row / image.size(), static_cast<double>(texel % image.size()) + right,
+                                   row % image.size() + down);
     };
-    blend_texel(image.pixels.data() + 3 * texel, {direction, radius_degrees, radiance}, place, density);
+    blend_texel(image.face(0) + 3 * texel, {direction, radius_degrees, radiance}, place, density);
   });
 }
 
@@ -134,8 +134,8 @@ glm::dvec3 total_radiance_of(const LatLongImage& image) {
   return sum;
 }
 
-glm::dvec3 total_radiance_of(const CubemapImage& image) {
-  const int size = image.size;
+glm::dvec3 total_radiance_of(const Cubemap& image) {
+  const int size = image.size();
   const auto edge = [&](int i) { return 2.0 * i / size - 1.0; };
   glm::dvec3 sum{};
   for (int texel = 0; texel < 6 * size * size; ++texel) {
@@ -143,7 +143,7 @@ glm::dvec3 total_radiance_of(const CubemapImage& image) {
     const int row = texel / size % size;
     const double steradians = corner(edge(column + 1), edge(row + 1)) - corner(edge(column), edge(row + 1)) -
                               corner(edge(column + 1), edge(row)) + corner(edge(column), edge(row));
-    sum += steradians * finite(&image.pixels[static_cast<std::size_t>(3 * texel)]);
+    sum += steradians * finite(&image.pixels()[static_cast<std::size_t>(3 * texel)]);
   }
   return sum;
 }

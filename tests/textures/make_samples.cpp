@@ -28,7 +28,7 @@ void write_floats(const std::filesystem::path& path, const float* values, std::s
 }
 
 /// Blocks of ASTC, and texels of each level as our own reader decodes them. In a build without astcenc there are none.
-void write_astc(const std::filesystem::path& directory, const CubemapChain& chain) {
+void write_astc(const std::filesystem::path& directory, const Cubemap& chain) {
   const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::astc_4x4_hdr, "astc4x4"},
                                                          {TexelFormat::astc_6x6_hdr, "astc6x6"}};
   for (const auto& [format, name] : formats) {
@@ -39,14 +39,14 @@ void write_astc(const std::filesystem::path& directory, const CubemapChain& chai
       if (error.code() != ErrorCode::unsupported_file) throw;
       return;
     }
-    const CubemapChain decoded = read_texture(path).cubemap;
+    const Cubemap decoded = read_texture(path).cubemap;
     write_floats(directory / (std::string(name) + ".f32"), decoded.face(0, 0), decoded.bytes() / sizeof(float));
     write_texture(directory / (std::string(name) + "_zstd.ktx2"), chain.views(),
                   {.format = format, .supercompression = Supercompression::zstd});
   }
 }
 
-void write_textures(const std::filesystem::path& directory, const CubemapChain& chain) {
+void write_textures(const std::filesystem::path& directory, const Cubemap& chain) {
   const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::rgba16f, "rgba16f"},
                                                          {TexelFormat::rgba32f, "rgba32f"},
                                                          {TexelFormat::b10g11r11, "b10g11r11"},
@@ -64,7 +64,7 @@ void write_textures(const std::filesystem::path& directory, const CubemapChain& 
   // Blocks of BC6H, and the same texels as our own reader decodes them.
   const TextureOptions blocks{.format = TexelFormat::bc6h_ufloat};
   for (const char* name : {"bc6h.dds", "bc6h.ktx", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
-  const CubemapChain decoded = read_texture(directory / "bc6h.dds").cubemap;
+  const Cubemap decoded = read_texture(directory / "bc6h.dds").cubemap;
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   write_astc(directory, chain);
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
@@ -76,7 +76,7 @@ void write_textures(const std::filesystem::path& directory, const CubemapChain& 
   write_texture(directory / "float.exr", chain.views(), {TexelFormat::rgba32f});
 }
 
-void write_env(const std::filesystem::path& directory, const CubemapChain& chain) {
+void write_env(const std::filesystem::path& directory, const Cubemap& chain) {
   BabylonEnvironment environment;
   environment.specular = test::changed(chain, [](float value) { return value; });
   environment.polynomial =
@@ -89,7 +89,7 @@ void write_env(const std::filesystem::path& directory, const CubemapChain& chain
 
 int run(const std::filesystem::path& directory) {
   std::filesystem::create_directories(directory);
-  const CubemapChain chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
+  const Cubemap chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
   write_floats(directory / "chain.f32", chain.face(0, 0), chain.bytes() / sizeof(float));
   write_textures(directory, chain);
   write_env(directory, chain);

@@ -27,10 +27,10 @@ TEST_CASE("bake: --ktx2-format astc4x4 and astc6x6 pack background and reflectio
       CHECK(file_of(manifest, name + ".ktx2").at("format") == std::string("KTX2 ") + word);
       CHECK(file_of(manifest, name + ".dds").at("format") == "DDS rgba16f");
       // The very texels that the library's blocks of the same floats stand for, with the effort that was asked for.
-      const CubemapChain given = read_texture(floats / (name + ".ktx2")).cubemap;
+      const Cubemap given = read_texture(floats / (name + ".ktx2")).cubemap;
       std::vector<std::byte> bytes;
       write_texture({bytes, "wanted.ktx2"}, given.views(), {.format = format, .astc_effort = AstcEffort::fastest});
-      const CubemapChain wanted = read_texture({std::as_const(bytes), "wanted.ktx2"}).cubemap;
+      const Cubemap wanted = read_texture({std::as_const(bytes), "wanted.ktx2"}).cubemap;
       CHECK(same_bits(read_texture(blocks / (name + ".ktx2")).cubemap, wanted));
     }
     for (const char* const name : {"irradiance.ktx2", "brdf.ktx2"}) {

@@ -28,7 +28,7 @@ void check_manifest_matches(const std::filesystem::path& folder) {
   }
 }
 
-std::vector<float> texels(const CubemapChain& chain, int level) {
+std::vector<float> texels(const Cubemap& chain, int level) {
   std::vector<float> values;
   const auto count =
       static_cast<std::size_t>(chain.level_size(level)) * static_cast<std::size_t>(chain.level_size(level)) * 3;
@@ -223,7 +223,7 @@ TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothin
       CHECK(texels(packed.cubemap, level) == texels(same.cubemap, level));
     // The very blocks that the library makes of the same floats, with the effort that was asked for.
     const Bc6hCubemap wanted = encode_bc6h(given.cubemap.views(), {.effort = Bc6hEffort::slow});
-    const CubemapChain decoded = decode_bc6h(wanted);
+    const Cubemap decoded = decode_bc6h(wanted);
     for (int level = 0; level < decoded.levels(); ++level)
       CHECK(texels(packed.cubemap, level) == texels(decoded, level));
   }
@@ -306,7 +306,7 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
     const CubemapTexture straight = read_texture(plain / name);
     const CubemapTexture turned = read_texture(babylon / name);
-    const CubemapChain mirrored = mirrored_x(straight.cubemap);
+    const Cubemap mirrored = mirrored_x(straight.cubemap);
     for (int level = 0; level < mirrored.levels(); ++level) {
       CHECK(texels(turned.cubemap, level) == texels(mirrored, level));
       if (level == 0) CHECK(texels(turned.cubemap, 0) != texels(straight.cubemap, 0));

@@ -83,8 +83,9 @@ TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[t
   CHECK(converted("--mirror --yaw 33") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(33.0) * mirror).pixels);
   CHECK(converted("--rotation 0,1,0,1") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(90.0)).pixels);
   CHECK(converted("--size 20") == to_lat_long(source.lat_long(), 20, 10).pixels);
-  CHECK(converted("--layout vertical-strip") == to_cubemap(source.lat_long(), 16).pixels);
-  CHECK(converted("--layout vertical-strip --size 5 --threads 2") == to_cubemap(source.lat_long(), 5).pixels);
+  CHECK(std::ranges::equal(converted("--layout vertical-strip"), to_cubemap(source.lat_long(), 16).pixels()));
+  CHECK(std::ranges::equal(converted("--layout vertical-strip --size 5 --threads 2"),
+                           to_cubemap(source.lat_long(), 5).pixels()));
 }
 
 TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as the previews are", "[tools][convert]") {

@@ -150,8 +150,8 @@ struct Glb {
 };
 
 /// The chain of such pictures, bottom row first.
-CubemapChain decoded(const Glb& glb, int size, int mips) {
-  CubemapChain chain(size, mips);
+Cubemap decoded(const Glb& glb, int size, int mips) {
+  Cubemap chain(size, mips);
   const files::RgbdDecoder decoder;
   for (int picture = 0; picture < 6 * mips; ++picture) {
     const int edge = size >> (picture / 6);
@@ -167,7 +167,7 @@ CubemapChain decoded(const Glb& glb, int size, int mips) {
 }
 
 /// Mean over all values, for what must be nearly the same.
-double mean(const CubemapChain& chain, int level) {
+double mean(const Cubemap& chain, int level) {
   const std::span<const float> values = level_values(chain, level);
   double sum = 0.0;
   for (const float value : values) sum += static_cast<double>(value);
@@ -317,14 +317,14 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
   bake_into(plain, "--sky --formats ktx2" + options);
   bake_into(folder, "--sky --for bevy" + options);
   CHECK_FALSE(std::filesystem::exists(folder / "specular_bc6h.ktx2"));  // the format was named
-  const CubemapChain straight = read_texture(plain / "specular.ktx2").cubemap;
-  const CubemapChain mirrored = read_texture(folder / "specular.ktx2").cubemap;
+  const Cubemap straight = read_texture(plain / "specular.ktx2").cubemap;
+  const Cubemap mirrored = read_texture(folder / "specular.ktx2").cubemap;
   REQUIRE(mirrored.levels() == straight.levels());
   const glm::dmat3 mirror(1, 0, 0, 0, 1, 0, 0, 0, -1);
   for (int level = 0; level < straight.levels(); ++level) {
-    const CubemapImage wanted = to_cubemap(straight.view(level), straight.level_size(level), mirror);
+    const Cubemap wanted = to_cubemap(straight.view(level), straight.level_size(level), mirror);
     const std::span<const float> got = level_values(mirrored, level);
-    CHECK(std::equal(got.begin(), got.end(), wanted.pixels.begin(), wanted.pixels.end()));
+    CHECK(std::ranges::equal(got, wanted.pixels()));
   }
   CHECK_FALSE(same_bits(straight, mirrored));
   const double irradiance = mean(read_texture(plain / "irradiance.ktx2").cubemap, 0);
@@ -376,8 +376,8 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   const std::string list = "0," + std::to_string(std::pow(32.0, -0.25)) + ",1";
   const auto chain = scratch.path() / "chain";
   bake_into(chain, "--sky --for gltf --formats ktx2 --ktx2-format rgba32f --roughness " + list + kSmall);
-  const CubemapChain wanted = mirrored_x(read_texture(chain / "specular.ktx2").cubemap);
-  const CubemapChain got = decoded(glb, 32, 3);
+  const Cubemap wanted = mirrored_x(read_texture(chain / "specular.ktx2").cubemap);
+  const Cubemap got = decoded(glb, 32, 3);
   REQUIRE(wanted.levels() == 3);
   for (int level = 0; level < 3; ++level) {
     INFO(level);

@@ -34,7 +34,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   options.pixels.nan = NonFinitePolicy::reject;
   const ThrownError expected = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   const ThrownError got = thrown_by([&] {
-    static_cast<void>(take(worker.post(Project{CubemapImage{16, cubemap.pixels}, options})));
+    static_cast<void>(take(worker.post(Project{Cubemap{16, cubemap.pixels}, options})));
   });
   CHECK(got.code == ErrorCode::rejected_pixel);
   CHECK(got.message == expected.message);
@@ -46,8 +46,8 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   write_bytes(directory.file("empty.exr"), {'a', 'b', 'c', 'd', 'e'});
   CHECK(outcome(worker.post(ProjectFile{directory.file("empty.exr")})) == "unsupported_file");
 
-  CHECK(outcome(worker.post(ToCubemap{CubemapImage{16, cubemap.pixels}, -1})) == "invalid_argument");
-  CHECK(outcome(worker.post(ToLatLong{CubemapImage{16, cubemap.pixels}, 0, 1})) == "invalid_argument");
+  CHECK(outcome(worker.post(ToCubemap{Cubemap{16, cubemap.pixels}, -1})) == "invalid_argument");
+  CHECK(outcome(worker.post(ToLatLong{Cubemap{16, cubemap.pixels}, 0, 1})) == "invalid_argument");
   const CubemapView no_view{};
   CHECK(outcome(worker.post(Project{EnvironmentSource(no_view, nullptr)})) == "invalid_argument");
 }
@@ -135,7 +135,7 @@ TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
   // Sizes of which no table is there yet; small ones that stay on one thread, and ones that spread.
   for (const int size : {37, 151}) {
     const TestCubemap cubemap = make_cubemap(Content::special_values, size, 3, 1);
-    fail_everywhere([&] { return Project{CubemapImage{size, cubemap.pixels}}; }, project(cubemap.view()));
+    fail_everywhere([&] { return Project{Cubemap{size, cubemap.pixels}}; }, project(cubemap.view()));
     const TestLatLong lat_long = make_lat_long(Content::special_values, 4 * size, 2 * size, 1);
     fail_everywhere(
         [&] {
@@ -175,7 +175,7 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
     for (long number = 1; !posted; ++number) {
       INFO("allocation " << number);
       REQUIRE(number < 1000);
-      Project request{CubemapImage{8, cubemap.pixels}};
+      Project request{Cubemap{8, cubemap.pixels}};
       detail::give_back_job_memory();  // what is kept from earlier posts would do
       const WorkerLoad before = worker.load();
       {

@@ -155,7 +155,7 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
   options.max_bytes = 6 * 8 * 8 * 12 + 100;
   Worker worker(options);
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
-  const auto request = [&] { return Project{CubemapImage{8, cubemap.pixels}}; };
+  const auto request = [&] { return Project{Cubemap{8, cubemap.pixels}}; };
   Hold hold(worker);
   auto first = worker.post(request());
   CHECK(worker.load().bytes == 6 * 8 * 8 * 12);

@@ -63,8 +63,8 @@ ProjectionOptions midpoint_options() {
 }
 
 void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t seed) {
-  const auto floats = kept(CubemapImage{size, make_cubemap(Content::special_values, size, 3, seed).pixels});
-  cases.push_back(make_case("moved in", project(floats->view()), [floats] { return Project{CubemapImage(*floats)}; }));
+  const auto floats = kept(Cubemap{size, make_cubemap(Content::special_values, size, 3, seed).pixels});
+  cases.push_back(make_case("moved in", project(floats->view()), [floats] { return Project{Cubemap(*floats)}; }));
   cases.push_back(make_case("shared", project(floats->view(), midpoint_options()), [floats] {
     return Project{floats, midpoint_options()};
   }));
@@ -89,7 +89,7 @@ void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t s
 }
 
 void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
-  const auto cubemap = kept(CubemapImage{size, make_cubemap(Content::high_range, size, 3, seed).pixels});
+  const auto cubemap = kept(Cubemap{size, make_cubemap(Content::high_range, size, 3, seed).pixels});
   const auto lat_long = kept(LatLongImage{2 * size, size, make_lat_long(Content::smooth, 2 * size, size, seed).pixels});
   const glm::dmat3 turn = turn_about_y(37.0);
   const int half = size / 2 + 1;
@@ -97,7 +97,7 @@ void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
     return ToCubemap{lat_long, half, turn};
   }));
   cases.push_back(make_case("cubemap to cubemap", to_cubemap(cubemap->view(), size, turn), [cubemap, turn] {
-    return ToCubemap{CubemapImage(*cubemap), cubemap->size, turn};
+    return ToCubemap{Cubemap(*cubemap), cubemap->size(), turn};
   }));
   cases.push_back(
       make_case("cubemap to lat-long", to_lat_long(cubemap->view(), 3 * half, half, turn), [cubemap, half, turn] {
@@ -191,9 +191,9 @@ std::shared_ptr<const LatLongImage> picture(int width, Content content = Content
   return std::make_shared<const LatLongImage>(LatLongImage{made.width, made.height, made.pixels});
 }
 
-std::shared_ptr<const CubemapImage> cubemap(int size) {
+std::shared_ptr<const Cubemap> cubemap(int size) {
   const TestCubemap made = make_cubemap(Content::high_range, size, 3, 3);
-  return std::make_shared<const CubemapImage>(CubemapImage{made.size, made.pixels});
+  return std::make_shared<const Cubemap>(Cubemap{made.size, made.pixels});
 }
 
 }  // namespace
@@ -321,7 +321,7 @@ TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocati
     forget_allocations_in_tiles();
     for (const int size : {64, 512, 1024}) {
       const TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
-      for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Project{CubemapImage{size, cubemap.pixels}}));
+      for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Project{Cubemap{size, cubemap.pixels}}));
     }
     const TestLatLong lat_long = make_lat_long(Content::special_values, 1024, 512, 1);
     jobs.push_back(worker.post(Project{LatLongImage{1024, 512, lat_long.pixels}}));

@@ -80,7 +80,7 @@ TEST_CASE("at rest a dynamic sky is what the direct calls give", "[dynamic_sky]"
   CHECK(frame.reflections[0].weight == 1.0);
   CHECK_FALSE(frame.reflections[1].specular);
   const auto expected = SkySpecular{tiny_sky(), 0.0, sun, options.specular}({});
-  const CubemapChain& mine = frame.reflections[0].specular->cubemap;
+  const Cubemap& mine = frame.reflections[0].specular->cubemap;
   REQUIRE(mine.bytes() == expected->cubemap.bytes());
   CHECK(std::memcmp(mine.face(0, 0), expected->cubemap.face(0, 0), mine.bytes()) == 0);
   CHECK(sky.error() == nullptr);

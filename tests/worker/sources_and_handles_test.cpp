@@ -20,7 +20,7 @@ namespace welkin::test {
 
 namespace {
 
-CubemapImage some_cubemap(int size) { return {size, make_cubemap(Content::random, size, 3, 1).pixels}; }
+Cubemap some_cubemap(int size) { return {size, make_cubemap(Content::random, size, 3, 1).pixels}; }
 LatLongImage some_lat_long(int height) {
   return {2 * height, height, make_lat_long(Content::random, 2 * height, height, 1).pixels};
 }
@@ -28,8 +28,8 @@ LatLongImage some_lat_long(int height) {
 }  // namespace
 
 TEST_CASE("a source has the very pixels that it was given", "[worker]") {
-  CubemapImage cubemap = some_cubemap(5);
-  const float* pixels = cubemap.pixels.data();
+  Cubemap cubemap = some_cubemap(5);
+  const float* pixels = cubemap.face(0);
   EnvironmentSource source(std::move(cubemap));
   CHECK(source.view().cubemap().faces[0] == pixels);
   CHECK(source.view().cubemap().faces[5] == pixels + std::ptrdiff_t{5} * 5 * 5 * 3);
@@ -45,7 +45,7 @@ TEST_CASE("a source has the very pixels that it was given", "[worker]") {
   pixels = lat_long.pixels.data();
   CHECK(EnvironmentSource(std::move(lat_long)).view().lat_long().pixels == pixels);
 
-  const auto shared_cubemap = std::make_shared<const CubemapImage>(some_cubemap(3));
+  const auto shared_cubemap = std::make_shared<const Cubemap>(some_cubemap(3));
   CHECK(EnvironmentSource(shared_cubemap).view() == shared_cubemap->view());
   const auto shared_lat_long = std::make_shared<const LatLongImage>(some_lat_long(3));
   CHECK(EnvironmentSource(shared_lat_long).view() == shared_lat_long->view());
@@ -81,12 +81,12 @@ TEST_CASE("a source counts the bytes of its pixels, padding included", "[worker]
 
 namespace {
 
-CubemapImage some_image() { return {8, make_cubemap(Content::random, 8, 3, 1).pixels}; }
+Cubemap some_image() { return {8, make_cubemap(Content::random, 8, 3, 1).pixels}; }
 
 /// Shared pixels, and a way to see whether they are still held by anyone.
 struct Watched {
-  std::shared_ptr<const CubemapImage> image = std::make_shared<const CubemapImage>(some_image());
-  std::weak_ptr<const CubemapImage> weak = image;
+  std::shared_ptr<const Cubemap> image = std::make_shared<const Cubemap>(some_image());
+  std::weak_ptr<const Cubemap> weak = image;
 
   [[nodiscard]] EnvironmentSource give() { return {std::move(image)}; }
   [[nodiscard]] bool comes_back() const {
@@ -98,8 +98,8 @@ struct Watched {
 
 TEST_CASE("a request sees the very pixels that were moved in", "[worker]") {
   Worker worker(options_with(1));
-  CubemapImage image = some_image();
-  const float* pixels = image.pixels.data();
+  Cubemap image = some_image();
+  const float* pixels = image.face(0);
   auto job = worker.post([request = Project{std::move(image)}](const Control& control) {
     static_cast<void>(request(control));
     return request.source.view().cubemap().faces[0];

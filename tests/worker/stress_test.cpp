@@ -101,8 +101,8 @@ class Stress {
  public:
   explicit Stress(unsigned seed) : seed_(seed) {
     for (const int size : {5, 33, 64, 131}) {
-      images_.push_back(std::make_shared<const CubemapImage>(
-          CubemapImage{size, make_cubemap(Content::special_values, size, 3, static_cast<std::uint32_t>(size)).pixels}));
+      images_.push_back(std::make_shared<const Cubemap>(
+          Cubemap{size, make_cubemap(Content::special_values, size, 3, static_cast<std::uint32_t>(size)).pixels}));
       digests_.push_back(digest(project(images_.back()->view())));
     }
     for (std::size_t slot = 0; slot < kSlots; ++slot) workers_[slot] = make_worker(slot);
@@ -261,7 +261,7 @@ class Stress {
         case 4: {
           const std::size_t image = below(static_cast<unsigned>(stress_.images_.size()));
           expected.value = stress_.digests_[image];
-          return worker->post(Project{CubemapImage(*stress_.images_[image])}, options).then(&digest);
+          return worker->post(Project{Cubemap(*stress_.images_[image])}, options).then(&digest);
         }
         case 5: {
           expected.thrown = value % 2 == 0 ? "on purpose" : "7";
@@ -390,7 +390,7 @@ class Stress {
   };
 
   unsigned seed_;
-  std::vector<std::shared_ptr<const CubemapImage>> images_;
+  std::vector<std::shared_ptr<const Cubemap>> images_;
   std::vector<Number> digests_;
   std::shared_ptr<tbb::task_arena> arena_ = std::make_shared<tbb::task_arena>(2);
 

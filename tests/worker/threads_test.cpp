@@ -310,7 +310,7 @@ TEST_CASE("a lent arena does the work", "[worker]") {
     const TestCubemap cubemap = make_cubemap(Content::random, 200, 3, 1);
     const Projection expected = project(cubemap.view());
     std::vector<Job<Projection>> jobs;
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(Project{CubemapImage{200, cubemap.pixels}}));
+    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(Project{Cubemap{200, cubemap.pixels}}));
     for (auto& job : jobs) CHECK(same_bits(take(job), expected));
 
     auto chain = worker.post([](const Control&) { return 1; }).then([](int value) { return value + 1; });

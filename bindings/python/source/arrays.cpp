@@ -7,10 +7,7 @@
 
 namespace welkin::python {
 
-py::array array_of(CubemapImage cubemap) {
-  const py::ssize_t size = cubemap.size;
-  return owning(std::move(cubemap.pixels), {6, size, size, 3});
-}
+py::array array_of(Cubemap cubemap) { return level_of(std::make_shared<Cubemap>(std::move(cubemap)), 0); }
 
 py::array array_of(LatLongImage picture) {
   const py::ssize_t height = picture.height;

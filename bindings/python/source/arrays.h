@@ -45,7 +45,7 @@ template <class Value>
 [[nodiscard]] py::object as_asked(const py::array& array, const py::args& words, const py::kwargs& named);
 
 /// (6, size, size, 3), float32.
-[[nodiscard]] py::array array_of(CubemapImage cubemap);
+[[nodiscard]] py::array array_of(Cubemap cubemap);
 /// (height, width, 3), float32.
 [[nodiscard]] py::array array_of(LatLongImage picture);
 /// (3,), float64.
@@ -75,7 +75,7 @@ struct Directions {
 [[nodiscard]] dmat3 turn_of(const py::object& value, const char* what);
 
 /// A chain that several objects of Python's look at.
-using SharedChain = std::shared_ptr<CubemapChain>;
+using SharedChain = std::shared_ptr<Cubemap>;
 
 /// One level, (6, n, n, 3), float32, on the chain's own memory.
 [[nodiscard]] py::array level_of(const SharedChain& chain, int level);

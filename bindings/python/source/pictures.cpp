@@ -60,8 +60,7 @@ struct Shown {
 Shown shown_as(const Source& source, int height, double exposure, const Control& control) {
   Shown made{to_lat_long(source.view, 2 * height, height, dmat3(1.0)), exposure};
   if (exposure <= 0.0) {
-    const CubemapImage small =
-        to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
+    const Cubemap small = to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
     made.exposure = exposure_of(small.view());
   }
   const tool::ToneMap curve{made.exposure};

@@ -121,7 +121,7 @@ Irradiance irradiance_of(const py::object& light, const py::kwargs& given) {
     throw Error(ErrorCode::invalid_argument,
                 "irradiance(method=\"direct\") makes a cubemap of pixels: it takes them, and a size");
   }
-  CubemapImage cubemap;
+  Cubemap cubemap;
   SphericalHarmonics harmonics = call.run([&](const Control& control) {
     SphericalHarmonics made = irradiance_from_radiance(source ? project(source->view, how, control).radiance
                                                               : light.cast<const SphericalHarmonics&>());

@@ -19,7 +19,7 @@ namespace welkin::python {
 struct Chain {
   SharedChain cubemap;
 
-  explicit Chain(CubemapChain made) : cubemap(std::make_shared<CubemapChain>(std::move(made))) {}
+  explicit Chain(Cubemap made) : cubemap(std::make_shared<Cubemap>(std::move(made))) {}
 };
 
 /// A chain of reflections.

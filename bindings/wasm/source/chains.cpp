@@ -40,7 +40,7 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   return wanted;
 }
 
-void give_texels(const CubemapChain& chain, bool floats) {
+void give_texels(const Cubemap& chain, bool floats) {
   const UploadLayout layout{
       .format = floats ? TexelFormat::rgba32f : TexelFormat::rgba16f, .size = chain.size(), .levels = chain.levels()};
   const auto bytes = static_cast<std::size_t>(upload_bytes(layout));

@@ -30,6 +30,6 @@ enum ChainOption {
 /// the next, negative where there is none), then the texels level by level, face by face, RGBA.
 void give_chain(const PrefilteredSpecular& chain, bool floats);
 /// Only the texels.
-void give_texels(const CubemapChain& chain, bool floats);
+void give_texels(const Cubemap& chain, bool floats);
 
 }  // namespace welkin::wasm

@@ -179,8 +179,7 @@ void compute_sky(const Options& options) {
   const SkyView view(tables, options.number(kSkyAltitude));
   const dvec3 direction = sun_direction(options.number(kSkyElevation), options.number(kSkyAzimuth));
   require_edge("size", options.whole(kSkySize));
-  const CubemapImage faces =
-      sky_cubemap(view, direction, options.whole(kSkySize), {.sun_disc = options.flag(kSkyDisc)});
+  const Cubemap faces = sky_cubemap(view, direction, options.whole(kSkySize), {.sun_disc = options.flag(kSkyDisc)});
   const CubemapView cube = faces.view();
   bake_pixels(nullptr, &cube, options, kSkyLight, {}, 0.7);
   const Sun sun = view.sun(direction);

@@ -101,7 +101,7 @@ void pictures(const Path& folder) {
 }
 
 void textures(const Path& folder) {
-  const welkin::CubemapImage cube{2, std::vector<float>(std::size_t{6} * 2 * 2 * 3, 0.5F)};
+  const welkin::Cubemap cube{2, std::vector<float>(std::size_t{6} * 2 * 2 * 3, 0.5F)};
   const std::vector<welkin::CubemapView> mips{cube.view()};
   works("KTX2 and DDS", [&] {
     for (const char* name : {"even.ktx2", "even.dds"}) {
@@ -136,7 +136,7 @@ void textures(const Path& folder) {
 
 /// Blocks of ASTC, in a file whose header says so.
 void blocks(const Path& folder) {
-  const welkin::CubemapImage cube{4, std::vector<float>(std::size_t{6} * 4 * 4 * 3, 0.5F)};
+  const welkin::Cubemap cube{4, std::vector<float>(std::size_t{6} * 4 * 4 * 3, 0.5F)};
   const std::vector<welkin::CubemapView> mips{cube.view()};
   const Path path = folder / "astc.ktx2";
   const welkin::TextureOptions options{.format = welkin::TexelFormat::astc_4x4_hdr};
@@ -154,7 +154,7 @@ void blocks(const Path& folder) {
 void babylon(const Path& folder) {
   const Path written = folder / "written.env";
   welkin::BabylonEnvironment environment;
-  environment.specular = welkin::CubemapChain(1, 1);
+  environment.specular = welkin::Cubemap(1, 1);
   refused(written, "WELKIN_PNG", [&] { welkin::write_babylon_environment(written, environment); });
   refused("pictures of RGBD", "WELKIN_PNG", [&] { (void)welkin::rgbd_pictures(environment.specular); });
   const Path png = folder / "png.env";

@@ -1,6 +1,9 @@
 // The pixels of a cubemap and its mips, one after another in one block.
+#include <algorithm>
 #include <array>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "image/pixels.h"
@@ -17,15 +20,15 @@ CubemapView packed_cubemap(const float* pixels, int size) noexcept {
   return view;
 }
 
-CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory) {
-  if (chain.size() == size && chain.levels() == levels) return chain;
-  chain = {};  // freed before the next one is allocated
-  return {size, levels, memory};
+Cubemap shaped(Cubemap cubemap, int size, int levels, memory_resource* memory) {
+  if (cubemap.size() == size && cubemap.levels() == levels) return cubemap;
+  cubemap = {};  // freed before the next one is allocated
+  return Cubemap(size, levels, memory);
 }
 
-std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept {
+std::array<float*, 6> faces_of(Cubemap& cubemap, int level) noexcept {
   std::array<float*, 6> faces{};
-  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = chain.face(level, static_cast<int>(face));
+  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = cubemap.face(level, static_cast<int>(face));
   return faces;
 }
 
@@ -33,19 +36,19 @@ std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept {
 
 namespace welkin {
 
-void CubemapChain::Free::operator()(float* pixels) const noexcept {
+void Cubemap::Free::operator()(float* pixels) const noexcept {
   if (memory != nullptr) return memory->deallocate(pixels, bytes, platform::kCacheLine);
   platform::give_working_memory({.data = pixels, .bytes = bytes, .alignment = platform::kHugePage});
 }
 
-CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
+Cubemap::Cubemap(int size, int levels, memory_resource* memory) : size_(size) {
   constexpr int largest = 16384;
   if (size < 1 || size > largest) {
     throw Error(ErrorCode::invalid_argument,
-                "a cubemap chain's size is " + std::to_string(size) + "; pass 1 to " + std::to_string(largest));
+                "a cubemap's size is " + std::to_string(size) + "; pass 1 to " + std::to_string(largest));
   }
   if (levels < 1 || levels > full_chain_levels(size)) {
-    throw Error(ErrorCode::invalid_argument, "a chain from " + std::to_string(size) + " texels cannot have " +
+    throw Error(ErrorCode::invalid_argument, "a cubemap of " + std::to_string(size) + " texels cannot have " +
                                                  std::to_string(levels) + " levels; pass 1 to " +
                                                  std::to_string(full_chain_levels(size)));
   }
@@ -60,19 +63,41 @@ CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size
     pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
     return;
   }
-  // large chains are kept between calls as working memory is, unless none is kept
+  // large cubemaps are kept between calls as working memory is, unless none is kept
   const platform::WorkingMemory block = platform::take_working_memory(bytes());
   const bool kept = block.alignment == platform::kHugePage;
   pixels_ = {static_cast<float*>(block.data), Free{kept ? nullptr : memory, block.bytes}};
 }
 
-CubemapView CubemapChain::view(int level) const noexcept {
-  CubemapView view{{}, level_size(level), 0, PixelFormat::rgb32f};
-  for (int side = 0; side < 6; ++side) view.faces[static_cast<std::size_t>(side)] = face(level, side);
-  return view;
+Cubemap::Cubemap(int size, std::span<const float> pixels) : Cubemap(size) {
+  if (pixels.size() != values_) {
+    throw Error(ErrorCode::invalid_argument, "a cubemap of " + std::to_string(size) + " texels takes " +
+                                                 std::to_string(values_) + " floats, not " +
+                                                 std::to_string(pixels.size()));
+  }
+  std::copy(pixels.begin(), pixels.end(), pixels_.get());
 }
 
-std::vector<CubemapView> CubemapChain::views() const {
+Cubemap::Cubemap(const Cubemap& other) {
+  if (other.levels() == 0) return;
+  Cubemap copy(other.size(), other.levels());
+  std::copy_n(other.pixels_.get(), other.values_, copy.pixels_.get());
+  swap(copy);
+}
+
+void Cubemap::swap(Cubemap& other) noexcept {
+  std::swap(size_, other.size_);
+  std::swap(values_, other.values_);
+  std::swap(offsets_, other.offsets_);
+  std::swap(pixels_, other.pixels_);
+}
+
+CubemapView Cubemap::view(int level) const noexcept {
+  if (offsets_.empty()) return {};
+  return image::packed_cubemap(face(level, 0), level_size(level));
+}
+
+std::vector<CubemapView> Cubemap::views() const {
   std::vector<CubemapView> views;
   views.reserve(offsets_.size());
   for (int level = 0; level < levels(); ++level) views.push_back(view(level));
