@@ -67,7 +67,7 @@ struct IrradianceOptions {
   friend bool operator==(const IrradianceOptions&, const IrradianceOptions&) = default;
 };
 
-/// What a bake makes, and how. The default makes everything except an octahedral map.
+/// Parts, sizes and bounds of a bake. The default makes everything except an octahedral map.
 struct BakeOptions {
   std::optional<BackgroundOptions> background = BackgroundOptions{};  ///< skybox; empty for none
 
@@ -199,7 +199,7 @@ struct RoughnessRange {
   friend bool operator==(const RoughnessRange&, const RoughnessRange&) = default;
 };
 
-/// What a scene uses of its environment. The default uses everything, with diffuse light from three bands.
+/// The parts of an environment that a scene uses. The default uses everything, with diffuse light from three bands.
 struct SceneNeeds {
   int diffuse_bands = 3;  ///< bands of diffuse light, usually 3; 1 is ambient only, 0 none; up to kMaximumBands
   bool irradiance_cubemap = true;  ///< shaders look diffuse light up in a cubemap; otherwise they use coefficients only
@@ -311,7 +311,7 @@ struct Plan {
 //   const welkin::SkyBake sky = welkin::bake(plan, welkin::sun_direction(20.0, 145.0));
 //   const auto light = sky.curve->at(sun);    // each frame
 
-/// What a bake of a sky makes, and how.
+/// Parts, sizes and bounds of a sky bake.
 struct SkyBakeOptions {
   SkyTableOptions tables{};         ///< sizes of the tables and orders of scattering
   double altitude_m = 0.0;          ///< altitude of the observer above the ground

@@ -125,7 +125,7 @@ struct MeasureFile {
 struct BakeFile {
   std::filesystem::path path;                              ///< the file, or one of six
   ReadOptions read_options{};                              ///< options for reading
-  BakeOptions options{};                                   ///< what is made, and how
+  BakeOptions options{};                                   ///< options of the bake
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes; null to read the path
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;

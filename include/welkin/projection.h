@@ -97,7 +97,7 @@ struct ProjectionOptions {
 
 // ---- Results
 
-/// What happens to a step of a call.
+/// The action taken for a step of a call.
 enum class PassAction {
   run,    ///< it is computed
   reuse,  ///< its result exists already: in the file, in another pass's result, or from an earlier call
@@ -110,7 +110,7 @@ enum class PassAction {
 /// One step of a call, with what was done or why it was not.
 struct PassRecord {
   std::string name;                     ///< "read", "reduce", "project", "cubemap", ...
-  PassAction action = PassAction::run;  ///< what happened to it
+  PassAction action = PassAction::run;  ///< action taken
   std::string reason;                   ///< why, for people
   double milliseconds = 0.0;            ///< wall time; 0 if it was skipped
 };

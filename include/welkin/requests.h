@@ -97,7 +97,7 @@ struct ToLatLong {
 /// Request for `bake`. The result is large and therefore returned by pointer.
 struct Bake {
   EnvironmentSource source;  ///< pixels to bake
-  BakeOptions options{};     ///< what is made, and how
+  BakeOptions options{};     ///< options of the bake
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   /// Returns the size of the source in bytes, which counts against the worker's limit.
@@ -117,7 +117,7 @@ struct Bake {
 struct BakeTo {
   EnvironmentSource source;  ///< pixels to bake
   BakeTargets targets{};     ///< memory to which cubemaps are written
-  BakeOptions options{};     ///< what is made, and how
+  BakeOptions options{};     ///< options of the bake
   /// Keeps the targets' memory alive; may be empty. The worker destroys its copy right after the job is ready, on any
   /// thread.
   std::shared_ptr<const void> owner{};
