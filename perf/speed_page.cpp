@@ -115,7 +115,7 @@ Section many() {
         1.0 / (2.0 * 0.95)}}};
 }
 
-Section command() { return {"Previews", "", {{"Previews/balls-256/256/2", "", Measure::seconds, 60.0 * kMilli}}}; }
+Section command() { return {"Previews", "", {{"Previews/spheres-256/256/2", "", Measure::seconds, 60.0 * kMilli}}}; }
 
 Section worker() {
   return {"Worker",

@@ -16,8 +16,8 @@ constexpr int kLargestFace = 8192;
 constexpr int kLargestIrradiance = 4096;
 constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
-constexpr int kSmallestBall = 8;
-constexpr int kLargestBall = 1024;
+constexpr int kSmallestSphere = 8;
+constexpr int kLargestSphere = 1024;
 constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
@@ -150,8 +150,8 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
                    .text = "No previews, which take two thirds of the time; less of bakes above 256 texels"});
-  table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
-                              "Pixels across each ball of preview_spheres.png, which is six balls wide; default " +
+  table.push_back(size_option("--preview-size", options.preview_size, kSmallestSphere, kLargestSphere,
+                              "Pixels across each sphere of preview_spheres.png, which is six spheres wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
   table.push_back({.names = "--exposure",
