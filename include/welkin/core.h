@@ -30,9 +30,9 @@
 #include "welkin/detail/standard_library.h"
 
 #define WELKIN_VERSION_MAJOR 0
-#define WELKIN_VERSION_MINOR 1
+#define WELKIN_VERSION_MINOR 2
 #define WELKIN_VERSION_PATCH 0
-#define WELKIN_VERSION_STRING "0.1.0"
+#define WELKIN_VERSION_STRING "0.2.0"
 
 #if defined(__GNUC__) && !defined(_WIN32)
 #define WELKIN_EXPORT [[gnu::visibility("default")]]
