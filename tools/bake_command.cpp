@@ -96,9 +96,10 @@ void check_readme_is_kept(const BakeCommandOptions& options) {
     std::ifstream stream(path);
     std::string line;
     if (!stream || (std::getline(stream, line) && is_own_readme(line))) continue;
-    throw Error(ErrorCode::file_access, platform::utf8(path) +
-                                            ": is not of a bake, which would write over it; pass another folder to -o, "
-                                            "or choose files without one by --formats");
+    throw Error(ErrorCode::file_access,
+                platform::utf8(path) +
+                    ": was not written by a bake, which would overwrite it; pass another folder to -o, "
+                    "or choose files without one by --formats");
   }
 }
 
@@ -294,7 +295,7 @@ std::string bake_to_folder(const BakeCommandOptions& asked) {
 
 Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
-  Command command{"bake", "Bake all that a physically based renderer loads", embedded_text("help/bake.txt")};
+  Command command{"bake", "Bake the lighting files of a physically based renderer", embedded_text("help/bake.txt")};
   add_bake_options(command.options, *options);
   command.everyday = {"INPUT",          "--output", "--sky",      "--json",        "--size", "--roughness",
                       "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",

@@ -117,7 +117,7 @@ struct BakeResult {
   std::optional<BabylonPolynomial> stored_polynomial;
 
   /// Counts of pixels read, replaced and clamped; total radiance and error estimate as in `project`; and the wall time
-  /// of each pass: "clean", "background", "background mips", "specular", "project", "irradiance", "brdf" and, if
+  /// of each pass: "sanitize", "background", "background mips", "specular", "project", "irradiance", "brdf" and, if
   /// requested, "octahedral". Calls that read files add "read" before them, `bake_to` "store background" and so on
   /// after them. Passes overlap, so the times add up to more than the bake took.
   ProjectionDiagnostics diagnostics;

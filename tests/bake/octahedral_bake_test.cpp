@@ -135,7 +135,7 @@ TEST_CASE("octahedral: what does not go together is refused before anything is b
   refused(bake_of({.size = 8, .border = 4}), "no room");
   BakeOptions alone = bake_of({.size = 8});
   alone.specular.reset();
-  refused(alone, "specular is not asked for");
+  refused(alone, "octahedral requires specular");
 }
 
 }  // namespace welkin::test

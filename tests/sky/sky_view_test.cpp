@@ -355,7 +355,7 @@ TEST_CASE("sky view: what cannot be looked up is refused", "[sky][view][errors]"
   }
   std::vector<glm::vec3> directions(3);
   std::vector<glm::vec3> rgb(2);
-  CHECK(thrown_by([&] { view.radiance(directions, {0.0, 1.0, 0.0}, rgb); }).says("room for 2"));
+  CHECK(thrown_by([&] { view.radiance(directions, {0.0, 1.0, 0.0}, rgb); }).says("rgb has 2"));
 }
 
 // Nothing that is not finite, nothing below zero: any planet, any height, any sun.
