@@ -128,7 +128,7 @@ std::string file_lines(const OutputFolder& folder) {
 
 std::string mip_lines(const std::vector<MipRecord>& mips) {
   std::string text =
-      "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels      rms error, about  to the next\n";
+      "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels   estimated rms error between mips\n";
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +

@@ -251,8 +251,8 @@ std::vector<std::string> OutputFolder::format_notes() const {
       if (file.share_clamped > 0.0) {
         constexpr double kNearlyAll = 0.99;  // two digits of more would be "1e+02"
         const bool nearly_all = file.share_clamped > kNearlyAll;
-        note += ", which takes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
-                " % of the light removed";
+        note += ", which removes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
+                " % of the light";
         if (!file.remedy.empty()) note += "; " + file.remedy;
       }
       notes.push_back(note);

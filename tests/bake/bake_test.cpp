@@ -316,7 +316,7 @@ TEST_CASE("Options that no bake can have are refused", "[bake]") {
                o.bands = 0;
                o.irradiance->method = IrradianceMethod::harmonics;
              }),
-             Contains("leave irradiance out"));
+             Contains("leave irradiance empty"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.background->size = 0; }), Contains("background.size"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.irradiance->size = 0; }), Contains("irradiance.size"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.specular->mips = 0; }), Contains("0 mips"));

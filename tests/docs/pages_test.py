@@ -180,7 +180,7 @@ def check_words(source):
     faults = []
     readers = [(path, prose) for path in pages(source)]
     readers += [(path, comments) for path in tracked(source, "include/*.h", "include/*.hpp")]
-    readers += [(path, str) for path in tracked(source, "tools/help/*.txt")]
+    readers += [(path, str) for path in tracked(source, "tools/help/*.txt", "tools/engines/*.md")]
     readers += [(path, strings) for path in tracked(source, "tools/*.cpp", "module/*.cpp", "module/*.h",
                                                     "bindings/python/source/*.cpp")]
     for path, words_of in readers:
