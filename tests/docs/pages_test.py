@@ -179,7 +179,8 @@ def check_links(source):
 def check_words(source):
     faults = []
     readers = [(path, prose) for path in pages(source)]
-    readers += [(path, comments) for path in tracked(source, "include/*.h", "include/*.hpp")]
+    readers += [(path, comments) for path in tracked(source, "include/*.h", "include/*.hpp",
+                                                     "bindings/wasm/package/*.d.ts", "examples/**/main.*")]
     readers += [(path, str) for path in tracked(source, "tools/help/*.txt", "tools/engines/*.md")]
     readers += [(path, strings) for path in tracked(source, "tools/*.cpp", "module/*.cpp", "module/*.h",
                                                     "bindings/python/source/*.cpp")]
