@@ -212,7 +212,7 @@ SixPaths faces_in(const Path& directory) {
   if (whole_sets.empty()) {
     throw platform::file_error(ErrorCode::file_access, directory,
                                std::string("is a directory without six faces of a cube, whose names would end in ") +
-                                   kEnds + "; name a picture in it");
+                                   kEnds + "; name an image in it");
   }
   if (whole_sets.size() > 1) {
     throw platform::file_error(ErrorCode::unsupported_file, directory,
