@@ -67,7 +67,7 @@ void add_prefilter(const std::vector<int>& thread_counts);
 /// (automatic).
 [[nodiscard]] std::string prefilter_error_tables(const std::vector<std::filesystem::path>& files);
 
-/// Previews/<balls>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the pictures.
+/// Previews/<spheres>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the pictures.
 void add_previews(const std::vector<int>& thread_counts);
 
 /// Benchmarks Probes/VARIANT/64x10000/threads.

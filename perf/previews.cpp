@@ -26,7 +26,7 @@ BakeOptions all_that_previews_show() {
 void add_previews(const std::vector<int>& thread_counts) {
   constexpr double kPixels = 1792.0 * 640.0 + 1024.0 * 512.0 + 1000.0 * 350.0;
   for (const int threads : thread_counts) {
-    add_benchmark("Previews", "balls-256", "256", threads, kPixels, 0.0, []() -> std::function<void()> {
+    add_benchmark("Previews", "spheres-256", "256", threads, kPixels, 0.0, []() -> std::function<void()> {
       const auto folder = scratch_file("previews", [](const auto& path) { std::filesystem::create_directory(path); });
       auto light = std::make_shared<BakeResult>(bake(sky_picture().view(), all_that_previews_show()));
       return [light, folder] {

@@ -66,10 +66,10 @@ Section projection() {
 }
 
 Section streams() {
-  Section section{
-      "Files projected while they are read",
-      "Beside its decoder alone, whose rows are thrown away, on one thread. What is above 1 is not the codec's.",
-      {}};
+  Section section{"Files projected while they are read",
+                  "Compared with the decoder alone, whose rows are discarded, on one thread. The excess over 1 is the "
+                  "projection's.",
+                  {}};
   for (const char* const format : {"hdr", "exr-half-zip", "exr-float-zip", "pfm", "png8"}) {
     section.figures.push_back({std::string("ProjectFile/") + format + "/2048x1024/1",
                                std::string("DecodeFile/") + format + "/2048x1024/1", Measure::ratio_to_other, 1.11});
@@ -105,7 +105,7 @@ Section skies() {
 Section many() {
   return {
       "Many small probes",
-      "Of 64 halves, all together: in one call on two threads beside single calls on one.",
+      "Of 64 half floats: one call on one or two threads, compared with single calls on one.",
       {{"ProjectCubemap/rgba16f/64/1", "", Measure::seconds, 12.0 * kMicro},
        {"ProjectMany/rgba16f/64x10000/1", "ProjectMany/rgba16f-single-calls/64x10000/1", Measure::ratio_to_other, 1.0},
        {"ProjectMany/rgba16f/64x10000/2", "ProjectMany/rgba16f-single-calls/64x10000/1", Measure::ratio_to_other,
@@ -115,11 +115,11 @@ Section many() {
         1.0 / (2.0 * 0.95)}}};
 }
 
-Section command() { return {"Previews", "", {{"Previews/balls-256/256/2", "", Measure::seconds, 60.0 * kMilli}}}; }
+Section command() { return {"Previews", "", {{"Previews/spheres-256/256/2", "", Measure::seconds, 60.0 * kMilli}}}; }
 
 Section worker() {
   return {"Worker",
-          "What a job takes beyond the same call without a worker (the median).",
+          "Time of a job beyond the same call without a worker (median).",
           {{"PostToResult/wait/64/1", "", Measure::seconds, 3.0 * kMicro, "overhead_us"},
            {"PostToResult/wait-asleep-2ms/64/1", "", Measure::seconds, 60.0 * kMicro, "overhead_us"},
            {"PostToResult/wait/1024/2", "", Measure::seconds, {}, "overhead_us"}}};
@@ -242,7 +242,7 @@ std::string speed_page() {
                      ". A name ends with the number of threads; times are wall times, the fastest repetition's.\n";
   for (const Section& section : sections) {
     page += "\n## " + section.title + "\n\n" + (section.said.empty() ? "" : section.said + "\n\n");
-    page += "| figure | time | beside | share or ratio | mark | reached |\n|---|---|---|---|---|---|\n";
+    page += "| figure | time | compared with | fraction or ratio | target | met |\n|---|---|---|---|---|---|\n";
     for (const Figure& figure : section.figures) page += row(figure, results);
   }
   return page;

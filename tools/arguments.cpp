@@ -152,12 +152,11 @@ void add_verbosity(CLI::App& command) {
   command
       .add_flag_callback(
           "-q,--quiet", [] { set_verbosity(Verbosity::quiet); },
-          "No progress, and no table of what was written: errors and results that were asked for alone")
+          "Print errors and requested results only: no progress, no table of files")
       ->group(kRunningGroup);
   command
       .add_flag_callback(
-          "--verbose", [] { set_verbosity(Verbosity::verbose); },
-          "Say on standard error what was done, stage by stage, and how long it took")
+          "--verbose", [] { set_verbosity(Verbosity::verbose); }, "Print each stage and its time on standard error")
       ->group(kRunningGroup);
 }
 

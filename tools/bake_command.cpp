@@ -96,9 +96,10 @@ void check_readme_is_kept(const BakeCommandOptions& options) {
     std::ifstream stream(path);
     std::string line;
     if (!stream || (std::getline(stream, line) && is_own_readme(line))) continue;
-    throw Error(ErrorCode::file_access, platform::utf8(path) +
-                                            ": is not of a bake, which would write over it; pass another folder to -o, "
-                                            "or choose files without one by --formats");
+    throw Error(ErrorCode::file_access,
+                platform::utf8(path) +
+                    ": was not written by a bake, which would overwrite it; pass another folder to -o, "
+                    "or choose files without one by --formats");
   }
 }
 
@@ -127,7 +128,7 @@ std::string file_lines(const OutputFolder& folder) {
 
 std::string mip_lines(const std::vector<MipRecord>& mips) {
   std::string text =
-      "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels      rms error, about  to the next\n";
+      "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels   estimated rms error between mips\n";
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
@@ -294,7 +295,7 @@ std::string bake_to_folder(const BakeCommandOptions& asked) {
 
 Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
-  Command command{"bake", "Bake all that a physically based renderer loads", embedded_text("help/bake.txt")};
+  Command command{"bake", "Bake the lighting files of a physically based renderer", embedded_text("help/bake.txt")};
   add_bake_options(command.options, *options);
   command.everyday = {"INPUT",          "--output", "--sky",      "--json",        "--size", "--roughness",
                       "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",

@@ -3,8 +3,8 @@
 namespace welkin::tool {
 
 std::string what_of(LobeFamily lobe) {
-  if (lobe == LobeFamily::charlie) return "prefiltered for sheen by Charlie's lobe, a roughness a mip";
-  if (lobe == LobeFamily::lambert) return "prefiltered by the cosine: irradiance over pi";
+  if (lobe == LobeFamily::charlie) return "prefiltered for sheen by Charlie's lobe, one roughness per mip";
+  if (lobe == LobeFamily::lambert) return "prefiltered by the cosine lobe: irradiance over pi";
   return "prefiltered by Phong's lobe, a power a mip";
 }
 

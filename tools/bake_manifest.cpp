@@ -19,7 +19,7 @@ namespace {
 
 [[noreturn]] void fail_folder(const std::filesystem::path& path, const std::string& what, const std::string& reason) {
   throw Error(ErrorCode::file_access,
-              platform::utf8(path) + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
+              platform::utf8(path) + ": " + what + " (" + reason + "); pass a folder to -o that you may write to");
 }
 
 void replace_all(std::string& text, const std::string& what, const std::string& with) {
@@ -193,7 +193,7 @@ void check_output_folder(const std::filesystem::path& path) {
     there = there.parent_path();
   }
   if (!std::filesystem::is_directory(there, trouble)) {
-    fail_folder(path, "cannot be made or is not a folder", platform::utf8(there) + " is something else");
+    fail_folder(path, "cannot be created", platform::utf8(there) + " is not a folder");
   }
   const std::string reason = reason_not_to_write_in(there);
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
@@ -203,7 +203,7 @@ OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::st
     : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
-  if (trouble) fail_folder(path_, "cannot be made", trouble.message());
+  if (trouble) fail_folder(path_, "cannot be created", trouble.message());
   check_output_folder(path_);
   wait_for_others(control);
   own_.emplace(path_, kBakeFiles);
@@ -251,8 +251,8 @@ std::vector<std::string> OutputFolder::format_notes() const {
       if (file.share_clamped > 0.0) {
         constexpr double kNearlyAll = 0.99;  // two digits of more would be "1e+02"
         const bool nearly_all = file.share_clamped > kNearlyAll;
-        note += ", which takes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
-                " % of the light away";
+        note += ", which removes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
+                " % of the light";
         if (!file.remedy.empty()) note += "; " + file.remedy;
       }
       notes.push_back(note);
@@ -278,7 +278,7 @@ std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions
   for (const std::string& note : option_notes(options)) notes.push_back(note);
   if (baked.env_left_out) {
     notes.push_back("no environment." + baked.env_container +
-                    ": it is a prefiltered cubemap, which no material of the scene reads");
+                    ": the scene has no material that reads a prefiltered cubemap");
   }
   return notes;
 }

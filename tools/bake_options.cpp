@@ -16,8 +16,8 @@ constexpr int kLargestFace = 8192;
 constexpr int kLargestIrradiance = 4096;
 constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
-constexpr int kSmallestBall = 8;
-constexpr int kLargestBall = 1024;
+constexpr int kSmallestSphere = 8;
+constexpr int kLargestSphere = 1024;
 constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
@@ -57,7 +57,7 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
     const std::optional<double> value = number_in(word);
     if (!value || !(*value >= 0.0 && *value <= 1.0)) {
       throw BadValue{"--roughness", word + " is neither " + schedule_names() +
-                                        " nor a number from 0 to 1; of numbers give one a mip, such as 0,0.25,0.5,1"};
+                                        " nor a number from 0 to 1; pass one number per mip, such as 0,0.25,0.5,1"};
     }
     if (!choice.table.empty() && *value < choice.table.back()) {
       throw BadValue{"--roughness", "falls from " + significant(choice.table.back()) + " to " + significant(*value) +
@@ -124,9 +124,9 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                            {"bc6h-signed", TexelFormat::bc6h_sfloat},
                            {"astc4x4", TexelFormat::astc_4x4_hdr},
                            {"astc6x6", TexelFormat::astc_6x6_hdr}},
-                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes; or in blocks of BC6H or "
-                          "ASTC with 1 byte a texel, or 4/9 (astc6x6). DDS and OpenEXR hold halves, or floats with "
-                          "rgba32f; DDS also bc6h; KTX all but ASTC. Irradiance is never in blocks");
+                          "The texel format of .ktx2 files, with 8 (default), 16, 4 or 4 bytes per texel; or blocks of "
+                          "BC6H or ASTC with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR hold half floats, or "
+                          "floats with rgba32f; DDS also bc6h; KTX all but ASTC. Irradiance is never compressed");
   formats.target =
       On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
         store(word);
@@ -136,28 +136,29 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   table.push_back(
       choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
                          {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
-                         "How long to search for the best blocks of BC6H; default normal"));
+                         "Search effort of the BC6H encoder; default normal"));
   table.push_back(choice<AstcEffort>("--astc-effort", options.texture.astc_effort,
                                      {{"fastest", AstcEffort::fastest},
                                       {"fast", AstcEffort::fast},
                                       {"medium", AstcEffort::medium},
                                       {"thorough", AstcEffort::thorough}},
-                                     "How long to search for the best blocks of ASTC; default medium"));
+                                     "Search effort of the ASTC encoder; default medium"));
   table.push_back(choice<Supercompression>(
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
-      "How a .ktx2 is compressed; default none"));
+      "Compression of .ktx2 files; default none"));
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
-                   .text = "No previews, which take two thirds of the time; less of bakes above 256 texels"});
-  table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
-                              "Pixels across each ball of preview_spheres.png, which is six balls wide; default " +
+                   .text = "Write no previews, which take two thirds of the time up to 256 texels, less above"});
+  table.push_back(size_option("--preview-size", options.preview_size, kSmallestSphere, kLargestSphere,
+                              "Pixels across each sphere of preview_spheres.png, which is six spheres wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
   table.push_back({.names = "--exposure",
                    .target = &options.exposure_stops,
-                   .text = "The previews' exposure: radiance times 2^EV; default by the picture: three quarters "
-                           "of what is lit are then darker than 0.36, and the manifest says what came of that",
+                   .text =
+                       "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
+                       "lit surroundings becomes 0.36, and the manifest states the value",
                    .type = "EV",
                    .bounds = finite_between(-kMostStops, kMostStops),
                    .excludes = {"--no-previews"}});
@@ -168,56 +169,55 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
     options.specular.size = size;
     options.size_named = true;
   };
-  table.push_back({.names = "--size",
-                   .target = On<int>(set_size),
-                   .text = "Texels along an edge of the specular cubemap's faces; default " +
-                           std::to_string(options.specular.size) + "",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestFace)});
+  table.push_back(
+      {.names = "--size",
+       .target = On<int>(set_size),
+       .text = "Texels per edge of the specular cubemap; default " + std::to_string(options.specular.size) + "",
+       .type = "N",
+       .bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
-                              "The same for the background cubemap, which is not blurred; 0: as --size; default " +
+                              "Texels per edge of the background cubemap; 0: as --size; default " +
                                   std::to_string(options.background_size) +
                                   ". A lat-long is four times as wide; in the folders of unity, unreal, blender, godot "
-                                  "and usd it keeps the source's own size where this is not named"));
+                                  "and usd it keeps the source's size unless this option is given"));
   table.push_back(
       {.names = "--mips",
        .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
        .text = std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
-                           "as --roughness has numbers, else as many as its schedule wants: filament and linear end at "
-                           "4 texels, unity has seven, babylon and unreal all"),
+                           "as --roughness has numbers, else those of its schedule: filament and linear end at 4 "
+                           "texels, unity has seven, babylon and unreal all"),
        .type = "N|all"});
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
   };
   table.push_back({.names = "--roughness",
                    .target = On<std::vector<std::string>>(set_roughness),
-                   .text = "Roughness of mips: as an engine's shader looks them up, or numbers separated by commas; "
-                           "default filament, or by --for",
+                   .text = "Roughness of mips: an engine's schedule, or numbers separated by commas; default filament, "
+                           "or by --for",
                    .type = schedule_names() + "|LIST",
                    .list = List::commas});
   table.push_back(choice<std::optional<bool>>(
       "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
-      "Whether mips are blurred by lobes that shaders show best which interpolate linearly between mips by the formula "
-      "of --roughness; materials look mips up as before. Default on by --for (not of three) and of .env, else off"));
+      "Fits the lobes of mips to shaders that interpolate between mips by the formula of --roughness; materials look "
+      "mips up as before. Default on with --for (except three) and for .env, else off"));
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
       {{"automatic", PrefilterMethod::automatic},
        {"spectral", PrefilterMethod::spectral},
        {"reference", PrefilterMethod::reference}},
-      "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
-      "reference (the integral itself; slow)"));
+      "How to prefilter: automatic (default: the fastest method within the error bounds), spectral, or reference (the "
+      "integral, slow)"));
   table.push_back(choice<Quality>(
       "--quality", options.quality,
       {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
-      "How exact reflections and irradiance are: fast (--rms-error 1e-2), normal (1e-3, the default), or reference "
-      "(the integrals themselves, which takes minutes). An --rms-error that is given wins"));
+      "Accuracy of reflections and irradiance: fast (--rms-error 1e-2), normal (1e-3, the default), or reference (the "
+      "integrals, which takes minutes). --rms-error overrides it"));
   table.push_back(
       {.names = "--rms-error",
        .target = &options.rms_error,
-       .text = "The most that each mip and the irradiance cubemap may err: root mean square error over root mean "
-               "square, 1e-6 to 1; default by --quality. No texel errs by more than ten times that, relative to its "
-               "own value",
-       .type = "SHARE",
+       .text = "Error bound of each mip and of the irradiance cubemap: root mean square error over root mean square, "
+               "1e-6 to 1; default by --quality. The relative error of any texel is at most ten times that",
+       .type = "ERROR",
        .bounds = finite_between(1e-6, 1.0)});
 }
 
@@ -249,9 +249,9 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
   table.push_back(
       {.names = "--error-budget",
        .target = On<double>(set),
-       .text = "--rms-error and --bands in one: the bands are those that keep this error of irradiance under a lone "
-               "lamp, 3 for 0.09, 5 for 0.05, 15 for 0.01",
-       .type = "SHARE",
+       .text = "Sets --rms-error, and as many --bands as irradiance needs for this error under a single lamp: 3 for "
+               "0.09, 5 for 0.05, 15 for 0.01",
+       .type = "ERROR",
        .bounds = finite_between(1e-6, 1.0),
        .excludes = {"--quality", "--rms-error", "--bands"}});
 }
@@ -268,42 +268,40 @@ void add_lobe_options(Options& table, BakeCommandOptions& options) {
   };
   table.push_back({.names = "--lobe",
                    .target = On<std::vector<std::string>>(store),
-                   .text =
-                       "Cubemaps by other lobes beside the specular one, which is GGX, separated by commas: charlie "
-                       "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
+                   .text = "Additional cubemaps with other lobes than GGX, separated by commas: charlie "
+                           "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
                    .type = "LIST",
                    .words = {"ggx", "charlie", "lambert", "phong"},
                    .list = List::commas});
   table.push_back(size_option("--octahedral", options.octahedral_size, 0, 16384,
-                              "The specular cubemap as an octahedral map too, of so many texels along an edge with its "
-                              "borders, as Godot's shaders read it: .ktx2 and .exr; default 0: none"));
+                              "Also writes the specular cubemap as an octahedral map for Godot's shaders, .ktx2 and "
+                              ".exr: texels per edge including borders; default 0: none"));
 }
 
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
   table.push_back(size_option("--irradiance", options.irradiance_size, 0, kLargestIrradiance,
-                              "Texels along an edge of the irradiance cubemap's faces; default 64; 0: none"));
+                              "Texels per edge of the irradiance cubemap; default 64; 0: none"));
   table.push_back(
       choice<IrradianceMethod>("--irradiance-method", options.irradiance_method,
                                {{"automatic", IrradianceMethod::automatic},
                                 {"direct", IrradianceMethod::direct},
                                 {"harmonics", IrradianceMethod::harmonics}},
-                               "Within --rms-error of the integral (automatic, the default), the integral itself "
-                               "(direct, slow), or from --bands of spherical harmonics, as shaders show that read so "
-                               "many"));
-  table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "No BRDF table"});
+                               "Method of the irradiance cubemap: within --rms-error of the integral (automatic, the "
+                               "default), the integral (direct, slow), or from --bands of harmonics, as in shaders"));
+  table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "Write no BRDF table"});
   table.push_back({.names = "--brdf",
                    .target = On<int>([&options](int size) {
                      options.brdf.width = options.brdf.height = size;
                      options.brdf_named = true;
                    }),
-                   .text = "Texels along an edge of the BRDF table; default 64",
+                   .text = "Texels per edge of the BRDF table; default 64",
                    .type = "N",
                    .bounds = whole_between(1, kLargestTable),
                    .excludes = {"--no-brdf"}});
   Option model = choice<BrdfModel>(
       "--brdf-model", options.brdf.model,
       {{"split-sum", BrdfModel::split_sum}, {"multiple-scattering", BrdfModel::multiple_scattering}},
-      "What the table holds: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering");
+      "Contents of the BRDF table: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering");
   model.target = On<std::string>([&options, store = std::get<On<std::string>>(model.target)](const std::string& word) {
     store(word);
     options.brdf_named = true;
@@ -341,8 +339,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_input_options(table, options.input, options.sky);
   table.push_back({.names = "-o,--output",
                    .target = &options.directory,
-                   .text = "The folder to write to; default the input's name without extension, or sky; it is made if "
-                           "it is not there, and the default one must be new, empty or of an earlier bake",
+                   .text =
+                       "The folder to write to, created if necessary; default the input's name without extension, or "
+                       "sky, which must be new, empty or from an earlier bake",
                    .type = "DIR"});
   add_json_option(table, options.common);
   in_group(table, "Input and output");
@@ -355,9 +354,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
   option(table, "--for").text =
-      "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with "
-      "--formats these formats in its axes. Faces, harmonics and lights are turned so that the "
-      "surroundings look the same there";
+      "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with --formats "
+      "those "
+      "formats in its axes. Faces, harmonics and lights are rotated so that the surroundings look the same there";
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   add_read_options(table, options.common, kInput);
@@ -404,13 +403,12 @@ void check_textures_of_engine(const BakeCommandOptions& options) {
   const bool is_taken =
       takes_any_texture(engine) || takes_floats || options.octahedral_size > 0 || !options.lobes.empty();
   if (options.format_named && !is_taken) {
-    throw Error(
-        ErrorCode::invalid_argument,
-        folder + " writes no file whose texel format may be chosen; leave --ktx2-format out, or name --formats");
+    throw Error(ErrorCode::invalid_argument,
+                folder + " writes no file with a selectable texel format; leave --ktx2-format out, or pass --formats");
   }
   if (engine == Engine::three && options.texture.supercompression == Supercompression::zlib) {
     throw Error(ErrorCode::invalid_argument,
-                folder + ": three.js's KTX2Loader does not read zlib; take --supercompression zstd, or name --formats");
+                folder + ": three.js's KTX2Loader does not read zlib; pass --supercompression zstd, or --formats");
   }
 }
 
@@ -423,20 +421,21 @@ std::vector<std::string> option_notes(const BakeCommandOptions& options) {
   const std::string folder = std::string("--for ") + engine.name;
   if (options.brdf_named && !contains(options.files, Content::brdf)) {
     notes.push_back("--brdf and --brdf-model: " + folder +
-                    " writes no BRDF table, as the engine has its own; for a shader of yours name --formats");
+                    " writes no BRDF table, because the engine has its own; pass --formats for your own shader");
   }
   const bool named = options.size_named || options.specular.mips || options.all_mips || options.roughness.schedule ||
                      !options.roughness.table.empty();
   if (named && !writes_reflections(options)) {
     notes.push_back(
         "--size, --mips and --roughness: " + folder +
-        " writes no prefiltered cubemap, as the engine makes its own of the lat-long; --background-size N makes "
-        "that 4 N texels wide");
+        " writes no prefiltered cubemap, because the engine makes its own from the lat-long; --background-size N makes "
+        "the lat-long 4 N texels wide");
   }
   if (contradicts_engine(options)) {
-    notes.push_back("--roughness: " + std::string(engine.title) +
-                    " looks the mips up by its own formula, so materials show "
-                    "another roughness than theirs; leave it out, or look the mips up in a shader of yours");
+    notes.push_back(
+        "--roughness: " + std::string(engine.title) +
+        " looks mips up by its own formula, so materials show another roughness than theirs; leave it out, or look "
+        "the mips up in your own shader");
   }
   return notes;
 }
@@ -474,7 +473,7 @@ bool fits_lookups(const BakeCommandOptions& options) {
   if (!options.roughness.table.empty()) {
     if (!options.fit_lookups.value_or(false)) return false;
     throw Error(ErrorCode::invalid_argument,
-                "--fit-lookups on needs a formula, and --roughness has numbers; name a schedule, or leave it out");
+                "--fit-lookups on needs a formula, and --roughness has numbers; pass a schedule, or leave it out");
   }
   if (options.fit_lookups) return *options.fit_lookups;
   const RoughnessSchedule schedule = schedule_of(options);
@@ -490,7 +489,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   const auto numbers = static_cast<int>(table.size());
   if (options.all_mips) specular.mips = full_chain_levels(specular.size);
   if (numbers > 0 && specular.mips && *specular.mips != numbers) {
-    throw Error(ErrorCode::invalid_argument, "--mips asks for " + std::to_string(*specular.mips) +
+    throw Error(ErrorCode::invalid_argument, "--mips is " + std::to_string(*specular.mips) +
                                                  ", and --roughness has numbers for " + std::to_string(numbers) +
                                                  "; leave --mips out");
   }
@@ -499,7 +498,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
     throw Error(ErrorCode::invalid_argument,
                 "a cubemap of " + std::to_string(specular.size) + " texels has at most " +
                     counted(static_cast<std::uint64_t>(full_chain_levels(specular.size)), "mip") + ", not " +
-                    std::to_string(mips));
+                    std::to_string(mips) + "; pass fewer --mips or a larger --size");
   }
   specular.mips = mips;
   const BakeOptions preset = BakeOptions::at(options.rms_error ? Quality::normal : options.quality);

@@ -42,7 +42,7 @@ struct BakeCommandOptions {
   TextureOptions texture;
   bool format_named = false;  ///< by --ktx2-format
   bool previews = true;
-  int preview_size = 256;                ///< pixels across a ball
+  int preview_size = 256;                ///< pixels across a sphere
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
   PrefilterOptions specular;

@@ -57,7 +57,7 @@ Json details_of(const Subject& cubemap, const Job& job) {
 
 std::string range_of(TexelFormat format) {
   switch (format) {
-    case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
+    case TexelFormat::rgba16f: return "beyond +-65504, the range of half floats, clamped";
     case TexelFormat::rgba32f: return "that are not finite replaced";
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
@@ -80,7 +80,7 @@ glm::dvec3 largest_of(TexelFormat format) {
   return glm::dvec3(65504.0);
 }
 
-constexpr const char* kWithoutSun = "--take-out-sun makes the sun a light of its own";
+constexpr const char* kWithoutSun = "--take-out-sun makes the sun a separate light";
 
 /// Returns the options that keep the light that a format does not hold.
 std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options) {
@@ -124,7 +124,7 @@ std::string caution_of(TexelFormat format, const Subject& cubemap, const BakeCom
   const int last = cubemap.mips.back().size;
   if (is_engine_folder(options) && !options.specular.mips) return "";
   if (!is_in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
-  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") + " along an edge; below 32 " +
+  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") + " per edge; below 32 " +
          (is_bc6h(format) ? "BC6H" : "ASTC") +
          " is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
@@ -311,7 +311,7 @@ LatLongImage picture_of(const BrdfTable& table) {
 void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, OutputFolder& folder,
                 const Control& control) {
   const LatLongImage picture = picture_of(table);
-  constexpr const char* kWhat = "BRDF table: columns along N.V, rows along roughness, the smoothest on top";
+  constexpr const char* kWhat = "BRDF table: columns along N.V, rows along roughness, smoothest first";
   const Json details = {
       {"width", picture.width}, {"height", picture.height}, {"channels", brdf_channels(table.options)}};
   for (const OutputFile& file : files_with(Content::brdf, options.files)) {
@@ -338,7 +338,7 @@ Json roughness_json(const std::vector<MipRecord>& mips) {
   return list;
 }
 
-constexpr const char* kRangeOfRgbd = "above 255 or below 0 clamped: RGBD ends there";
+constexpr const char* kRangeOfRgbd = "above 255 or below 0, the range of RGBD, clamped";
 constexpr double kLargestRgbd = 255.0;
 
 /// The chain of what holds RGBD, in Welkin's axes.
@@ -364,14 +364,13 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
   const SphericalHarmonics& radiance = rgbd_radiance(baked);
   BabylonEnvironment environment = to_babylon(specular.cubemap, radiance);
   const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
-  const Json details = {
-      {"size", environment.specular.size()},
-      {"mips", environment.specular.levels()},
-      {"roughness", roughness_json(specular.mips)},
-      {"axes", "babylon"},
-      {"lod_generation_scale", environment.lod_generation_scale},
-      {"polynomial", baked.stored_light ? "the one that the input stores" : "of the source's harmonics"}};
-  folder.add(rgbd_file({file, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
+  const Json details = {{"size", environment.specular.size()},
+                        {"mips", environment.specular.levels()},
+                        {"roughness", roughness_json(specular.mips)},
+                        {"axes", "babylon"},
+                        {"lod_generation_scale", environment.lod_generation_scale},
+                        {"polynomial", baked.stored_light ? "as stored in the input" : "from the source's harmonics"}};
+  folder.add(rgbd_file({file, "for Babylon.js: specular cubemap, and diffuse light as a polynomial",
                         "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details},
                        baked));
 }
@@ -425,7 +424,7 @@ void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFold
   const ShReport report = report_of(baked, options);
   const Json details = {{"bands", report.projection.radiance.bands()}};
   write_text_file(folder.place("sh.json"), sh_json(report));
-  folder.add({"sh.json", "spherical harmonics: canonical, and as each engine wants them", "JSON", 0, 0, "", details});
+  folder.add({"sh.json", "spherical harmonics, in canonical form and in each engine's", "JSON", 0, 0, "", details});
   const std::string name = harmonics_name(options);
   const bool is_c = name == kHarmonicsHeader;
   std::string header;
@@ -433,7 +432,7 @@ void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFold
     header = is_c ? sh_c_header(report) : sh_c_sharp(report);
   } catch (const Error& error) {  // of light beyond all floats, which JSON holds
     if (error.code() != ErrorCode::limit_exceeded) throw;
-    baked.notes.push_back(name + " is left out: " + error.what());
+    baked.notes.push_back(name + " is omitted: " + error.what());
     return;
   }
   write_text_file(folder.place(name), header);
@@ -465,13 +464,12 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   write_octahedral_maps(light, job);
   turn_to_engine(light, symmetry, control);
   if (light.background) {
-    write_cubemap(
-        {Content::background, "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
-        job);
+    write_cubemap({Content::background, "the environment, with plain mips", light.background->views(), {}, "radiance"},
+                  job);
   }
   if (light.specular) {
-    write_cubemap({Content::specular, "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
-                   roughness_of(*light.specular), "radiance"},
+    write_cubemap({Content::specular, "prefiltered for reflections, one roughness per mip",
+                   light.specular->cubemap.views(), roughness_of(*light.specular), "radiance"},
                   job);
   }
   for (LobeChain& chain : baked.lobes) {

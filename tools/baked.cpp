@@ -122,7 +122,7 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {
     throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
-                                               " bytes while it is turned, above the limit of " +
+                                               " bytes while it is rotated, above the limit of " +
                                                std::to_string(limit) + "; raise " + options.common.memory_option);
   }
   Pixels turned;
@@ -174,9 +174,9 @@ struct MemoryStep {
   const char* remedy;
 };
 
-constexpr const char* kSmallerSource = "make the picture smaller first ('welkin convert' with --size)";
+constexpr const char* kSmallerSource = "reduce the image first ('welkin convert' with --size)";
 constexpr const char* kSmallerLevel = "read a smaller one of its levels (--level)";
-constexpr const char* kSmallerResults = "make --size or --background-size less";
+constexpr const char* kSmallerResults = "pass a smaller --size or --background-size";
 
 /// What `bake` alone makes of the .env's or .glb's chain.
 BakeOptions second_bake_options(const PrefilterOptions& env) {
@@ -207,7 +207,7 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
   MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
   const bool has_glb = contains(options.files, Content::gltf_light);
   const char* const without_env = worst.bytes > limit || !is_large ? smaller
-                                  : has_glb                        ? "name the --formats (environment.glb is of none)"
+                                  : has_glb                        ? "pass --formats, which writes no environment.glb"
                                                                    : "leave env out of --formats";
   const auto consider = [&worst](bool happens, const MemoryStep& step) {
     if (happens && step.bytes > worst.bytes) worst = step;
@@ -218,13 +218,13 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
                     : "source, results and the .env's specular chain, whose roughness is its own",
             without_env});
   consider(memory.second_bake > 0, {results + 2 * env,
-                                    has_glb ? "results, the .glb's chain and its faces turned"
-                                            : "results, the .env's chain and its faces turned",
+                                    has_glb ? "results, the .glb's chain and its rotated faces"
+                                            : "results, the .env's chain and its rotated faces",
                                     kSmallerResults});
   // Where a pixel was replaced or clamped, the source is copied.
   consider(memory.lat_long > 0,
            {2 * memory.source + results + memory.lat_long, "source, results and the lat-long", smaller});
-  consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
+  consider(turns, {results + std::max(background, specular), "results and one of them rotated to the engine's faces",
                    kSmallerResults});
   return worst;
 }
@@ -340,7 +340,7 @@ void explain_folder(const BakeCommandOptions& options, Plan& planned) {
     const bool is_light = pass.name == "specular" || pass.name == "brdf" || pass.name == "irradiance";
     const bool is_background = pass.name == "background" || pass.name == "background mips";
     if (pass.action != PassAction::skip || !(is_background || (is_light && !writes_reflections(options)))) continue;
-    pass.reason = "no file of the folder holds it: the engine makes its own of the lat-long";
+    pass.reason = "no file of the folder holds it, because the engine makes its own from the lat-long";
   }
 }
 
@@ -363,7 +363,7 @@ void plan_chain(const SourceShape& source, const PrefilterOptions& chain, const 
 void plan_chains(const SourceShape& source, const EnvChain& env, const BakeCommandOptions& options,
                  const PrefilterOptions& specular, Plan& planned) {
   if (env.second()) {
-    plan_chain(source, env.options, env.pass, "Babylon.js has a roughness of its own for each mip", planned);
+    plan_chain(source, env.options, env.pass, "Babylon.js has its own roughness for each mip", planned);
   }
   for (const LobeFamily lobe : options.lobes)
     plan_chain(source, lobe_options(lobe, options, specular), lobe_pass(lobe), kLobeReason, planned);
@@ -394,7 +394,7 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
   check_memory({baked.source.path, held, baked.plan.result_bytes + baked.plan.working_bytes, 0, 0}, options,
                baked.options);
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
-    baked.light = timed(baked.passes, kBakePass, "what the scene needs", [&] {
+    baked.light = timed(baked.passes, kBakePass, "results that the scene needs", [&] {
       return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
     });
   });
@@ -424,8 +424,8 @@ void note_blur(const BakeCommandOptions& options, Baked& baked) {
   }
   const auto level = static_cast<std::size_t>(std::max(0, options.common.read.level));
   if (level >= file.roughness.size() || file.roughness[level] <= 0.0) return;
-  baked.notes.push_back("the input's pixels are reflections of roughness " + significant(file.roughness[level], 3) +
-                        ": all that is made of them is blurred by that");
+  baked.notes.push_back("the input's pixels are prefiltered with roughness " + significant(file.roughness[level], 3) +
+                        ", so all results are blurred by that");
 }
 
 /// What is to be made of pixels.
@@ -509,12 +509,12 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   note_blur(options, baked);
   const PixelWork work = plan_pixels(source, options, needs, baked);
   const double end = work.env.second() ? kBaked : 1.0;
-  const std::string reason = options.scene.any() ? "what the scene needs" : "all that was asked for";
+  const std::string reason = options.scene.any() ? "results that the scene needs" : "all requested results";
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, reason,
                         [&] { return bake_light(source, work.light, cache, part_of(control, kRead, end)); });
     if (work.env.second()) {
-      baked.env = timed(baked.passes, work.env.pass, "Babylon.js has a roughness of its own for each mip", [&] {
+      baked.env = timed(baked.passes, work.env.pass, "Babylon.js has its own roughness for each mip", [&] {
         return prefilter_chain(source, work.env.options, cache, part_of(control, kBaked, 1.0));
       });
     }
@@ -526,11 +526,11 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
     }
   });
   if (baked.stored_light) {
-    timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
+    timed(baked.passes, "stored light", "diffuse light as stored in the input, not clamped as its pixels are",
           [&] { use_stored_light(baked, control); });
   }
   if (contains(options.files, Content::lat_long)) {
-    baked.lat_long = timed(baked.passes, "lat-long", "of the source's pixels", [&] {
+    baked.lat_long = timed(baked.passes, "lat-long", "from the source's pixels", [&] {
       return lat_long_of(source.view(), options, baked.whole, {control.stop, {}});
     });
   }

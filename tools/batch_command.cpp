@@ -44,7 +44,7 @@ Shard shard_in(const std::string& text) {
   }
   if (slash == std::string::npos || shard.number < 1 || shard.number > shard.count || shard.count > kMostShards) {
     throw Error(ErrorCode::invalid_argument,
-                "--shard: " + text + " is not I/N with I from 1 to N, such as 3/16 for the third of 16");
+                "--shard: " + text + " is out of range; pass I/N with I from 1 to N, such as 3/16 for the third of 16");
   }
   return shard;
 }
@@ -53,7 +53,7 @@ Shard shard_in(const std::string& text) {
 
 /// The one plan that is named.
 BatchPlan plan_named(const BatchCommandOptions& options, const std::string& action) {
-  if (options.inputs.size() != 1) refuse(action + ": name one plan, which 'welkin batch plan' has written");
+  if (options.inputs.size() != 1) refuse(action + ": pass one plan of 'welkin batch plan'");
   return read_batch_plan(platform::path_of(options.inputs.front()));
 }
 
@@ -138,7 +138,7 @@ Options batch_options(BatchCommandOptions& options) {
   Option action = choice<Action>(
       "ACTION", options.action,
       {{"plan", Action::plan}, {"run", Action::run}, {"status", Action::status}, {"merge", Action::merge}},
-      "What is to be done");
+      "The action");
   action.required = true;
   action.hint = [](const std::string& word) {
     std::error_code unknown;
@@ -149,7 +149,7 @@ Options batch_options(BatchCommandOptions& options) {
   table.push_back(std::move(action));
   table.push_back({.names = "INPUT",
                    .target = &options.inputs,
-                   .text = "Pictures, folders of them and patterns to plan; for other actions the plan",
+                   .text = "Images, folders and patterns to plan; for other actions the plan",
                    .list = List::commas_or_spaces});
   table.push_back({.names = "-o,--output",
                    .target = &options.output,
@@ -157,28 +157,28 @@ Options batch_options(BatchCommandOptions& options) {
                    .type = "PATH"});
   table.push_back({.names = "--list",
                    .target = &options.list,
-                   .text = "A file of JSON lines to plan, an input each with its options",
+                   .text = "A file of JSON lines to plan, each with an input and its options",
                    .type = "FILE"});
   table.push_back({.names = "--results",
                    .target = &options.results,
-                   .text = "The folder of results; default: beside the plan, jobs.results for jobs.json",
+                   .text = "The folder of results; default next to the plan, jobs.results for jobs.json",
                    .type = "DIR"});
   table.push_back({.names = "--shard",
                    .target = &options.shard,
-                   .text = "The I-th of N parts to run, which are predicted to take equally long; default 1/1",
+                   .text = "The I-th of N parts to run, with equal predicted times; default 1/1",
                    .type = "I/N"});
   table.push_back({.names = "--verify",
                    .target = &options.verify,
-                   .text = "The share of results that run computes once more and compares; default 0",
+                   .text = "The fraction of results that run computes twice and compares; default 0",
                    .type = "SHARE",
                    .bounds = finite_between(0.0, 1.0)});
   table.push_back({.names = "--allow-missing",
                    .target = &options.allow_missing,
-                   .text = "Merge the results that are there; the index and the page name those that are missing"});
+                   .text = "Merge existing results; the index and the page name missing ones"});
   table.push_back({.names = "--memory",
                    .target = ByteCount{&options.memory},
-                   .text = "The most memory that bakes may take at a time, by prediction (default 8GiB); one "
-                           "that would need more by itself fails",
+                   .text = "Memory limit for concurrent bakes, by prediction (default 8GiB); a bake that "
+                           "needs more fails",
                    .type = "SIZE",
                    .group = kRunningGroup});
   add_json_option(table, options.common);

@@ -25,7 +25,8 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
     entries.push_back(*at);
   }
   if (trouble) {
-    throw Error(ErrorCode::file_access, platform::utf8(folder) + ": cannot be listed (" + trouble.message() + ")");
+    throw Error(ErrorCode::file_access,
+                platform::utf8(folder) + ": cannot be listed (" + trouble.message() + "); check its permissions");
   }
   std::ranges::sort(entries, {}, [](const fs::directory_entry& entry) { return entry.path(); });
   return entries;

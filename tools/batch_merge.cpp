@@ -40,7 +40,7 @@ Merged check_job(const BatchPlan& plan, const BatchJob& job, const fs::path& res
       const std::string names = damaged_files(merged.folder, *files);
       if (!names.empty()) merged.problem = key + ": damaged: " + names + "; remove the folder, and run again";
     } else {
-      merged.problem = merged.is_missing ? "there is no result " + key : key + ": its result.json is damaged";
+      merged.problem = merged.is_missing ? "missing result " + key : key + ": its result.json is damaged";
     }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
@@ -90,7 +90,8 @@ void write_index(const BatchPlan& plan, const std::vector<Merged>& merged, const
   std::error_code trouble;
   fs::create_directories(folder, trouble);
   if (trouble) {
-    throw Error(ErrorCode::file_access, platform::utf8(folder) + ": cannot be made (" + trouble.message() + ")");
+    throw Error(ErrorCode::file_access, platform::utf8(folder) + ": cannot be created (" + trouble.message() +
+                                            "); pass a folder that you may write to");
   }
   Json jobs = Json::array();
   Json figures = Json::array();

@@ -163,7 +163,8 @@ class Planner {
     if (!is_folder && (is_there || !is_pattern(word))) return add({.input = word, .options = options_, .typed = true});
     const std::vector<fs::path> files = is_folder ? pictures_below(path) : files_that_fit(word);
     if (files.empty()) {
-      throw Error(ErrorCode::invalid_argument, printable(word) + ": there are no pictures that Welkin reads");
+      throw Error(ErrorCode::invalid_argument,
+                  printable(word) + ": holds no images that Welkin reads; pass other files or folders");
     }
     for (const fs::path& file : files) {
       const fs::path name = is_folder ? file.lexically_relative(path) : file.filename();
@@ -197,7 +198,7 @@ class Planner {
     require_own(plan_.file, kSchema, "batch plan");
     std::error_code unknown;
     if (!fs::is_directory(plan_.folder, unknown)) {
-      throw Error(ErrorCode::file_access, platform::utf8(plan_.file) + ": there is no such folder to write it to");
+      throw Error(ErrorCode::file_access, platform::utf8(plan_.file) + ": its folder does not exist; create it first");
     }
     for (const Wish& wish : wishes_) plan_job(wish);
     if (refused_.empty()) return;
@@ -251,7 +252,7 @@ class Planner {
       }
       if (platform::utf8(platform::path_of(wish.input)) != wish.input) {
         throw Error(ErrorCode::unsupported_file,
-                    printable(wish.input) + ": a plan names no file whose name is not UTF-8");
+                    printable(wish.input) + ": its name is not UTF-8, which plans need; rename it");
       }
       constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
       const Prediction prediction = predict(options);
@@ -301,7 +302,7 @@ class Planner {
 // ---- The file
 
 std::uint64_t bytes_in(double value, const std::string& where) {
-  if (!(value >= 0.0 && value <= kMostBytes)) throw Flaw{where + " has a number of bytes that cannot be"};
+  if (!(value >= 0.0 && value <= kMostBytes)) throw Flaw{where + " has an impossible number of bytes"};
   return static_cast<std::uint64_t>(value);
 }
 
@@ -316,7 +317,7 @@ BatchJob job_in(const Json& value, const std::string& where) {
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
   refuse_nul(job.name, where + ".name");
   refuse_nul(job.input, where + ".input");
-  if (!(job.seconds >= 0.0 && job.seconds <= kMostSeconds)) throw Flaw{where + ".seconds cannot be"};
+  if (!(job.seconds >= 0.0 && job.seconds <= kMostSeconds)) throw Flaw{where + ".seconds is impossible"};
   job.size = bytes_in(size, where);
   job.memory = bytes_in(memory, where);
   return job;
@@ -333,7 +334,7 @@ std::vector<BatchJob> jobs_in(const Json& json) {
                text("welkin", welkin),
                {"jobs", [&](const Json& value, const std::string& /*where*/) { list = &value; }},
                {"totals", [](const Json& /*value*/, const std::string& /*where*/) {}}});
-  if (schema != kSchema) throw Flaw{"is no plan that 'welkin batch plan' has written"};
+  if (schema != kSchema) throw Flaw{"is not a plan of this version"};
   if (version != kVersion) {
     throw Flaw{"has version " + std::to_string(version) + ", and this Welkin reads " + std::to_string(kVersion) +
                "; plan again"};
@@ -343,7 +344,7 @@ std::vector<BatchJob> jobs_in(const Json& json) {
   std::set<std::string> names;
   const auto add = [&](const Json& value, const std::string& where) {
     jobs.push_back(job_in(value, where));
-    if (!names.insert(jobs.back().name).second) throw Flaw{where + ".name is that of another job, too"};
+    if (!names.insert(jobs.back().name).second) throw Flaw{where + ".name occurs twice"};
   };
   read_list(*list, "jobs", add, kMostJobs);
   return jobs;
@@ -428,7 +429,8 @@ BatchPlan read_batch_plan(const fs::path& file) {
     plan.jobs = jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMostPlanBytes));
     return plan;
   } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, platform::utf8(file) + ": " + flaw.message);
+    throw Error(ErrorCode::corrupt_file,
+                platform::utf8(file) + ": " + flaw.message + "; write it again with 'welkin batch plan'");
   }
 }
 

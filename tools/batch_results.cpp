@@ -24,7 +24,8 @@ constexpr const char* kListName = "result.json";  // lists all other files with 
 constexpr const char* kPartial = "partial";
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& reason) {
-  throw Error(ErrorCode::file_access, platform::utf8(path) + ": " + what + " (" + reason + ")");
+  throw Error(ErrorCode::file_access,
+              platform::utf8(path) + ": " + what + " (" + reason + "); check its permissions and the free space");
 }
 
 void make_folder(const fs::path& path) {

@@ -124,7 +124,7 @@ class ShardRun {
     }
     if (drawn_) std::cerr << kWipeLine << std::flush;
     if (stop_.stop_requested()) {
-      throw Error(ErrorCode::cancelled, "stopped; what is done is there, and the same command goes on from there");
+      throw Error(ErrorCode::cancelled, "stopped; completed results are kept, and the same command continues");
     }
     if (failure_) std::rethrow_exception(failure_);
     outcome_.jobs = static_cast<std::size_t>(std::ranges::count(tasks_, false, &Task::verifies));
@@ -234,7 +234,7 @@ class ShardRun {
       record.error = error.what();
     } catch (const std::bad_alloc&) {
       record.error_code = name(ErrorCode::limit_exceeded);
-      record.error = "there was not enough memory; a lower --memory or fewer --threads take less";
+      record.error = "not enough memory; pass a lower --memory or fewer --threads";
     }
     if (!record.error_code.empty()) record.state = JobState::failed;
     record.seconds = seconds_since(start);
@@ -277,7 +277,7 @@ class ShardRun {
     std::string names = differing(*listed, made);
     if (names.empty()) names = damaged_files(result, *listed);
     record.state = names.empty() ? JobState::verified : JobState::differs;
-    if (!names.empty()) record.error = "differs when it is computed once more: " + names;
+    if (!names.empty()) record.error = "differs when computed again: " + names;
     return true;
   }
 

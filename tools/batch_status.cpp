@@ -94,7 +94,8 @@ class Reports {
     for (const fs::path& file : files) {
       try {
         if (!fs::is_regular_file(file, none)) {
-          throw Error(ErrorCode::file_access, platform::utf8(file) + ": is not a regular file");
+          throw Error(ErrorCode::file_access,
+                      platform::utf8(file) + ": is not a regular file; remove it from the reports");
         }
         for_each_line(file, [&](std::size_t, const std::string& line) {
           try {
@@ -244,7 +245,9 @@ RunReport::RunReport(const fs::path& results, const Shard& shard)
   std::error_code trouble;
   fs::create_directories(file_.parent_path(), trouble);
   stream_.open(file_, std::ios::app | std::ios::binary);
-  if (trouble || !stream_) throw Error(ErrorCode::file_access, platform::utf8(file_) + ": cannot be written");
+  if (trouble || !stream_)
+    throw Error(ErrorCode::file_access,
+                platform::utf8(file_) + ": cannot be written; check permissions and free space");
 }
 
 void RunReport::add(const JobRecord& record) {

@@ -29,9 +29,9 @@ const Options& shared_options() {
   static bool none = false;
   static const Options options = {
       {.names = "-h,--help", .target = &none, .text = "Print the everyday options and some examples"},
-      {.names = "--help-all", .target = &none, .text = "Print every option, and all that there is to know"},
-      {.names = "-q,--quiet", .target = &none, .text = "No progress, and no table of what was written"},
-      {.names = "--verbose", .target = &none, .text = "Say stage by stage what was done, and how long it took"}};
+      {.names = "--help-all", .target = &none, .text = "Print every option and all details"},
+      {.names = "-q,--quiet", .target = &none, .text = "Print errors and requested results only"},
+      {.names = "--verbose", .target = &none, .text = "Print each stage and its time on standard error"}};
   return options;
 }
 

@@ -47,7 +47,7 @@ std::string glb(const Json& document, std::string binary) {
   const std::size_t size = kHeader + 2 * kChunkHeader + text.size() + binary.size();
   if (size > ~std::uint32_t{0}) {
     throw Error(ErrorCode::limit_exceeded, "environment.glb would have " + std::to_string(size) +
-                                               " bytes, and a .glb ends at 4 GiB; make --size less");
+                                               " bytes, and the limit of a .glb is 4 GiB; pass a smaller --size");
   }
   std::string bytes;
   bytes.reserve(size);

@@ -192,7 +192,7 @@ std::string make(const ImportanceCommandOptions& options) {
                        {"variance", {{"uniform", variance.uniform}, {"table", variance.table}}},
                        {"directions",
                         "column i of width, row j of height: longitude pi - 2 pi i / width, latitude pi / 2 - pi j / "
-                        "height; (sin lon cos lat, sin lat, cos lon cos lat); even by solid angle within a texel"},
+                        "height; (sin lon cos lat, sin lat, cos lon cos lat); uniform in solid angle within a texel"},
                        {"files", folder.files()}};
   const std::string text = json_text(report);
   const std::vector<std::string> remarks = folder.finish(text, platform::path_of(options.input));
@@ -201,7 +201,7 @@ std::string make(const ImportanceCommandOptions& options) {
   for (const std::string& remark : remarks) notes += "note: " + remark + '\n';
   return printable(platform::utf8(folder.path())) + ": tables of " + std::to_string(table.width) + " x " +
          std::to_string(table.height) + " texels, by " + word_of(wanted.weight) +
-         "\n  variance of one sample over the total's square: even directions " + significant(variance.uniform, 4) +
+         "\n  variance of one sample over the total's square: uniform directions " + significant(variance.uniform, 4) +
          ", the table " + significant(variance.table, 4) + '\n' + notes;
 }
 
@@ -220,7 +220,8 @@ void run(const ImportanceCommandOptions& options) {
 Command importance_command() {
   const auto options = std::make_shared<ImportanceCommandOptions>();
   constexpr int kLargest = 65536;
-  Command command{"importance", "Tables by which a path tracer picks directions", embedded_text("help/importance.txt")};
+  Command command{"importance", "Make tables for the importance sampling of path tracers",
+                  embedded_text("help/importance.txt")};
   Options& table = command.options;
   table.push_back(
       {.names = "INPUT",
@@ -236,26 +237,27 @@ Command importance_command() {
   in_group(table, "Input and output");
   table.push_back({.names = "--width",
                    .target = &options->table.width,
-                   .text = "Texels of the table, no more than the input's; default as many",
+                   .text = "Width of the table, at most the input's; default the input's",
                    .type = "N",
                    .bounds = whole_between(1, kLargest)});
   table.push_back({.names = "--height",
                    .target = &options->table.height,
-                   .text = "Rows of the table, no more than the input's; default as many",
+                   .text = "Height of the table, at most the input's; default the input's",
                    .type = "N",
                    .bounds = whole_between(1, kLargest)});
   table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
                                            {{"luminance", ImportanceWeight::luminance},
                                             {"mean", ImportanceWeight::mean},
                                             {"largest", ImportanceWeight::largest}},
-                                           "What of a texel counts: its luminance, the mean or the largest of its "
+                                           "Weight of a texel: its luminance, or the mean or largest of its "
                                            "channels; default luminance"));
   table.push_back({.names = "--mis-compensation",
                    .target = &options->table.mis_compensation,
-                   .text = "Only what lies above the mean counts: for estimators that sample the material, too"});
-  table.push_back({.names = "--alias", .target = &options->alias, .text = "Alias tables, too"});
-  table.push_back(
-      {.names = "--pyramid", .target = &options->pyramid, .text = "Probabilities of ever larger blocks, too"});
+                   .text = "Subtract the mean, for estimators that also sample the material"});
+  table.push_back({.names = "--alias", .target = &options->alias, .text = "Also write alias tables"});
+  table.push_back({.names = "--pyramid",
+                   .target = &options->pyramid,
+                   .text = "Also write probabilities of blocks by powers of two"});
   in_group(table, "Tables");
   add_pixel_options(table, options->table.pixels, options->clamp);
   add_read_options(table, options->common, "");

@@ -162,7 +162,8 @@ std::string info_table(const InfoReport& report) {
   return file_lines(report.file) + range_lines(report.pixels) + '\n' +
          line("odd values", odd_values_text(report.pixels)) + line("brightest", significant(report.pixels.brightest)) +
          line("", place_text(report)) + line("", direction_text(report.pixels.brightest_direction)) +
-         "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter in from the "
+         "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter of the width from "
+         "the "
          "left.\n";
 }
 
@@ -194,7 +195,7 @@ void run(const InfoOptions& options) {
 
 Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
-  Command command{"info", "Tell what is in an environment file", embedded_text("help/info.txt")};
+  Command command{"info", "Describe an environment file", embedded_text("help/info.txt")};
   command.options.push_back(
       {.names = "FILE",
        .target = &options->file,

@@ -30,7 +30,7 @@ void add_clamp_options(Options& table, ClampChoice& choice) {
   };
   table.push_back({.names = "--clamp",
                    .target = On<float>(set_maximum),
-                   .text = "Cut radiance off above V; default no limit. What it takes away is reported",
+                   .text = "Clamp radiance to V; default no limit. The removed light is reported",
                    .type = "V",
                    .bounds = finite_and_positive()});
   table.push_back(
@@ -46,21 +46,19 @@ void add_json_option(Options& table, CommonOptions& options) {
 }
 
 void add_threads_option(Options& table, CommonOptions& options) {
-  table.push_back(
-      {.names = "--threads",
-       .target = &options.threads,
-       .text = "Threads to work with; default 0, for all: those that this process may use. Results do not depend on it",
-       .type = "N",
-       .bounds = whole_between(0, kMaximumThreads)});
+  table.push_back({.names = "--threads",
+                   .target = &options.threads,
+                   .text = "Number of threads; default 0: all that this process may use. Results do not depend on it",
+                   .type = "N",
+                   .bounds = whole_between(0, kMaximumThreads)});
   in_group(table, kRunningGroup);
 }
 
 void add_memory_limit_option(Options& table, CommonOptions& options) {
   table.push_back({.names = "--memory-limit",
                    .target = ByteCount{&options.read.memory_limit_bytes},
-                   .text =
-                       "The most memory that pixels may take, such as 512MiB or 2GB (default 8GiB); what would need "
-                       "more is refused before it is begun",
+                   .text = "Memory limit for pixels, such as 512MiB or 2GB (default 8GiB), checked before the work "
+                           "begins",
                    .type = "SIZE",
                    .group = kRunningGroup});
 }
@@ -74,7 +72,7 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
                        "them or their folder; - for standard input"});
   table.push_back({.names = "--sky",
                    .target = &sky,
-                   .text = "Take the built-in computed sky instead of a file",
+                   .text = "Use the built-in computed sky instead of a file",
                    .excludes = {kInput}});
 }
 
@@ -91,8 +89,7 @@ std::string default_output_name(const std::optional<std::string>& input) {
   const bool is_folder = std::filesystem::is_directory(last, unknown);
   const std::filesystem::path name = is_folder ? last.filename() : last.stem();
   if (is_stream(*input) || name.empty()) {
-    throw Error(ErrorCode::invalid_argument,
-                printable(*input) + ": gives the result no name; say by -o where it is to be written");
+    throw Error(ErrorCode::invalid_argument, printable(*input) + ": gives the result no name; pass -o with a name");
   }
   return platform::utf8(name);
 }
@@ -107,8 +104,8 @@ void require_own_folder(const std::filesystem::path& folder, const std::string& 
   }
   const std::string name = platform::utf8(folder);
   throw Error(ErrorCode::file_access, name + ": is there and was not written by 'welkin " + command +
-                                          "'; name another folder by -o" +
-                                          (is_folder ? ", or this one, in which other files then stay" : ""));
+                                          "'; pass another folder to -o" +
+                                          (is_folder ? ", or this one, where other files are kept" : ""));
 }
 
 FileInput input_of(const std::string& named, const ReadOptions& read) {
@@ -121,23 +118,20 @@ FileInput input_of(const std::string& named, const ReadOptions& read) {
 
 void require_input(const std::string& command, const std::optional<std::string>& input, bool sky) {
   if (sky || (input && !input->empty())) return;
-  const std::string found = input ? "INPUT is an empty text; is a shell variable not set?" : "INPUT is missing";
+  const std::string found = input ? "INPUT is empty; is a shell variable not set?" : "INPUT is missing";
   throw Error(ErrorCode::invalid_argument, command + ": " + found + "\nName a file ('welkin " + command +
                                                " city.hdr'), or ask for the built-in sky with --sky.");
 }
 
 void add_cache_option(Options& table, CommonOptions& options) {
-  table.push_back(
-      {.names = "--cache",
-       .target = On<std::string>([&options](const std::string& folder) {
-         if (folder.empty())
-           throw BadValue{"--cache", "names no folder: the text is empty; is a shell variable not set?"};
-         options.cache = folder;
-       }),
-       .text = "A folder that keeps results and finds them again by the contents of their inputs; it is created if "
-               "it does not exist",
-       .type = "DIR",
-       .group = kRunningGroup});
+  table.push_back({.names = "--cache",
+                   .target = On<std::string>([&options](const std::string& folder) {
+                     if (folder.empty()) throw BadValue{"--cache", "is empty; is a shell variable not set?"};
+                     options.cache = folder;
+                   }),
+                   .text = "A folder in which results are cached by the contents of their inputs, created if necessary",
+                   .type = "DIR",
+                   .group = kRunningGroup});
 }
 
 std::vector<std::pair<std::string, Layout>> layout_choices() {
@@ -152,8 +146,9 @@ std::vector<std::pair<std::string, Layout>> layout_choices() {
 void add_read_options(Options& table, CommonOptions& options, const std::string& input,
                       const std::string& layout_option) {
   const std::size_t before = table.size();
-  table.push_back(choice<Layout>(layout_option, options.read.layout, layout_choices(),
-                                 "How the picture holds the sphere; default automatic, by its header, shape or name"));
+  table.push_back(
+      choice<Layout>(layout_option, options.read.layout, layout_choices(),
+                     "Layout of the sphere in the image; default automatic, from its header, shape or name"));
   table.push_back({.names = "--part",
                    .target = &options.read.part,
                    .text = "The part of an OpenEXR file with several parts, by name or by number from 0",
@@ -169,16 +164,16 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
                    .bounds = whole_between(0, kMaximumLevel)});
   table.push_back({.names = "--element",
                    .target = &options.read.element,
-                   .text = "Of a KTX2, KTX or DDS array, which of its cubemaps or pictures; default 0",
+                   .text = "Index of a cubemap or image in a KTX2, KTX or DDS array; default 0",
                    .type = "N",
                    .bounds = whole_between(0, 65535)});
-  table.push_back(choice<Transfer>(
-      "--transfer", options.read.transfer,
-      {{"automatic", Transfer::automatic}, {"srgb", Transfer::srgb}, {"linear", Transfer::linear}},
-      "What the numbers in a PNG mean; by default sRGB, linear where the file says that its gamma is 1"));
+  table.push_back(
+      choice<Transfer>("--transfer", options.read.transfer,
+                       {{"automatic", Transfer::automatic}, {"srgb", Transfer::srgb}, {"linear", Transfer::linear}},
+                       "Encoding of values in a PNG; default sRGB, or linear where the file states a gamma of 1"));
   table.push_back(choice<Primaries>(
       "--primaries", options.read.primaries, {{"rec709", Primaries::rec709}, {"as-stored", Primaries::as_stored}},
-      "What becomes of colours for which the file states other primaries than Rec709's; default rec709, which converts "
+      "Treatment of colours with other primaries than Rec. 709; default rec709, which converts "
       "them"));
   add_memory_limit_option(table, options);
   in_group(table, "How the input is read");
@@ -196,7 +191,7 @@ void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
   work(&cache);
   const CacheStatistics statistics = cache.statistics();
   if (statistics.damaged > 0)
-    notes.push_back("the cache: " + counted(statistics.damaged, "damaged result") + " computed anew");
+    notes.push_back("the cache: " + counted(statistics.damaged, "damaged result") + " computed again");
   if (statistics.write_failures > 0)
     notes.push_back("the cache could not keep all results: " + statistics.last_failure);
 }
@@ -210,14 +205,14 @@ void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp) 
                    .text = "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first"});
   table.push_back(choice<NonFinitePolicy>("--nan", pixels.nan,
                                           {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
-                                          "NaN becomes 0 (default), or ends the command and is named"));
+                                          "Replace NaN by 0 (default), or fail and name the texel"));
   table.push_back(choice<NonFinitePolicy>(
       "--infinity", pixels.infinity, {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
-      "Infinity becomes the clamp's V or 65504 (default), or ends the command and is named"));
+      "Replace infinities by the clamp's V or 65504 (default), or fail and name the texel"));
   table.push_back(choice<NegativePolicy>(
       "--negative", pixels.negative,
       {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
-      "Negative values are taken as they are (default), become 0, or end the command and are named"));
+      "Keep negative values (default), replace them by 0, or fail and name the texel"));
   in_group(table, "Pixel values");
 }
 
@@ -273,7 +268,7 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
   constexpr const char* kTakeOut = "--take-out-sun";
   table.push_back({.names = kTakeOut,
                    .target = &choice.take_out,
-                   .text = "Take the sun out of the environment and report it as a directional light",
+                   .text = "Extract the sun from the environment and report it as a directional light",
                    .excludes = excludes});
   const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {
     table.push_back({.names = name,
@@ -284,22 +279,22 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
                      .needs = {kTakeOut}});
   };
   add("--sun-threshold", choice.options.relative_threshold, 1e-9, 1.0, "SHARE",
-      "What has this share of the brightest luminance belongs to the sun; default 0.02");
+      "Luminance, relative to the brightest texel, from which texels belong to the sun; default 0.02");
   add("--sun-radius", choice.options.maximum_radius_degrees, 0.0, 90.0, "DEGREES",
-      "What is larger than this is no sun; default 3");
+      "Maximum radius of a sun; default 3");
   add("--sun-contrast", choice.options.minimum_contrast, 1.0, 1e300, "TIMES",
-      "What is less than so many times as bright as the mean is no sun; default 20");
+      "Minimum luminance of a sun relative to the mean; default 20");
   add("--sun-share", choice.options.minimum_share, 0.0, 1.0, "SHARE",
-      "What has less of the light than this is no sun; default 0.01");
+      "Minimum fraction of the light in a sun; default 0.01");
   in_group(table, "The sun as a light of its own");
 }
 
 std::string sun_text(const std::optional<Sun>& sun, bool z_is_up) {
-  if (!sun) return "Sun: none found; nothing was taken out\n";
+  if (!sun) return "Sun: none found; nothing was extracted\n";
   const bool was_in_pixels = sun->texels > 0;
-  return std::string(was_in_pixels ? "Sun, taken out" : "Sun, not in the pixels") + "\n  towards     " +
+  return std::string(was_in_pixels ? "Sun, extracted" : "Sun, not in the pixels") + "\n  towards     " +
          direction_text(sun->direction, z_is_up) + "\n  irradiance  " + significant(sun->irradiance) +
-         "  on a surface that faces it\n  radiance    " + significant(sun->radiance) + "  its mean\n  extent      " +
+         "  on a surface facing it\n  radiance    " + significant(sun->radiance) + "  its mean\n  extent      " +
          significant(sun->solid_angle) + " sr" +
          (was_in_pixels ? " (" + counted(sun->texels, "texel") + " changed)" : "") + ", a disc of " +
          significant(sun->angular_radius_degrees, 3) + " degrees radius\n";

@@ -198,7 +198,7 @@ std::string json_text(const Json& object) {
 }
 
 void read_object(const Json& object, const std::string& where, const std::vector<Member>& members) {
-  if (!object.is_object()) throw Flaw{where + " is no object in braces"};
+  if (!object.is_object()) throw Flaw{where + " is not a JSON object"};
   for (const auto& [key, value] : object.members()) {
     const Member* found = nullptr;
     std::string known;
@@ -214,14 +214,14 @@ void read_object(const Json& object, const std::string& where, const std::vector
 
 void read_list(const Json& list, const std::string& where,
                const std::function<void(const Json& element, const std::string& where)>& read, std::size_t most) {
-  if (!list.is_array()) throw Flaw{where + " is no list in brackets"};
+  if (!list.is_array()) throw Flaw{where + " is not a JSON array"};
   if (list.size() > most) throw Flaw{where + " has " + std::to_string(list.size()) + " elements"};
   for (std::size_t i = 0; i < list.size(); ++i) read(list.elements()[i], where + '[' + std::to_string(i) + ']');
 }
 
 Member number(const char* name, double& target) {
   return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_number()) throw Flaw{where + " is no number"};
+            if (!value.is_number()) throw Flaw{where + " is not a number"};
             target = value.number();
           }};
 }
@@ -230,7 +230,7 @@ Member numbers(const char* name, std::vector<double>& target) {
   return {name, [&target](const Json& value, const std::string& where) {
             target.clear();
             read_list(value, where, [&](const Json& element, const std::string& at) {
-              if (!element.is_number()) throw Flaw{at + " is no number"};
+              if (!element.is_number()) throw Flaw{at + " is not a number"};
               target.push_back(element.number());
             });
           }};
@@ -238,7 +238,7 @@ Member numbers(const char* name, std::vector<double>& target) {
 
 Member text(const char* name, std::string& target) {
   return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_text()) throw Flaw{where + " is no text in quotes"};
+            if (!value.is_text()) throw Flaw{where + " is not a string"};
             target = value.text();
           }};
 }
@@ -247,7 +247,7 @@ Member whole_number(const char* name, int& target) {
   return {name, [&target](const Json& value, const std::string& where) {
             const bool whole = value.is_whole_number() && value.number() >= std::numeric_limits<int>::min() &&
                                value.number() <= std::numeric_limits<int>::max();
-            if (!whole) throw Flaw{where + " is no whole number"};
+            if (!whole) throw Flaw{where + " is not an integer"};
             target = static_cast<int>(value.number());
           }};
 }
@@ -261,13 +261,13 @@ Member flag(const char* name, bool& target) {
 
 Json parse_json(const std::string& text) {
   const auto not_too_deep = [](int depth, Library::parse_event_t /*event*/, Library& /*value*/) {
-    if (depth > kDeepestNesting) throw Flaw{"nests deeper than a sound one does"};
+    if (depth > kDeepestNesting) throw Flaw{"is nested too deeply"};
     return true;
   };
   try {
     return from_library(Library::parse(text, not_too_deep));
   } catch (const Library::exception& flaw) {
-    throw Flaw{std::string("is no JSON (") + flaw.what() + ")"};
+    throw Flaw{std::string("is not JSON (") + flaw.what() + ")"};
   }
 }
 

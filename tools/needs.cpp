@@ -18,7 +18,7 @@ void read_range(const Json& value, const std::string& where, std::optional<Rough
   read_object(value, where, {number("minimum", range.minimum), number("maximum", range.maximum)});
   if (!(range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0)) {
     throw Flaw{where + " goes from " + platform::number_text(range.minimum) + " to " +
-               platform::number_text(range.maximum) + "; roughness must rise, from 0 to 1"};
+               platform::number_text(range.maximum) + "; pass 0 <= minimum <= maximum <= 1"};
   }
   target = range;
 }
@@ -47,7 +47,7 @@ auto naming_file(const std::filesystem::path& path, const Read& read) {
   try {
     return read();
   } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message);
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message + "; correct the file");
   }
 }
 
@@ -67,7 +67,7 @@ SceneNeeds NeedsChoice::needs() const {
 
 void add_needs_options(Options& table, NeedsChoice& choice) {
   const auto set_range = [&choice](const std::vector<double>& range) {
-    if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the lower roughness first"};
+    if (range[0] > range[1]) throw BadValue{"--glossy", "is decreasing; pass the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
   table.push_back({.names = "--needs",
@@ -82,7 +82,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   table.push_back(
       {.names = "--glossy",
        .target = On<std::vector<double>>(set_range),
-       .text = "The minimum and the maximum roughness of the materials; mips outside of this range are not made",
+       .text = "The minimum and the maximum roughness of the materials; mips outside this range are not made",
        .type = "MINIMUM,MAXIMUM",
        .bounds = finite_between(0.0, 1.0),
        .list = List::commas,
@@ -94,9 +94,8 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   table.push_back({.names = "--no-diffuse", .target = &choice.no_diffuse, .text = "No diffuse light is used"});
   table.push_back({.names = "--explain",
                    .target = &choice.explain,
-                   .text =
-                       "Print which passes run, are reused or left out, and why; when the bake is done, print their "
-                       "times"});
+                   .text = "Print which passes run, are reused or skipped, and why; after the bake, print their "
+                           "times"});
   table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
 }
 
@@ -116,7 +115,7 @@ Json needs_json(const SceneNeeds& needs) {
 SceneNeeds read_needs(const std::filesystem::path& path) {
   return naming_file(path, [&] {
     return needs_of(
-        read_json_file(path, "docs/guides/scene_needs.md says what stands in one", kMostJsonBytes, Pipes::read));
+        read_json_file(path, "docs/guides/scene_needs.md describes its contents", kMostJsonBytes, Pipes::read));
   });
 }
 

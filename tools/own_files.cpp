@@ -22,9 +22,9 @@ constexpr const char* kRemedy = "; move it away, or pass another folder to -o";
 void require_replaceable(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::filesystem::file_status status = std::filesystem::status(path, unknown);
-  if (std::filesystem::is_directory(status)) refuse(path, "is a folder, and a file is to be written there");
+  if (std::filesystem::is_directory(status)) refuse(path, "is a folder where a file must be written");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    refuse(path, "is no regular file, and one is to be written there");
+    refuse(path, "is not a regular file where one must be written");
   }
 }
 
@@ -78,7 +78,7 @@ void OwnFiles::add_listed(const std::filesystem::path& list) {
   const std::optional<Json> files = files_listed_in(list);
   if (!files)
     refuse(list,
-           std::string("is there and was not written by 'welkin ") + set_.command + "', which would write over it");
+           std::string("is there and was not written by 'welkin ") + set_.command + "', which would overwrite it");
   for (const Json& file : files->elements()) {
     const Json* const name = member(file, "name");
     const Json* const bytes = member(file, "bytes");
@@ -95,7 +95,7 @@ void OwnFiles::require(const std::vector<std::string>& names) const {
     require_replaceable(path);
     if (name == set_.index || listed_.contains(name) || !is_there(path)) continue;
     refuse(path, std::string("is there and was not written by 'welkin ") + set_.command + "' (" + set_.index +
-                     " does not list it), which would write over it");
+                     " does not list it), which would overwrite it");
   }
 }
 
@@ -137,9 +137,9 @@ std::vector<std::string> OwnFiles::finish(const std::string& index, const std::v
   std::vector<std::string> remarks;
   const std::string earlier = std::string("an earlier '") + set_.command + "'";
   if (!removed.empty())
-    remarks.push_back("removed, as " + earlier + " wrote it and this one does not: " + names_text(removed));
+    remarks.push_back("removed, because " + earlier + " wrote it and this one does not: " + names_text(removed));
   if (!left.empty())
-    remarks.push_back("left beside the new files, as it is read or has changed since " + earlier +
+    remarks.push_back("kept next to the new files, because it is read or has changed since " + earlier +
                       " wrote it: " + names_text(left));
   return remarks;
 }

@@ -52,8 +52,8 @@ std::string described(const WriteReport& report, const std::string& what, const 
   std::string text;
   for (const auto& file : report.files) text += printable(platform::utf8(file)) + ": " + what + '\n';
   if (report.values_clamped > 0) {
-    text += "note: " + counted(report.values_clamped, "value") + " beyond what the format holds, clamped to it" +
-            if_clamped + '\n';
+    text +=
+        "note: " + counted(report.values_clamped, "value") + " beyond the format's range, clamped" + if_clamped + '\n';
   }
   return text;
 }
@@ -62,10 +62,10 @@ std::string described(const WriteReport& report, const std::string& what, const 
 void add_output_options(Options& table, OutputOptions& options) {
   table.push_back(choice<Layout>(
       "--layout", options.write.layout, layout_choices(),
-      "How OUT holds the sphere; default automatic: a lat-long stays one, and a cube becomes a vertical strip"));
+      "Layout of the sphere in OUT; default automatic: a lat-long stays one, and a cubemap becomes a vertical strip"));
   table.push_back({.names = "--size",
                    .target = &options.size,
-                   .text = "Texels along the edge of a cube's face, or across a lat-long",
+                   .text = "Texels per edge of a cubemap, or width of a lat-long",
                    .type = "N",
                    .bounds = whole_between(1, kLargestWidth)});
   table.push_back(choice<SampleType>(
@@ -74,7 +74,7 @@ void add_output_options(Options& table, OutputOptions& options) {
        {"float", SampleType::float32},
        {"8bit", SampleType::uint8},
        {"16bit", SampleType::uint16}},
-      "How OUT holds a value: .exr half or float, .pfm float, .png 8bit or 16bit; default half, 8bit "
+      "Type of values in OUT: .exr half or float, .pfm float, .png 8bit or 16bit; default half, 8bit "
       "for .png"));
   table.push_back(choice<std::string>("--format", options.format,
                                       {{"exr", "exr"}, {"hdr", "hdr"}, {"pfm", "pfm"}, {"png", "png"}},
@@ -189,10 +189,10 @@ void require_memory(const ConvertOptions& options, const Environment& source, st
   const std::uint64_t bytes = kTexelBytes * texels;
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (held + bytes <= limit) return;
-  throw Error(ErrorCode::limit_exceeded,
-              options.output.path + ": takes " + std::to_string(bytes) + " bytes at that size beside the " +
-                  std::to_string(held) + " of the picture that is read, above the limit of " + std::to_string(limit) +
-                  "; ask for a smaller --size or raise --memory-limit");
+  throw Error(ErrorCode::limit_exceeded, options.output.path + ": takes " + std::to_string(bytes) +
+                                             " bytes at that size in addition to the " + std::to_string(held) +
+                                             " of the input, above the limit of " + std::to_string(limit) +
+                                             "; pass a smaller --size or raise --memory-limit");
 }
 
 /// Returns all texels of what was read.
@@ -285,9 +285,9 @@ void run_convert(ConvertOptions& options) {
   const bool png = same_word(platform::utf8(platform::path_of(out).extension()), ".png");
   if (options.tone_map && !png) {
     throw Error(ErrorCode::invalid_argument,
-                out + ": --tone-map is for a .png; the other formats hold the light itself, so leave it out");
+                out + ": --tone-map is for .png; leave it out for formats that hold radiance");
   }
-  if (png && !options.tone_map) options.output.if_clamped = "; --tone-map makes a picture to look at";
+  if (png && !options.tone_map) options.output.if_clamped = "; --tone-map makes an image for viewing";
   std::string text;
   run_with_threads(options.common.threads, [&] { text = convert(options); });
   say(text, options.output);
@@ -314,7 +314,7 @@ void require_memory_to_draw(const OutputOptions& output, const CommonOptions& co
   if (texels * kTexelBytes <= limit) return;
   throw Error(ErrorCode::limit_exceeded, output.path + ": takes " + std::to_string(texels * kTexelBytes) +
                                              " bytes at that size, above the limit of " + std::to_string(limit) +
-                                             "; ask for a smaller --size or raise --memory-limit");
+                                             "; pass a smaller --size or raise --memory-limit");
 }
 
 /// The surroundings are the same for every engine; it has other names for their directions, and looks them up at other
@@ -428,7 +428,7 @@ Command convert_command() {
 
 Command testmap_command() {
   const auto options = std::make_shared<TestmapOptions>();
-  Command command{"testmap", "Make an environment that shows how it is turned", embedded_text("help/testmap.txt")};
+  Command command{"testmap", "Make an environment that shows its orientation", embedded_text("help/testmap.txt")};
   Options& table = command.options;
   table.push_back({.names = "-o,--output",
                    .target = &options->output.path,
@@ -461,7 +461,7 @@ Command sample_command() {
                    .required = true});
   table.push_back({.names = "--size",
                    .target = &options->output.size,
-                   .text = "The width in texels, which is twice the height; default 1024",
+                   .text = "Width in texels, twice the height; default 1024",
                    .type = "N",
                    .bounds = whole_between(1, kLargestWidth)});
   in_group(table, "Output");

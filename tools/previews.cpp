@@ -19,7 +19,8 @@
 namespace welkin::tool {
 namespace {
 
-constexpr glm::vec3 kGround(0.018F, 0.018F, 0.02F);  // linear: a dark grey that neither light nor dark balls vanish in
+constexpr glm::vec3 kGround(0.018F, 0.018F,
+                            0.02F);  // linear: a dark grey that neither light nor dark spheres vanish in
 
 /// Calls `row(index)` for all rows, several at a time on the threads that there are.
 void for_rows(int rows, int width, const Control& control, const std::function<void(int)>& draw) {
@@ -143,10 +144,10 @@ class SpecularAlbedo {
   std::vector<glm::vec3> columns_;
 };
 
-/// What the balls are lit by.
+/// What the spheres are lit by.
 class Light {
  public:
-  Light(const BakeResult& light, int ball) : light_(light), specular_(light.specular->cubemap), ball_(ball) {
+  Light(const BakeResult& light, int sphere) : light_(light), specular_(light.specular->cubemap), sphere_(sphere) {
     for (const MipRecord& mip : light.specular->mips) {
       if (!table_.empty() && mip.roughness <= table_.back()) break;  // several mips of one roughness: the first will do
       table_.push_back(mip.roughness);
@@ -162,24 +163,25 @@ class Light {
 
   [[nodiscard]] const BrdfTable* brdf() const noexcept { return light_.brdf.get(); }
 
-  /// What a ball reflects at `normal`, before its material takes a share. The viewer is towards +z, so that N.V is the
-  /// normal's z. `mip`: of the roughness. Mips are looked up by roughness, as a shader does it. Mip 0 is not blurred,
-  /// and near a ball's rim a pixel reflects many of its texels; their mean comes from the background's plain mips.
-  /// Reflected directions turn twice as fast as normals, and these turn along the radius by 1 / cosine of the radius'
-  /// own change.
+  /// What a sphere reflects at `normal`, before its material takes a share. The viewer is towards +z, so that N.V is
+  /// the normal's z. `mip`: of the roughness. Mips are looked up by roughness, as a shader does it. Mip 0 is not
+  /// blurred, and near a sphere's rim a pixel reflects many of its texels; their mean comes from the background's plain
+  /// mips. Reflected directions turn twice as fast as normals, and these turn along the radius by 1 / cosine of the
+  /// radius' own change.
   [[nodiscard]] glm::vec3 reflection(const glm::vec3& normal, double mip) const {
     const glm::vec3 direction = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
     if (mip >= 1.0 || !sharp_) return specular_.at(direction, mip);
-    const float pixel = 4.0F / (static_cast<float>(ball_) * std::sqrt(std::max(normal.z, 0.02F)));  // mean of both ways
+    const float pixel =
+        4.0F / (static_cast<float>(sphere_) * std::sqrt(std::max(normal.z, 0.02F)));  // mean of both ways
     const glm::vec3 sharp = sharp_->at(direction, sharp_->level_for(pixel));
     if (mip == 0.0) return sharp;
     const auto blurred = static_cast<float>(mip);
     return (1.0F - blurred) * sharp + blurred * specular_.at(direction, 1);
   }
 
-  /// Radiance of a ball's point. `reflected`: of `reflection` there.
-  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, const SpecularAlbedo& albedo, const glm::vec3& normal,
-                               const glm::vec3& reflected) const {
+  /// Radiance of a sphere's point. `reflected`: of `reflection` there.
+  [[nodiscard]] glm::vec3 sphere(const PreviewMaterial& material, const SpecularAlbedo& albedo, const glm::vec3& normal,
+                                 const glm::vec3& reflected) const {
     const glm::vec3 share = albedo.at(normal.z);
     const glm::vec3 mirrored = reflected * share;
     if (material.is_metal()) return mirrored;
@@ -193,38 +195,39 @@ class Light {
   std::optional<CubeLookup> sharp_;
   std::optional<CubeLookup> irradiance_;
   std::vector<double> table_;
-  int ball_;
+  int sphere_;
 };
 
-/// Where balls and labels stand, in pixels.
+/// Where spheres and labels stand, in pixels.
 struct Grid {
-  int ball;
+  int sphere;
 
-  [[nodiscard]] int pitch() const noexcept { return ball + ball / 8; }
-  [[nodiscard]] int left() const noexcept { return ball / 8; }
-  [[nodiscard]] int row_height() const noexcept { return pitch() + ball / 8; }  // with the labels below the balls
+  [[nodiscard]] int pitch() const noexcept { return sphere + sphere / 8; }
+  [[nodiscard]] int left() const noexcept { return sphere / 8; }
+  [[nodiscard]] int row_height() const noexcept { return pitch() + sphere / 8; }  // with the labels below the spheres
   [[nodiscard]] glm::dvec2 centre(int column, int row) const noexcept {
     return {left() + (column + 0.5) * pitch(), row * row_height() + 0.5 * pitch()};
   }
-  [[nodiscard]] double letters() const noexcept { return ball / 18.0; }
+  [[nodiscard]] double letters() const noexcept { return sphere / 18.0; }
 };
 
-struct Ball {
+struct Sphere {
   const PreviewMaterial& material;
   SpecularAlbedo albedo;
-  int top;  ///< the picture's row in which row 0 of the ball's cell lies
+  int top;  ///< the picture's row in which row 0 of the sphere's cell lies
 };
 
-/// Balls of one roughness, one below the other: they reflect the same, of which each material takes its share.
-struct BallColumn {
+/// Spheres of one roughness, one below the other: they reflect the same, of which each material takes its share.
+struct SphereColumn {
   double mip;         ///< of the roughness
   glm::dvec2 centre;  ///< of the first one, and so of each in its cell
   double radius;
-  std::vector<Ball> balls;
+  std::vector<Sphere> spheres;
 };
 
-/// The pixels of one row that the balls of a column cover, some only in part: an edge is as soft as a pixel.
-void draw_row(PreviewPicture& picture, const BallColumn& column, const Light& light, const ToneMap& tone_map, int row) {
+/// The pixels of one row that the spheres of a column cover, some only in part: an edge is as soft as a pixel.
+void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& light, const ToneMap& tone_map,
+              int row) {
   const double down = row + 0.5 - column.centre.y;
   const double reach = column.radius + 0.5;
   if (std::abs(down) >= reach) return;
@@ -242,9 +245,9 @@ void draw_row(PreviewPicture& picture, const BallColumn& column, const Light& li
     const double v = -down * inside / column.radius;
     const glm::vec3 normal(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
     const glm::vec3 reflected = light.reflection(normal, column.mip);
-    for (const Ball& ball : column.balls) {
-      const glm::vec3 seen(tone_map(light.ball(ball.material, ball.albedo, normal, reflected)));
-      picture.set(x, ball.top + row, kGround + (seen - kGround) * static_cast<float>(covered));
+    for (const Sphere& sphere : column.spheres) {
+      const glm::vec3 seen(tone_map(light.sphere(sphere.material, sphere.albedo, normal, reflected)));
+      picture.set(x, sphere.top + row, kGround + (seen - kGround) * static_cast<float>(covered));
     }
   }
 }
@@ -262,32 +265,32 @@ std::span<const PreviewMaterial> preview_materials() noexcept {
   return materials;
 }
 
-PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball, const Control& control) {
-  const Light lit(light, ball);
-  const Grid grid{ball};
+PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
+  const Light lit(light, sphere);
+  const Grid grid{sphere};
   std::vector<const PreviewMaterial*> rows;
   for (const PreviewMaterial& material : preview_materials()) {
     if (material.is_metal() || lit.has_irradiance()) rows.push_back(&material);
   }
   const std::span<const double> roughness = preview_roughness();
-  std::vector<BallColumn> columns;
+  std::vector<SphereColumn> columns;
   for (std::size_t column = 0; column < roughness.size(); ++column) {
-    columns.push_back({lit.mip_of(roughness[column]), grid.centre(static_cast<int>(column), 0), 0.5 * ball, {}});
+    columns.push_back({lit.mip_of(roughness[column]), grid.centre(static_cast<int>(column), 0), 0.5 * sphere, {}});
     for (std::size_t row = 0; row < rows.size(); ++row) {
-      columns.back().balls.push_back({*rows[row], SpecularAlbedo(*rows[row], roughness[column], lit.brdf()),
-                                      static_cast<int>(row) * grid.row_height()});
+      columns.back().spheres.push_back({*rows[row], SpecularAlbedo(*rows[row], roughness[column], lit.brdf()),
+                                        static_cast<int>(row) * grid.row_height()});
     }
   }
   PreviewPicture picture(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
                          static_cast<int>(rows.size()) * grid.row_height(), kGround);
   for_rows(grid.row_height(), picture.width() * static_cast<int>(rows.size()), control, [&](int row) {
-    for (const BallColumn& column : columns) draw_row(picture, column, lit, tone_map, row);
+    for (const SphereColumn& column : columns) draw_row(picture, column, lit, tone_map, row);
   });
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const glm::dvec2 centre = grid.centre(static_cast<int>(column), static_cast<int>(row));
       const std::string label = std::string(rows[row]->name) + ' ' + significant(roughness[column], 2);
-      picture.write(label, centre.x, centre.y + 0.5 * ball + 1.8 * grid.letters(), grid.letters());
+      picture.write(label, centre.x, centre.y + 0.5 * sphere + 1.8 * grid.letters(), grid.letters());
     }
   }
   return picture;
@@ -315,9 +318,8 @@ std::vector<WrittenPreview> write_previews(const BakeResult& light, const Previe
     work.emplace_back([=, &folder] { return written(name, what, draw, folder); });
   };
   if (light.specular && light.background) {
-    add("preview_spheres.png",
-        "balls of metal and of a dielectric, of roughness 0 to 1 by fifths, seen along Welkin's -z",
-        [&] { return preview_spheres(light, options.tone_map, options.ball, control); });
+    add("preview_spheres.png", "metal and dielectric spheres at roughness 0, 0.2, ..., 1, seen along Welkin's -z",
+        [&] { return preview_spheres(light, options.tone_map, options.sphere, control); });
   }
   if (light.background) {
     add("preview_environment.png", "the surroundings as seen from inside, Welkin's +z in the middle",

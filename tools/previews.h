@@ -1,4 +1,4 @@
-// Pictures for people: the surroundings, the mips, balls lit by what was baked.
+// Pictures for people: the surroundings, the mips, spheres lit by what was baked.
 #pragma once
 
 #include <filesystem>
@@ -24,7 +24,7 @@ namespace welkin::tool {
 [[nodiscard]] PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, int height,
                                           const Control& control = {});
 
-/// What the balls of a row are made of.
+/// What the spheres of a row are made of.
 struct PreviewMaterial {
   const char* name;           ///< in capitals
   glm::dvec3 f0;              ///< reflectance at normal incidence, linear Rec. 709
@@ -33,28 +33,28 @@ struct PreviewMaterial {
   [[nodiscard]] bool is_metal() const noexcept { return diffuse_albedo == glm::dvec3(0.0); }
 };
 
-/// Rows of the picture of balls, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
+/// Rows of the picture of spheres, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
 /// model" (2011).
 [[nodiscard]] std::span<const PreviewMaterial> preview_materials() noexcept;
 
-/// Roughness of the balls of each row, from left to right.
+/// Roughness of the spheres of each row, from left to right.
 [[nodiscard]] std::span<const double> preview_roughness() noexcept;
 
-/// Rows of balls on a dark ground: a material a row, a roughness a column, both written beside them. The viewer looks
-/// along -z from far away: +x is to the right, and the balls mirror what is behind the viewer, the lat-long's centre.
+/// Rows of spheres on a dark ground: a material a row, a roughness a column, both written beside them. The viewer looks
+/// along -z from far away: +x is to the right, and the spheres mirror what is behind the viewer, the lat-long's centre.
 ///
-/// A ball shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
+/// A sphere shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
 /// without a table), and if it is no metal also (1 - A) albedo irradiance(normal) / pi. Without an irradiance cubemap
 /// there are metals alone. `light` must have its specular chain; its background, if there is one, stands in for a sharp
-/// mip 0 where the picture is coarser than that. `ball`: pixels across one; they lie 9/8 of that apart, and the labels
-/// take another 1/8 above and a half on the left.
-[[nodiscard]] PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball,
+/// mip 0 where the picture is coarser than that. `sphere`: pixels across one; they lie 9/8 of that apart, and the
+/// labels take another 1/8 above and a half on the left.
+[[nodiscard]] PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere,
                                              const Control& control = {});
 
 /// What the three have in common.
 struct PreviewOptions {
   ToneMap tone_map;
-  int ball = 256;  ///< pixels across one
+  int sphere = 256;  ///< pixels across one
 };
 
 /// A picture that was written.

@@ -48,7 +48,7 @@ std::string convention_lines(int bands) {
       "\n"
       "  radiance    c(l,m) = integral over the sphere of L(d) Y(l,m)(d)\n"
       "  irradiance  e(l,m) = A(l) c(l,m),  A = pi, 2pi/3, pi/4, 0, -pi/24, ...\n"
-      "  The irradiance on a surface that faces n is the sum of e(l,m) Y(l,m)(n).\n"
+      "  The irradiance on a surface facing n is the sum of e(l,m) Y(l,m)(n).\n"
       "  Y is real and orthonormal, without Condon-Shortley phase:\n"
       "    0.282095;  0.488603 y, z, x;\n"
       "    1.092548 xy, yz, xz;  0.315392 (3zz - 1);  0.546274 (xx - yy)\n";
@@ -129,12 +129,12 @@ std::string no_form_lines(const ShReport& report) {
 
 std::string window_lines(const ShReport& report) {
   const Windowed& windowed = report.windowed;
-  const std::string least = "\nLeast irradiance over all normals  ";
+  const std::string least = "\nMinimum irradiance over all normals  ";
   if (report.window == Window::none) {
     const glm::dvec3& value = windowed.minimum_before;
     const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
     return least + significant(value) +
-           (negative ? "\n  negative: the few bands ring; --window min-laplacian mends that" : "") + '\n';
+           (negative ? "\n  negative, because few bands ring; --window min-laplacian avoids that" : "") + '\n';
   }
   std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
                      significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
@@ -150,7 +150,7 @@ std::string dominant_lines(const ShReport& report) {
   if (!report.dominant) return "\nDominant light: none, the light has no direction\n";
   return "\nDominant light" + std::string(report.sun ? " of what is left" : "") + "\n  towards     " +
          direction_text(report.dominant->direction, z_is_up(report)) + "\n  irradiance  " +
-         significant(report.dominant->irradiance) + "  on a surface that faces it\n";
+         significant(report.dominant->irradiance) + "  on a surface facing it\n";
 }
 
 std::string irradiance_error_lines(const ShReport& report) {
@@ -175,13 +175,13 @@ std::string replaced_sentence(const ProjectionDiagnostics& diagnostics) {
 
 std::string clamp_sentence(const ShReport& report) {
   const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
-  if (!report.options.pixels.clamp) return "no clamp was asked for";
+  if (!report.options.pixels.clamp) return "no clamp was requested";
   const std::string limit = "the clamp at " + significant(report.options.pixels.clamp->maximum);
   if (diagnostics.texels_clamped == 0) return limit + " changed no texel";
   const double before = diagnostics.total_radiance_before_clamp.x + diagnostics.total_radiance_before_clamp.y +
                         diagnostics.total_radiance_before_clamp.z;
   const double after = diagnostics.total_radiance.x + diagnostics.total_radiance.y + diagnostics.total_radiance.z;
-  return limit + " changed " + counted(diagnostics.texels_clamped, "texel") + " and took away " +
+  return limit + " changed " + counted(diagnostics.texels_clamped, "texel") + " and removed " +
          significant(100.0 * (before - after) / before, 3) + " % of the light";
 }
 

@@ -68,7 +68,7 @@ void add_sun_place(Options& table, SkyParameters& sky) {
 
 void set_table_size(SkyTableOptions& tables, const std::vector<int>& sizes) {
   if (sizes.size() < 3 || sizes.size() > 4) {
-    throw BadValue{"--table-size", "wants three numbers, HEIGHTS,VIEWS,SUNS, or a fourth, AZIMUTHS"};
+    throw BadValue{"--table-size", "needs three numbers, HEIGHTS,VIEWS,SUNS, or a fourth, AZIMUTHS"};
   }
   tables.heights = sizes[0];
   tables.view_zeniths = sizes[1];
@@ -86,13 +86,13 @@ void add_table_options(Options& table, SkyOptions& options) {
   table.push_back(
       {.names = "--until-change",
        .target = &tables.until_change,
-       .text = "Stop before --orders when an order has added less than this share of all light before it; default "
+       .text = "Stop before --orders when an order adds less than this fraction of the light before it; default "
                "0: never",
        .type = "SHARE",
        .bounds = finite_between(0.0, 1.0)});
   table.push_back({.names = "--exact-orders",
                    .target = OnFlag([&tables] { tables.exact_orders = true; }),
-                   .text = "Leave out light of more than --orders orders, which is otherwise estimated"});
+                   .text = "Omit light of more than --orders orders, which is otherwise estimated"});
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
       "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm, or luminance in linear sRGB, cd/m2; default "
@@ -116,13 +116,13 @@ void add_table_options(Options& table, SkyOptions& options) {
 }
 
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
-  table.push_back(
-      choice<SkyQuadrature>("--quadrature", options.quadrature,
-                            {{name(SkyQuadrature::uniform), SkyQuadrature::uniform},
-                             {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
-                             {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
-                            "Directions that the harmonics are summed over: evenly in angles; by Gauss nodes; the same "
-                            "with the glow about the sun apart (default)"));
+  table.push_back(choice<SkyQuadrature>(
+      "--quadrature", options.quadrature,
+      {{name(SkyQuadrature::uniform), SkyQuadrature::uniform},
+       {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
+       {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
+      "Directions of the projection: uniform in angles; Gauss nodes; or those with the glow around "
+      "the sun integrated separately (default)"));
   const auto set_counts = [&options](const std::vector<int>& counts) {
     options.zeniths = counts[0];
     options.azimuths = counts[1];
@@ -143,7 +143,7 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
   table.push_back(
       {.names = kSweep,
        .target = &sweep.path,
-       .text = "Draw a day as pictures side by side, to a PNG; a text beside it lists the sun of each picture",
+       .text = "Draw a day as pictures side by side, to a PNG; a text file next to it lists the sun of each picture",
        .type = "FILE.png",
        .excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
                     "--for"}});

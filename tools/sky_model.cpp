@@ -108,7 +108,7 @@ Atmosphere read_atmosphere(const std::filesystem::path& path) {
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message);
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message + "; correct the file");
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid_argument) throw;
     throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + error.what());
@@ -225,7 +225,7 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
       "mars"));
   table.push_back({.names = "--aerosol",
                    .target = &choice.aerosol_depth,
-                   .text = "How much floats in the air of earth, hazy, dusty and polluted: the aerosol's vertical "
+                   .text = "The aerosol of earth, hazy, dusty and polluted: its vertical "
                            "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
                            "and more)",
                    .type = "DEPTH",
@@ -242,12 +242,11 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
                        "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
                    .type = "LIST",
                    .list = List::commas});
-  table.push_back(
-      {.names = "--ground-albedo",
-       .target = &choice.ground_albedo,
-       .text = "The share of light that the ground reflects, 0 to 1; default: that of the preset, earth 0.1",
-       .type = "A",
-       .bounds = finite_between(0.0, 1.0)});
+  table.push_back({.names = "--ground-albedo",
+                   .target = &choice.ground_albedo,
+                   .text = "Albedo of the ground, 0 to 1; default that of the preset, earth 0.1",
+                   .type = "A",
+                   .bounds = finite_between(0.0, 1.0)});
   table.push_back({.names = "--night",
                    .target = &choice.night_luminance,
                    .text =
@@ -375,7 +374,7 @@ bool fit(const SkyTables& tables, const Atmosphere& atmosphere, const SkyTableOp
 ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& options,
                            const std::optional<std::string>& file, const Control& control) {
   std::error_code none;
-  std::string reason = "no --tables file keeps them";
+  std::string reason = "there is no --tables file";
   if (file) {
     const bool is_there = std::filesystem::exists(platform::path_of(*file), none);
     if (is_there) {
@@ -384,7 +383,7 @@ ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& 
       if (fit(*loaded, atmosphere, options))
         return {loaded, {"tables", PassAction::reuse, "loaded from " + *file, 0.0}};
     }
-    reason = (is_there ? "those in the file were of other parameters; now saved to " : "saved to ") + *file;
+    reason = (is_there ? "those in the file had other parameters; now saved to " : "saved to ") + *file;
   }
   auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
   if (file) save_sky_tables(*made, platform::path_of(*file));

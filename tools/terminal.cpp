@@ -73,7 +73,7 @@ void print_summary(const std::string& text) {
 
 void print_result(const std::string& text) {
   std::cout << text << std::flush;
-  if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written");
+  if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written; is the disk full?");
 }
 
 WithoutStages::WithoutStages() noexcept { has_stages = false; }

@@ -189,7 +189,7 @@ void become(const std::string& program, const std::vector<std::string>& argument
   const int reason = errno;
   throw Error(ErrorCode::file_access,
               program + ": cannot be run (" + std::strerror(reason) +
-                  "); it is a program of its own, which belongs beside " +
+                  "); it is a separate program, which belongs next to " +
                   (folder.empty() ? "welkin" : (folder / "welkin").string()) +
                   " or on the PATH: build the target welkin_report_command, or start 'scripts/welkin report'");
 }

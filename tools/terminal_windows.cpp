@@ -229,7 +229,7 @@ void become(const std::string& program, const std::vector<std::string>& argument
                       &start, &started)) {
     const DWORD reason = GetLastError();
     throw Error(ErrorCode::file_access, program + ": cannot be run (" + platform::system_message(reason) +
-                                            "); it is a program of its own, which belongs beside " +
+                                            "); it is a separate program, which belongs next to " +
                                             platform::utf8(own_folder() / "welkin.exe") +
                                             " or on the PATH: build the target welkin_report_command");
   }

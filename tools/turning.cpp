@@ -59,7 +59,7 @@ void set_rotation(TurnOptions& options, const std::vector<double>& values) {
   const glm::dquat quaternion(values[3], values[0], values[1], values[2]);
   const double length = glm::length(quaternion);
   if (!std::isfinite(length) || length == 0.0) {
-    throw BadValue{"--rotation", "is no rotation: a quaternion x,y,z,w of finite length above 0 is"};
+    throw BadValue{"--rotation", "is not a rotation; pass a quaternion x,y,z,w of finite length above 0"};
   }
   options.rotation = quaternion / length;
 }
@@ -81,8 +81,9 @@ void add_turn_options(Options& table, TurnOptions& options) {
   table.push_back(
       {.names = "--yaw",
        .target = &options.yaw_degrees,
-       .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "
-               "what was at +z to +x",
+       .text =
+           "Rotate the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "
+           "what was at +z to +x",
        .type = "DEGREES",
        .bounds = number_between(-1e6, 1e6)});
   table.push_back({.names = "--mirror",
@@ -91,7 +92,7 @@ void add_turn_options(Options& table, TurnOptions& options) {
   const auto rotate = [&options](const std::vector<double>& values) { set_rotation(options, values); };
   table.push_back({.names = "--rotation",
                    .target = On<std::vector<double>>(rotate),
-                   .text = "Turn the environment by the quaternion X,Y,Z,W, before --yaw",
+                   .text = "Rotate the environment by the quaternion X,Y,Z,W, before --yaw",
                    .type = "X,Y,Z,W",
                    .list = List::commas_or_spaces,
                    .count = 4});

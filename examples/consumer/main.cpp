@@ -7,7 +7,7 @@
 
 namespace {
 
-// Where a renderer would give a face of RGB floats to the graphics card.
+// Where a renderer would upload a face of RGB floats to the GPU.
 void upload(int /*face*/, int /*mip*/, const float* /*rgb*/) {}
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Part of the simulated frame work: a crowd of characters, each a skeleton that is posed anew every frame.
+// Part of the simulated frame work: a crowd of characters, each a skeleton that is posed again every frame.
 #pragma once
 
 #include <array>

@@ -15,7 +15,7 @@ constexpr std::size_t kObjectsPerCharacter = 200;
 constexpr std::size_t kObjectsPerTask = 4096;
 constexpr float kCameraTurn_per_s = 0.5F;  // radians
 
-/// The shortest of some frames, in milliseconds: what the work takes when nobody is in its way.
+/// The shortest of some frames, in milliseconds: the time of undisturbed work.
 double undisturbed(FrameWork& work) {
   constexpr int kFrames = 40;
   double best = std::numeric_limits<double>::infinity();

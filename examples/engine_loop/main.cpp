@@ -1,4 +1,4 @@
-// engine_loop: what baking light does to a frame, without any, inside the frame, and with a worker beside it.
+// engine_loop: frame times without baking, with baking inside the frame, and with baking on a worker.
 //
 //   scripts/engine-loop                                     # ten seconds of each, a table and a plot
 //   scripts/engine-loop --setup own-idle,own-normal,lent    # ways to set the worker up

@@ -34,7 +34,7 @@ struct ScheduleOptions {
 /// cubemaps at once: about 0.3 s of one processor's time a second, level loads apart.
 class Schedule {
  public:
-  /// Makes the levels' pixels, too: nine cubemaps, 680 MB with 1024 texels an edge.
+  /// Makes the levels' pixels, too: nine cubemaps, 680 MB with 1024 texels per edge.
   explicit Schedule(const ScheduleOptions& options);
 
   /// Gives the postings of a frame away.

@@ -1,4 +1,4 @@
-// The changing source: a sky whose sun goes round, computed anew each time that its light is asked for.
+// The changing source: a sky whose sun moves, computed again each time its light is needed.
 #pragma once
 
 #include <welkin/core.h>
@@ -8,7 +8,7 @@
 namespace engine_loop {
 
 /// A cubemap of a blue gradient, dark ground and a small bright sun half-way up. `sun_angle`, in radians, turns it
-/// about the vertical. Some 10 ns a texel, spread over the caller's arena.
+/// about the vertical. Cost: 10 ns per texel, spread over the caller's arena.
 [[nodiscard]] welkin::Cubemap sky_cubemap(int size, double sun_angle);
 
 /// The light of such a sky. A request of the engine's own making: any callable over Welkin's calls is one.

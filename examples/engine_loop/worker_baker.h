@@ -1,4 +1,4 @@
-// Light beside the frame: requests are posted, results are called for at the end of each frame.
+// Bakes on a worker: requests are posted, results are collected at the end of each frame.
 #pragma once
 
 #include <welkin/worker.h>

@@ -16,7 +16,7 @@ struct WorkerSetup {
 };
 
 /// own-idle, own-below, own-normal: threads of its own, of that priority.
-/// lent: a TBB arena of low priority, beside the engine's own and served by the same pool.
+/// lent: a TBB arena of low priority, in addition to the engine's own, served by the same pool.
 /// lent-engine: the arena that frames are computed in, to show why not.
 [[nodiscard]] std::vector<std::string> setup_names();
 

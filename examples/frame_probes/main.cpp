@@ -1,8 +1,8 @@
-// Reflection probes that follow a moving light. Each frame the engine captures one of them as six faces of halves and
-// posts a bake of it to a worker, which writes the prefiltered chain as halves into a staging buffer; a later frame
-// copies that to the GPU. No frame waits for a bake, and the frame's thread converts no texel.
+// Reflection probes that follow a moving light. Each frame the engine captures one of them as six faces of half floats
+// and posts a bake of it to a worker, which writes the prefiltered chain as half floats into a staging buffer; a later
+// frame copies that to the GPU. No frame waits for a bake, and the frame's thread converts no texel.
 //
-//   frame_probes [frames]     90 unless given, once without bakes and once with them; prints the frame times of both
+//   frame_probes [frames]     default 90, once without bakes and once with them; prints the frame times of both
 #include <welkin/bake.h>
 #include <welkin/core.h>
 #include <welkin/image.h>

@@ -77,7 +77,7 @@ class Scene {
   welkin::dvec3 lamp_;
 };
 
-/// A texel of a capture: red, green, blue and alpha as halves, as a GPU renders them.
+/// A texel of a capture: red, green, blue and alpha as half floats, as a GPU renders them.
 using HalfTexel = std::array<std::uint16_t, 4>;
 
 /// Renders what a probe at `position` sees into `texels`: six faces of size * size, as `welkin::CubemapView` has them.

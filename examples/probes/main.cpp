@@ -161,8 +161,8 @@ int run() {
     }
     probe.render_face(frame % 6, frame);
 
-    // The key makes the worker give up the job of the frame before, if that has not ended. Were a job longer than a
-    // frame as a rule, none would end while frames are posted; an engine would then post only if the last job is ready.
+    // The key cancels the job of the frame before, if that is not ready. If jobs usually took longer than a frame, none
+    // would ever complete; an engine would then post only if the last job is ready.
     job = worker.post(welkin::Project{probe.source()}, {.key = "probe"});
     std::this_thread::sleep_until(start + kFrameTime);
   }

@@ -1,10 +1,10 @@
-/* A moving sky in C. The sun sets over some hundred frames. A worker computes the sky's tables, its curve and its
- * reflections beside the frames; each frame takes what is there: the harmonics of the sky, the sun as a directional
+/* A moving sky in C. The sun sets over a hundred frames. A worker computes the sky's tables, its curve and its
+ * reflections while frames run. Each frame uses what is ready: the harmonics of the sky, the sun as a directional
  * light, and two chains of reflections with their weights.
  *
  *   sky_in_c [--quick]     # --quick: small tables, computed in a fraction of a second
  *
- * It prints the light of some frames, and ends with 1 if a number is not what it must be. */
+ * It prints the light of some frames, and exits with 1 if a number is wrong. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

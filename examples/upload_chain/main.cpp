@@ -1,6 +1,6 @@
-// Reflections straight into an upload buffer. The engine makes a panorama, lends its threads to a worker, and posts a
-// bake that writes the prefiltered chain as halves to memory of the engine's, with the row pitch and the placement that
-// D3D12 wants of a buffer from which it copies textures.
+// Reflections written directly to an upload buffer. The engine makes a panorama, lends its threads to a worker, and
+// posts a bake that writes the prefiltered chain as half floats to the engine's memory, with the row pitch and
+// alignment that D3D12 requires for copies from buffers to textures.
 #include <own_executor/pool_executor.h>
 #include <own_executor/thread_pool.h>
 #include <probes/cube_frames.h>
@@ -61,7 +61,7 @@ welkin::LatLongImage panorama(int height) {
 
 constexpr std::byte kUntouched{0xCD};  // what the buffer is filled with before the bake
 
-using Texel = std::array<std::uint16_t, 4>;  // red, green, blue, alpha as halves
+using Texel = std::array<std::uint16_t, 4>;  // red, green, blue, alpha as half floats
 
 const std::byte* texel_at(const welkin::CubemapTarget& target, int face, int column, int row) {
   return static_cast<const std::byte*>(target.faces[static_cast<std::size_t>(face)]) + row * target.row_stride_bytes +
@@ -92,7 +92,7 @@ double error_of_mip_0(const welkin::CubemapTarget& target) {
   return largest;
 }
 
-/// Whether all texels of all mips were written, to which the alpha of 1 is the witness, and no byte beside them.
+/// Returns whether all texels of all mips were written (alpha is 1), and no byte between them.
 bool written_exactly(const std::vector<welkin::CubemapTarget>& targets, std::vector<std::byte> memory,
                      const std::byte* start) {
   constexpr std::uint16_t kOne = 0x3C00;

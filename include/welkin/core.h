@@ -1,12 +1,21 @@
-// What all other headers build on: the version, vectors, errors, the control of long calls, threads and instruction
-// sets.
+// Version, vectors, errors, cancellation and progress, threads, working memory and instruction sets: the header on
+// which all others build.
 //
 //   std::stop_source stop;
 //   try {
-//     light = welkin::project(view, {}, {.stop = stop.get_token(), .progress = [](double share) { show(share); }});
+//     light = welkin::project(view, {}, {.stop = stop.get_token(), .progress = [](double done) { show(done); }});
 //   } catch (const welkin::Error& error) {
 //     if (error.code() != welkin::ErrorCode::cancelled) log(error.what());
 //   }
+//
+// The following holds for every call of the library, unless its own comment says otherwise:
+// - Results are bit-identical on any number of threads, with every instruction set and on every supported platform.
+// - Functions may be called from any thread at the same time. Objects follow the standard library's rule: concurrent
+//   calls of const members are safe; a call that changes an object needs exclusive access.
+// - A call runs in the TBB arena of the thread that calls it and returns when its result is complete.
+// - Failures are thrown as `Error`. A comment lists the codes that depend on the arguments. Every call that takes a
+//   `Control` also throws `ErrorCode::cancelled` once stop is requested. After an exception there is no result.
+// - Lengths of spans, sizes and ranges are checked before anything is written.
 #pragma once
 
 #include <cstddef>
@@ -21,13 +30,13 @@
 #include "welkin/detail/standard_library.h"
 
 #define WELKIN_VERSION_MAJOR 0
-#define WELKIN_VERSION_MINOR 1
+#define WELKIN_VERSION_MINOR 2
 #define WELKIN_VERSION_PATCH 0
-#define WELKIN_VERSION_STRING "0.1.0"
+#define WELKIN_VERSION_STRING "0.2.0"
 
 #if defined(__GNUC__) && !defined(_WIN32)
 #define WELKIN_EXPORT [[gnu::visibility("default")]]
-#define WELKIN_HIDDEN [[gnu::visibility("hidden")]]  // of a class that public headers name and no user calls
+#define WELKIN_HIDDEN [[gnu::visibility("hidden")]]  // for classes that public headers name but users never call
 #else  // Windows exports no namespace: there the build exports all functions (WINDOWS_EXPORT_ALL_SYMBOLS)
 #define WELKIN_EXPORT
 #define WELKIN_HIDDEN
@@ -37,22 +46,23 @@ namespace WELKIN_EXPORT welkin {
 
 // ---- Vectors and matrices
 
-// In a host without GLM's macros these are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. Under
-// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES GLM's own names stand for types of another size, with which the library was not
-// built; so the precision is spelled out here. A host's aligned vector converts to these and back where it is passed or
-// assigned (with GLM_FORCE_EXPLICIT_CTOR it has to be cast); spans and arrays need these types themselves. Sources with
-// GLM_FORCE_SIZE_T_LENGTH do not link with the library: that macro makes vec<3ul, double> of vec<3, double>.
+// In a host without GLM's macros these types are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. With
+// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES, GLM's own names stand for types of another size, which the compiled library does
+// not use; the packed precision is therefore spelled out here. A host's aligned vector converts to and from these types
+// where it is passed or assigned (with GLM_FORCE_EXPLICIT_CTOR it needs a cast). Spans and arrays need these types
+// themselves. Sources compiled with GLM_FORCE_SIZE_T_LENGTH do not link with the library, because that macro changes
+// vec<3, double> to vec<3ul, double>.
 
 /// Three floats without padding.
 using vec3 = glm::vec<3, float, glm::packed_highp>;
 /// Three doubles without padding: a direction (x, y, z) or a colour (r, g, b).
 ///
-/// A direction or normal that a call takes may have any length: it is normalised, unless its length is 1 already. One
-/// that is zero or not finite is refused with an `Error` (invalid_argument). Returned directions have length 1.
+/// Directions and normals passed to a call may have any length above zero; they are normalised. A direction that is
+/// zero or not finite throws `Error` (invalid_argument). Returned directions have length 1.
 using dvec3 = glm::vec<3, double, glm::packed_highp>;
 /// Four doubles without padding.
 using dvec4 = glm::vec<4, double, glm::packed_highp>;
-/// Nine doubles without padding, column after column.
+/// Nine doubles without padding, column by column.
 using dmat3 = glm::mat<3, 3, double, glm::packed_highp>;
 
 static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
@@ -62,31 +72,31 @@ static_assert(sizeof(dmat3) == 9 * sizeof(double) && alignof(dmat3) == alignof(d
 
 // ---- Errors
 
-/// What kind of thing went wrong; the message says what, where, and what would do instead.
+/// The kind of an error, for programs. The message of the `Error` names the input, the fault and the remedy.
 enum class ErrorCode {
-  invalid_argument,  ///< a view or an option that no call could accept (a null face, zero bands)
-  rejected_pixel,    ///< a texel that the caller's policy rejects; the message names face, row and column
+  invalid_argument,  ///< an argument that no call could accept, such as a null face or zero bands
+  rejected_pixel,    ///< a texel that the caller's `PixelPolicy` rejects; the message names face, row and column
   file_access,       ///< a file that cannot be opened, read or written
-  corrupt_file,      ///< a file that breaks its own format, or ends too early
-  unsupported_file,  ///< a sound file of a kind that Welkin (so built) does not read, or whose layout is unclear
-  limit_exceeded,    ///< a file or request that would need more memory than the stated limit
-  cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
-  replaced,          ///< a newer request with the same key took this job's place
-  queue_full,        ///< a worker at its limits refused this job
-  stopped,           ///< the worker was terminated before this job was done
+  corrupt_file,      ///< a file that violates its own format, or is truncated
+  unsupported_file,  ///< a valid file of a kind that this build does not read, or whose layout is ambiguous
+  limit_exceeded,    ///< a request that exceeds its memory limit, or an error bound that no method reaches
+  cancelled,         ///< the caller cancelled: by a stop token, or by `JobHandle::cancel`
+  replaced,          ///< a newer job with the same key superseded this one
+  queue_full,        ///< the worker was at its limits and refused this job
+  stopped,           ///< the worker was terminated before this job completed
 };
 
-/// The code as it is spelled here: "invalid_argument", "rejected_pixel", and so on.
+/// Returns the name of a code as it is spelled here, such as "invalid_argument".
 [[nodiscard]] const char* name(ErrorCode code) noexcept;
 
-/// The one exception type that Welkin throws, from every call that can fail. Nothing else leaves the library, except
-/// `std::bad_alloc` and whatever a caller's own callback throws.
+/// The exception that every call throws on failure. Apart from it, only `std::bad_alloc` and exceptions thrown by the
+/// caller's own callbacks leave the library.
 class Error : public std::runtime_error {
  public:
-  /// `message` names the file or argument, what was found and what would do.
+  /// Creates an error. `message` should name the input, the fault and the remedy.
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
 
-  /// For programs; `what()` is for people.
+  /// Returns the kind of the error, for programs. `what()` is for people.
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
 
  private:
@@ -95,77 +105,76 @@ class Error : public std::runtime_error {
 
 // ---- Cancellation, progress and threads
 
-/// Passed to every call that can take longer than a frame. The default asks for nothing.
+/// Cancellation, progress and memory of a call that can take longer than a frame. The default uses none of them.
 struct Control {
-  /// Checked before every tile: 0.05 to 0.6 ms of work on pixels in memory, one block of rows or tiles of a file
-  /// (docs/notes/threads.md has what was measured). Once stop is requested the call throws `Error` with
-  /// `ErrorCode::cancelled`; nothing that the call would have returned exists.
+  /// Cancels the call. The token is checked before every tile, that is every 0.05 to 0.6 ms for pixels in memory and
+  /// once per block of rows or tiles of a file. Once stop is requested, the call throws `Error` (cancelled) and returns
+  /// nothing.
   stop_token stop{};
 
-  /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
-  /// It comes from whichever thread finished a tile, one call at a time, with the default floating-point
-  /// environment, and may use TBB itself; what it throws ends the call and reaches the caller. Left empty, progress
-  /// costs nothing.
+  /// Receives the fraction of the work that is done, in [0, 1]. The values never decrease; the last one is 1. Calls
+  /// come one at a time, from whichever thread finished a tile, with the default floating-point environment. The
+  /// callback may use TBB. An exception that it throws ends the call and reaches the caller. An empty function costs
+  /// nothing.
   std::function<void(double)> progress{};
 
-  /// Where the call takes the memory of the `Cubemap`s that it returns; null: `std::pmr::get_default_resource()`.
-  /// Passes run side by side, so that `allocate` may be called from several threads at once. It must outlive the
-  /// results. Images and coefficients come from the heap, and so does working memory (see `keep_working_memory`).
+  /// Allocates the `Cubemap`s that the call returns; null selects `std::pmr::get_default_resource()`. `allocate`
+  /// may be called from several threads at the same time. The resource must outlive the results. All other results and
+  /// working memory come from the heap (see `keep_working_memory`).
   memory_resource* memory = nullptr;
 };
 
-/// How the system ranks a worker's threads against all others.
+/// The priority of a worker's threads relative to all other threads of the machine.
 enum class ThreadPriority {
-  idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
-  below,   ///< a tenth of a normal thread's share when both want a processor (nice + 10)
-  normal,  ///< as the thread that made the worker
+  idle,    ///< runs only on processors that are otherwise idle (Linux SCHED_IDLE)
+  below,   ///< gets a tenth of a normal thread's CPU time when both compete (nice + 10)
+  normal,  ///< the priority of the thread that created the worker
 };
 
-/// Runs `work` in an arena of its own with `threads` threads, the calling one among them (0: as many as the process may
-/// use; 1: on the calling thread alone), or fewer where the system makes no more.
+/// Runs `work` in a TBB arena of its own with `threads` threads, including the calling one. 0 uses
+/// `available_threads()`; 1 runs everything on the calling thread. The arena has fewer threads if the system cannot
+/// create them.
 ///
-/// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
-/// arena keeps its thread budget without this function. It is for programs that have no arena.
-/// The number of threads never changes a result's bits.
-/// Throws `Error` (invalid_argument) unless 0 <= threads <= 1024, and whatever `work` throws.
+/// Programs that already use a TBB arena do not need this function: every call runs in the arena of its caller. Throws
+/// `Error` (invalid_argument) unless 0 <= threads <= 1024, and whatever `work` throws.
 void run_with_threads(int threads, const std::function<void()>& work);
 
-/// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where
-/// the CPU quotas of its control groups (Linux cgroups, versions 1 and 2) grant fewer. At least 1.
+/// Returns the number of threads that `run_with_threads(0, ...)` uses, at least 1: the processors of this process, or
+/// fewer if the CPU quotas of its Linux control groups (cgroups, versions 1 and 2) grant fewer.
 [[nodiscard]] int available_threads();
 
 // ---- Working memory
 
-// Buffers of 64 KiB and more, and default chains of 1 MiB and more, come from blocks that earlier ones left, so that a
-// warm call clears no pages. On Linux they lie in huge pages of 2 MiB: blocks of 1 MiB and more in whole ones, smaller
-// blocks share pages. Any thread may call these functions at any time. They change no result.
+// Buffers of 64 KiB and more, and chains of 1 MiB and more from the default resource, reuse blocks of earlier calls, so
+// that warm calls clear no pages. On Linux, blocks lie in huge pages of 2 MiB. Calling these functions never changes a
+// result.
 
-/// Sets how many bytes of blocks that no call uses the process keeps, 128 MiB by default, and frees the oldest blocks
-/// beyond that. 0 keeps none. Under an address sanitizer and in WebAssembly the default is 0.
+/// Sets how many bytes of unused blocks the process keeps, and frees the oldest blocks in excess. The default is 128
+/// MiB; under an address sanitizer and in WebAssembly it is 0, which keeps none.
 void keep_working_memory(std::size_t bytes) noexcept;
 
-/// Frees all blocks and shared pages that neither a call nor a table uses, after a level is loaded for instance. Calls
-/// that run keep theirs and leave them for later calls.
+/// Frees all blocks and shared pages that neither a call nor a table uses, for instance after a level has loaded.
+/// Running calls keep their blocks and leave them for later calls.
 void release_working_memory() noexcept;
 
 // ---- Instruction sets
 
-/// The builds of the kernels: the first three are what an x86-64 binary carries, narrowest first, the others
-/// what one for 64-bit ARM and one for WebAssembly carry. All give the same bits.
+/// Instruction sets for which kernels are compiled, narrowest first: sse2, avx2 and avx512 in an x86-64 binary, neon on
+/// 64-bit ARM, simd128 in WebAssembly.
 enum class InstructionSet { sse2, avx2, avx512, neon, simd128 };
 
-[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512", "neon", "simd128"
+[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< returns "sse2", "avx2", "avx512", "neon" or "simd128"
 
-/// Those that this processor and operating system can run, narrowest first.
+/// Returns the instruction sets that this processor and operating system can run, narrowest first.
 [[nodiscard]] std::vector<InstructionSet> available_instruction_sets();
 
-/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2, avx512, neon or
-/// simd128) said otherwise when it was first asked for, or `force_instruction_set` did since.
-/// Throws `Error` (invalid_argument) if WELKIN_ISA names none, or one that cannot run here.
+/// Returns the instruction set in use. It is the widest one available, unless the environment variable WELKIN_ISA
+/// (sse2, avx2, avx512, neon or simd128) named another at the first call, or `force_instruction_set` chose one since.
+/// Throws `Error` (invalid_argument) if WELKIN_ISA names no instruction set, or one that cannot run here.
 [[nodiscard]] InstructionSet active_instruction_set();
 
-/// Chooses for all calls that start from now on; for tests and benchmarks.
-/// Throws `Error` (invalid_argument) if it cannot run here.
+/// Selects the instruction set for all calls that start from now on. For tests and benchmarks. Throws `Error`
+/// (invalid_argument) if it cannot run here.
 void force_instruction_set(InstructionSet set);
 
 }  // namespace welkin

@@ -1,8 +1,16 @@
-// Environments in files, on disk or in memory: what one is, what is in it, and its light.
+// Environments in files, on disk or in memory: headers, pixels, statistics and harmonics.
 //
-// Read and written here: OpenEXR, Radiance .hdr, PFM and PNG. Read here too: cubemaps and pictures with their levels in
-// KTX2, KTX (the first version) and DDS files, and cubemaps in Babylon.js .env files (in Welkin's axes); bake_file.h
-// reads them whole and writes them.
+// Reads and writes OpenEXR, Radiance .hdr, PFM and PNG. Also reads cubemaps and images with their levels from KTX2, KTX
+// (version 1) and DDS files, and cubemaps from Babylon.js .env files (in Welkin's axes); bake_file.h reads those with
+// all their mips, and writes them.
+//
+//   function               reads               returns
+//   inspect_environment    the header          size, layout, channels, levels
+//   measure_environment    pixels, streaming   ranges, mean, brightest texel
+//   project_file           pixels, streaming   harmonics
+//   read_environment       all pixels          RGB floats
+//
+// Calls that read files throw `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded.
 #pragma once
 
 #include <array>
@@ -24,32 +32,32 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Where a file is read from: a path, or the file's bytes in memory. A call that takes one also takes a path as it is.
+/// Input file: a path, or bytes in memory. A call that takes one also accepts a path directly.
 ///
 ///   welkin::read_environment("sky.exr");
 ///   welkin::read_environment({bytes, "sky.exr"});  // std::vector<std::byte> bytes, or a std::span<const std::byte>
 ///
-/// Both give the same bits and, of a damaged file, the same errors. Bytes in memory are not copied. The caller must
-/// keep them, and must not change them, until the call that reads them has returned. The bytes of a `StoredEnvironment`
-/// must stay as long as it is used. Several threads may read the same bytes at once.
+/// Both give the same bits and, for a damaged file, the same errors. Bytes in memory are not copied; they must not
+/// change until the call that reads them returns. The bytes of a `StoredEnvironment` must stay valid as long as it is
+/// used. Several threads may read the same bytes at once.
 class FileInput {
  public:
-  FileInput() = default;  ///< names no file
+  FileInput() = default;  ///< refers to no file
 
-  /// The file at a path: whatever converts to `std::filesystem::path`. Nothing is opened yet.
+  /// Refers to the file at a path, of any type that converts to `std::filesystem::path`. Does not open it.
   template <std::convertible_to<std::filesystem::path> Path>
   // A path is an input as it is, and no input is a path.
   // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
   FileInput(Path&& path) : path_(std::forward<Path>(path)) {}
 
-  /// All bytes of a file. Messages call it by `name`, in UTF-8, which tells nothing else: the kind of file is told by
-  /// its bytes. A square picture, which a path would make one of six files, is refused unless a layout is asked for.
+  /// Refers to the bytes of a file. `name`, in UTF-8, is used in messages only; the kind of file is detected from the
+  /// bytes. A square image, which by a path would be one of six files, is refused unless a layout is requested.
   FileInput(std::span<const std::byte> bytes, std::string_view name)
       : path_(name.empty() ? u8"bytes in memory" : std::u8string(name.begin(), name.end())), bytes_(bytes) {}
 
-  /// The six faces of a cubemap, +X -X +Y -Y +Z -Z, each a square picture of the same size in a file of its own or in
-  /// memory. What reads an environment takes them as layout six_files; what reads a texture or tables refuses them
-  /// (invalid_argument).
+  /// Combines the six faces of a cubemap, +X -X +Y -Y +Z -Z, each a square image of the same size in a file or in
+  /// memory. Calls that read an environment treat them as layout six_files; calls that read a texture or tables throw
+  /// `Error` (invalid_argument).
   [[nodiscard]] static FileInput six_faces(const std::array<FileInput, 6>& faces) {
     FileInput input;
     input.path_ = faces[0].path_;
@@ -57,11 +65,11 @@ class FileInput {
     return input;
   }
 
-  /// The path, or the name of the bytes; of six faces that of the first.
+  /// Returns the path, or the name of the bytes; for six faces that of the first.
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-  /// Of a file in memory; nothing if it is read by its path.
+  /// Returns the bytes of a file in memory, or nothing for a path.
   [[nodiscard]] const std::optional<std::span<const std::byte>>& bytes() const noexcept { return bytes_; }
-  /// Six, or none.
+  /// Returns the six faces, or nothing.
   [[nodiscard]] std::span<const FileInput> faces() const noexcept { return faces_; }
 
  private:
@@ -70,30 +78,28 @@ class FileInput {
   std::vector<FileInput> faces_;
 };
 
-/// Where a file is written to: a path, or a vector that becomes the file's bytes. A call that takes one also takes a
-/// path as it is.
+/// Output file: a path, or a vector that receives the file's bytes. A call that takes one also accepts a path directly.
 ///
 ///   std::vector<std::byte> bytes;
-///   welkin::write_environment({bytes, "sky.exr"}, picture);
+///   welkin::write_environment({bytes, "sky.exr"}, image);
 ///
-/// The vector holds the bytes that the file would have. It is replaced when they are complete; after an error it is as
-/// it was.
+/// The vector is replaced when the bytes are complete. After an error it is unchanged.
 class FileOutput {
  public:
-  /// The file at a path: whatever converts to `std::filesystem::path`.
+  /// Refers to the file at a path, of any type that converts to `std::filesystem::path`.
   template <std::convertible_to<std::filesystem::path> Path>
   // A path is an output as it is, and no output is a path.
   // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
   FileOutput(Path&& path) : path_(std::forward<Path>(path)) {}
 
-  /// A vector, which must outlive the call. The extension of `name` chooses the format as that of a path does, and
-  /// messages call the file by it.
+  /// Refers to a vector, which must outlive the call. The extension of `name` selects the format, and messages use the
+  /// name.
   FileOutput(std::vector<std::byte>& bytes, std::string_view name)
       : path_(name.empty() ? u8"bytes in memory" : std::u8string(name.begin(), name.end())), bytes_(&bytes) {}
 
-  /// The path, or the name of the bytes.
+  /// Returns the path, or the name of the bytes.
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-  /// Of a file in memory; nullptr if it is written to its path.
+  /// Returns the vector, or nullptr for a path.
   [[nodiscard]] std::vector<std::byte>* bytes() const noexcept { return bytes_; }
 
  private:
@@ -101,241 +107,240 @@ class FileOutput {
   std::vector<std::byte>* bytes_ = nullptr;
 };
 
-/// How a picture holds a sphere. Faces are those of `CubemapView`, N x N texels each.
+/// The layout of a sphere in an image. Faces are those of `CubemapView`, N x N texels each.
 enum class Layout {
-  automatic,         ///< told from the file's header, its shape or its name; an error if none of them tells
-  lat_long,          ///< see LatLongView; W x H, 2:1 as a rule
+  automatic,         ///< detected from the file's header, its shape or its name; an error if that is ambiguous
+  lat_long,          ///< see LatLongView; W x H, usually 2:1
   vertical_strip,    ///< N x 6N: +X -X +Y -Y +Z -Z from top to bottom
-  horizontal_strip,  ///< 6N x N: the same from left to right
+  horizontal_strip,  ///< 6N x N: +X -X +Y -Y +Z -Z from left to right
   horizontal_cross,  ///< 4N x 3N: -X +Z +X -Z in the middle row, +Y above +Z, -Y below it
-  vertical_cross,    ///< 3N x 4N: +Y; -X +Z +X; -Y; and -Z below that, turned by half a turn
-  six_files,         ///< one N x N picture a face, told apart by the ends of their names; see `face_files`
+  vertical_cross,    ///< 3N x 4N: +Y; -X +Z +X; -Y; and -Z below that, rotated by 180 degrees
+  six_files,         ///< one N x N image per face, identified by the ends of their names; see `face_files`
 };
 
-/// "automatic", "lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross", "six-files"
+/// Returns "automatic", "lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross" or
+/// "six-files".
 [[nodiscard]] const char* name(Layout layout) noexcept;
 
-/// What the numbers in a picture of integers (PNG) mean.
+/// Encoding of integer values (PNG).
 enum class Transfer {
-  automatic,  ///< sRGB, but linear where the file says that its gamma is 1
+  automatic,  ///< sRGB, or linear where the file states a gamma of 1
   srgb,       ///< IEC 61966-2-1
   linear,
 };
 
-/// The colours that pixels are handed out in.
+/// Colour primaries of the pixels that are returned.
 enum class Primaries {
   rec709,     ///< converted to Rec. 709 (sRGB) primaries and white where the file states others
-  as_stored,  ///< the file's numbers as they are (XYZ stays XYZ)
+  as_stored,  ///< values as stored (XYZ stays XYZ)
 };
 
-/// How a file is read. A part, layer, level or element that the file does not have is refused (unsupported_file), even
-/// if its format has no such thing; part "0", level 0 and element 0 are in every file.
+/// Options for reading a file. A part, layer, level or element that the file lacks throws `Error` (unsupported_file),
+/// even if its format has no such thing. Part "0", level 0 and element 0 exist in every file.
 struct ReadOptions {
-  Layout layout = Layout::automatic;  ///< how the picture holds the sphere; automatic: header, shape or name tell
+  Layout layout = Layout::automatic;  ///< layout of the sphere in the image
 
-  /// Of a multi-part OpenEXR file: the part's name, or its number from 0. Empty: the first part that holds
-  /// colour in whole, else the first that holds luminance.
+  /// Part of a multi-part OpenEXR file: its name, or its index from 0. If empty: the first part with all colour
+  /// channels, else the first with luminance.
   std::string part{};
 
-  /// Of an OpenEXR file with layers (channels "env.R", ...): which one. Empty: the channels without a layer,
-  /// else the only layer in colour, else the only layer.
+  /// Layer of an OpenEXR file (channels "env.R", ...). If empty: the channels without a layer, else the only layer with
+  /// colour, else the only layer.
   std::string layer{};
 
-  /// Of a file with a mip chain (OpenEXR, KTX2, KTX, DDS, .env): 0 is the full size. Rip maps have the levels that
-  /// shrink both ways.
+  /// Level of a file with mips (OpenEXR, KTX2, KTX, DDS, .env); 0 is the full size. Of rip maps, levels that shrink
+  /// both ways count.
   int level = 0;
 
-  /// Of a KTX2, KTX or DDS array: which of its cubemaps or pictures, from 0.
+  /// Index of a cubemap or image in a KTX2, KTX or DDS array, from 0.
   int element = 0;
 
-  Transfer transfer = Transfer::automatic;  ///< what the numbers of a PNG mean
-  Primaries primaries = Primaries::rec709;  ///< whether colours become Rec. 709
+  Transfer transfer = Transfer::automatic;  ///< encoding of values in a PNG
+  Primaries primaries = Primaries::rec709;  ///< conversion of colours to Rec. 709
 
-  /// The most memory that pixels may take, in bytes: those that are held whole and those that are being
-  /// decoded, on all threads together. A lat-long that is projected or measured is streamed and stays far
-  /// below; a cubemap is held whole. A file that would need more is refused before it is read.
+  /// Limit in bytes for pixels, including those being decoded, on all threads together. It is checked before the file
+  /// is read. A lat-long that is projected or measured is streamed and needs far less than its size; a cubemap is held
+  /// whole.
   std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U;
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
-/// The kinds of file that are read.
+/// File formats that are read.
 enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon, ktx1 };
 
-/// "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX"
+/// Returns "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env" or "KTX".
 [[nodiscard]] const char* name(FileFormat format) noexcept;
 
-/// How a file holds a channel's values.
+/// Type of a channel's values in a file.
 enum class ChannelType {
-  unknown,          ///< a type that OpenEXR has not
+  unknown,          ///< a type that OpenEXR does not define
   half,             ///< 16-bit float
   float32,          ///< 32-bit float
   uint32,           ///< OpenEXR's unsigned integers
-  rgbe,             ///< Radiance: 8 bits and an exponent that three channels share
-  xyze,             ///< the same of CIE XYZ
-  rgbd,             ///< Babylon.js .env: 8 bits, gamma encoded, and a divisor that three channels share
-  uint1,            ///< PNG, as are the next four; a palette's colours are uint8
-  uint2,            ///< 2 bits
-  uint4,            ///< 4 bits
-  uint8,            ///< 8 bits; in KTX2 and DDS too
-  uint16,           ///< 16 bits
-  ufloat10,         ///< float of 10 bits without a sign, KTX2 and DDS
-  ufloat11,         ///< float of 11 bits without a sign, KTX2 and DDS
-  shared_exponent,  ///< 9 bits and an exponent that three channels share, KTX2 and DDS
+  rgbe,             ///< Radiance: 8 bits and an exponent shared by three channels
+  xyze,             ///< Radiance: CIE XYZ in the same form
+  rgbd,             ///< Babylon.js .env: 8 bits, gamma encoded, and a divisor shared by three channels
+  uint1,            ///< 1 bit, PNG; colours of a palette are uint8
+  uint2,            ///< 2 bits, PNG
+  uint4,            ///< 4 bits, PNG
+  uint8,            ///< 8 bits, PNG, KTX2 and DDS
+  uint16,           ///< 16 bits, PNG
+  ufloat10,         ///< unsigned float of 10 bits, KTX2 and DDS
+  ufloat11,         ///< unsigned float of 11 bits, KTX2 and DDS
+  shared_exponent,  ///< 9 bits and an exponent shared by three channels, KTX2 and DDS
 };
 
-/// "unknown", "half", "float", "uint", "rgbe", "xyze", "rgbd", "uint1", "uint2", "uint4", "uint8", "uint16",
-/// "ufloat10", "ufloat11", "shared exponent"
+/// Returns "unknown", "half", "float", "uint", "rgbe", "xyze", "rgbd", "uint1", "uint2", "uint4", "uint8", "uint16",
+/// "ufloat10", "ufloat11" or "shared exponent".
 [[nodiscard]] const char* name(ChannelType type) noexcept;
 
-/// A channel of the file.
+/// A channel of a file.
 struct ChannelInfo {
   std::string name;                         ///< "R", "G", "B", "Y", ...
-  ChannelType type = ChannelType::unknown;  ///< how its values are held
+  ChannelType type = ChannelType::unknown;  ///< type of its values
 };
 
-/// A level of a chain in the file.
+/// Size of one level of a file.
 struct LevelInfo {
   int width = 0;   ///< texels
   int height = 0;  ///< texels
 };
 
-/// What a file's header says; no pixel is read for it.
+/// Contents of a file's header.
 struct EnvironmentInfo {
-  std::filesystem::path path;               ///< as it was named; of `FileInput::six_faces` the first
-  FileFormat format = FileFormat::openexr;  ///< of six files that of the first face
-  std::vector<FileFormat> other_formats;    ///< of six files those that differ from it, each once; else empty
-  std::string compression;            ///< "none", "zip", "piz", ... as OpenEXR has them; "rle", "old rle"; "deflate"
-  std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
-  Layout layout = Layout::lat_long;   ///< as told from header or shape, or as it was asked for; never automatic
-  std::string layout_reason;          ///< what told it
-  int width = 0;                      ///< of the picture at the level that was asked for, texels; of six_files N,
-  int height = 0;                     ///< and 6N: they are taken as the vertical strip that they make up
-  std::vector<ChannelInfo> channels;  ///< all that the file (or part) has, in its order
-  std::vector<LevelInfo> levels;      ///< the file's mip chain, full size first; one entry without a chain
+  std::filesystem::path path;               ///< path as given; for `FileInput::six_faces` that of the first
+  FileFormat format = FileFormat::openexr;  ///< for six files that of the first face
+  /// for six files the formats that differ from `format`, without duplicates; else empty
+  std::vector<FileFormat> other_formats;
+  std::string compression;           ///< "none", "zip", "piz", ... in OpenEXR; "rle", "old rle"; "deflate"
+  std::string storage;               ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
+  Layout layout = Layout::lat_long;  ///< as detected or requested; never automatic
+  std::string layout_reason;         ///< how the layout was detected
+  int width = 0;                     ///< width in texels at the requested level; for six_files N
+  int height = 0;                    ///< height in texels at the requested level; for six_files 6N, as a vertical strip
+  std::vector<ChannelInfo> channels;  ///< all channels of the file (or part), in its order
+  std::vector<LevelInfo> levels;      ///< levels of the file, full size first; one entry without mips
   std::vector<std::string> parts;     ///< names of a multi-part file's parts, in its order; else empty
-  std::vector<std::string> layers;    ///< names of the layers that hold colour or luminance; "" is not among them
-  std::vector<std::string> notes;     ///< what was done on the way in: primaries, exposure, windows; for a person
-  std::array<std::filesystem::path, 6> faces;  ///< of six_files, in face order; else empty
+  std::vector<std::string> layers;    ///< names of layers with colour or luminance, without ""
+  std::vector<std::string> notes;     ///< conversions applied while reading (primaries, exposure, windows); for people
+  std::array<std::filesystem::path, 6> faces;  ///< paths of six_files, in face order; else empty
 
-  /// The formats' names: "OpenEXR"; "OpenEXR, PNG" of six files that differ.
+  /// Returns the formats' names: "OpenEXR", or "OpenEXR, PNG" for six files that differ.
   [[nodiscard]] std::string format_words() const;
 };
 
-/// What is in the pixels, as they are in the file: nothing is replaced or clamped. NaN and infinities are
-/// counted and stay out of the other numbers.
+/// Statistics of a file's pixels as stored, without replacing or clamping. NaN and infinities are counted and excluded
+/// from the other numbers.
 struct EnvironmentStatistics {
-  std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
-  dvec3 minimum{};           ///< of each channel, NaN and infinities left out
-  dvec3 maximum{};           ///< likewise
-  dvec3 mean{};              ///< weighted by solid angle: the sphere's average radiance
+  std::uint64_t texels = 0;  ///< texels of the sphere; here and below, space between the faces of a cross is excluded
+  dvec3 minimum{};           ///< minimum of each channel
+  dvec3 maximum{};           ///< maximum of each channel
+  dvec3 mean{};              ///< mean radiance, weighted by solid angle
   dvec3 total_radiance{};    ///< integral over the sphere: 4 pi times the mean
   std::uint64_t nans = 0;    ///< channel values
   std::uint64_t infinities = 0;  ///< channel values
   std::uint64_t negatives = 0;   ///< channel values
-  int brightest_column = 0;      ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
-  int brightest_row = 0;         ///< of six_files as if they stood one above the other
-  dvec3 brightest{};             ///< radiance of the brightest texel, by luminance
-  dvec3 brightest_direction{};   ///< unit, of that texel's centre; 0 if no texel is finite
+  int brightest_column = 0;      ///< column in the file's image of the maximum of (0.2126, 0.7152, 0.0722) . rgb
+  int brightest_row = 0;         ///< row of the same texel; six_files count as stacked vertically
+  dvec3 brightest{};             ///< radiance of that texel
+  dvec3 brightest_direction{};   ///< unit direction of that texel's centre; 0 if no texel is finite
 };
 
-/// An environment held in memory as RGB floats: a lat-long, or six faces in the frames of `CubemapView`,
-/// whatever layout they had in the file. (Where an OpenEXR header has the envmap attribute of a cube, the faces
-/// are mirrored to those frames on the way in.)
+/// An environment in memory as RGB floats: a lat-long, or six faces with the axes of `CubemapView`, whatever layout the
+/// file has. (Cubemaps with OpenEXR's envmap attribute are mirrored to those axes when read.)
 struct Environment {
-  EnvironmentInfo info;             ///< what the file said of itself
-  std::unique_ptr<float[]> pixels;  ///< lat-long: width x height x 3; cube: 6 x size x size x 3; row 0 on top
+  EnvironmentInfo info;             ///< header of the file
+  std::unique_ptr<float[]> pixels;  ///< lat-long: width x height x 3; cubemap: 6 x size x size x 3; top row first
 
-  /// Edge of a face in texels; 0 for a lat-long.
+  /// Returns the texels per edge of a face, or 0 for a lat-long.
   [[nodiscard]] int face_size() const noexcept;
 
-  /// The pixels as they lie. It is valid while `pixels` are.
+  /// Returns a view of the pixels, valid as long as `pixels` is unchanged.
   [[nodiscard]] EnvironmentView view() const;
-  /// The same. Throws `Error` (invalid_argument) that names the file for a cubemap.
+  /// Returns the view of a lat-long. Throws `Error` (invalid_argument) that names the file for a cubemap.
   [[nodiscard]] LatLongView lat_long() const;
-  /// The same. Throws `Error` (invalid_argument) that names the file for a lat-long.
+  /// Returns the view of a cubemap. Throws `Error` (invalid_argument) that names the file for a lat-long.
   [[nodiscard]] CubemapView cubemap() const;
 };
 
-/// The six files of a cubemap, +X -X +Y -Y +Z -Z, by any one of them or by the directory that holds them (and no
-/// other such six). Their names differ at the end alone, before the extension: px nx py ny pz nz; posx negx posy ..;
-/// right left top bottom front back; right left up down front back; rt lf up dn ft bk; 0 to 5 (but not if there is
-/// a 6). Before that end stands nothing, or the same in all six up to one of _ - . and space; small and capital
-/// letters are the same there. Extensions may differ; among several that would do, the one of `path` counts.
-/// Looks at names alone. Throws `Error`: file_access naming the faces that are missing, unsupported_file if the name
-/// is none of a face or if more than one choice of six would do.
+/// Finds the six files of a cubemap, +X -X +Y -Y +Z -Z, from any one of them, or from a directory that holds one such
+/// set. Their names differ only at the end, before the extension: px nx py ny pz nz; posx negx posy ..; right left top
+/// bottom front back; right left up down front back; rt lf up dn ft bk; 0 to 5 (unless there is a 6). The part before
+/// is the same in all six, or empty, optionally followed by one of _ - . and space; case is ignored. Extensions may
+/// differ; if several sets match, the extension of `path` decides.
+///
+/// Looks at names only. Throws `Error`: file_access naming the missing faces, unsupported_file if the name is not a
+/// face's, or if the set is ambiguous.
 [[nodiscard]] std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path);
 
-/// Reads a header. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded.
+/// Reads a header.
 [[nodiscard]] EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options = {});
 
-/// Reads a whole file. Throws as `inspect_environment`, and cancelled.
+/// Reads a whole file.
 [[nodiscard]] Environment read_environment(const FileInput& input, const ReadOptions& options = {},
                                            const Control& control = {});
 
-/// Projects a file. A lat-long streams: blocks of rows are decoded and projected in parallel, and memory
-/// stays at a few blocks a thread however large the picture is. Same bits as reading it whole and calling
-/// `project`. Throws as `read_environment` and `project`.
+/// Projects a file. A lat-long is streamed: blocks of rows are decoded and projected in parallel, in a few blocks of
+/// memory per thread for any image size. The result has the bits of reading the file whole and calling `project`.
+/// Throws as `read_environment` and `project`.
 ///
-/// Memory for a lat-long, on each thread: the rows that decode together (1 in PFM; 1 to 32 in most OpenEXR files, 256
-/// with dwab, a row of tiles in tiled ones), two at least from 16384 columns down, at 12 bytes a texel, and what
-/// decoding holds beside them, at most 5 times those rows as the file has them; for all threads together: sums and
-/// tables, 0.15 % of the picture as RGB floats with 3 bands, 1 % with 10. So a 16384 x 8192 picture (1.5 GiB as
-/// floats) takes 4 MiB on one thread as PFM, and as OpenEXR 10 MiB for each thread with zip (16 rows), 16 MiB with piz
-/// (32 rows), 120 MiB with dwab. If that exceeds the memory limit for all threads, one works alone. A file whose
-/// rows come only in order (PNG) is decoded by one thread at a time while the others project.
+/// Memory per thread for a lat-long: the rows that decode together (1 in PFM; 1 to 32 in most OpenEXR files, 256 with
+/// dwab, a row of tiles in tiled files), at least two from 16384 columns down, at 12 bytes per texel, plus the
+/// decoder's memory, at most 5 times those rows as stored. Shared by all threads: sums and tables, 0.15 % of the image
+/// as RGB floats with 3 bands, 1 % with 10. A 16384 x 8192 image (1.5 GiB as floats) thus needs 4 MiB on one thread as
+/// PFM; as OpenEXR it needs 10 MiB per thread with zip (16 rows), 16 MiB with piz (32 rows) and 120 MiB with dwab. If
+/// all threads together would exceed the memory limit, one thread is used. Files whose rows must be decoded in order
+/// (PNG) are decoded by one thread at a time while the others project.
 ///
-/// With `target_size`, and `ReadOptions::level` at 0, a file that has a mip chain is read at the level that is
-/// nearest to the target in log2 (a face's edge against the target, a lat-long's width against four times it)
-/// instead of being reduced; the pass "reduce" then says "reuse" and which level. Not so where the levels are
-/// prefiltered for reflections: in .env files, in KTX2 and OpenEXR files whose metadata speaks of roughness, and in DDS
-/// files, which cannot say.
+/// With `target_size` and level 0, a file with mips is not reduced; the level nearest to the target in log2 is read
+/// instead (face size against the target, width of a lat-long against four times the target). The pass "reduce" then
+/// has the action "reuse" and names the level. Levels prefiltered for reflections are not used for this: those of .env
+/// files, of KTX2 and OpenEXR files with roughness in their metadata, and of DDS files, which cannot state it.
 ///
-/// An .env file's polynomial is taken as it is stored (the pass "project" says "reuse"): its pixels are clipped at 255,
-/// and it is not. With more than three bands, or another level, its pixels are projected after all.
+/// For an .env file, the stored polynomial is used (pass "project", action "reuse"), because the pixels are clamped at
+/// 255. With more than three bands, or another level, the pixels are projected.
 [[nodiscard]] Projection project_file(const FileInput& input, const ReadOptions& read_options = {},
                                       const ProjectionOptions& options = {}, const Control& control = {});
 
-/// Measures a file's pixels, streaming. Throws as `read_environment`.
+/// Measures a file's pixels, streaming.
 [[nodiscard]] EnvironmentStatistics measure_environment(const FileInput& input, const ReadOptions& options = {},
                                                         const Control& control = {});
 
-// Environments to files.
+// Writing environments.
 
-/// How a channel's value is stored.
+/// Type of a written channel's values.
 enum class SampleType {
-  automatic,  ///< half in OpenEXR; the others have one kind alone (PNG: 8 bit)
-  half,       ///< OpenEXR; values beyond +-65504 are clamped to it and counted
+  automatic,  ///< half float in OpenEXR; PNG 8 bits; the only type of other formats
+  half,       ///< OpenEXR; values beyond +-65504 are clamped and counted
   float32,    ///< OpenEXR, PFM
   uint8,      ///< PNG: sRGB, values clamped to [0, 1]
   uint16,     ///< PNG: sRGB, values clamped to [0, 1]
 };
 
-/// How a file is written.
+/// Options for writing an environment.
 struct WriteOptions {
-  /// automatic: lat-long for a lat-long, vertical strip for a cubemap (with OpenEXR's envmap attribute in .exr,
-  /// its faces then in OpenEXR's own frames). A cubemap can be written in every other layout too.
-  /// Faces of a horizontal strip may have up to 10922 texels: wider pictures than 65536 are not read anywhere.
-  /// six_files: "sky.exr" makes sky_px.exr, sky_nx.exr, ..., sky_nz.exr; not in memory.
+  /// Layout of the sphere. `automatic` is lat-long for a lat-long and vertical strip for a cubemap; .exr then has the
+  /// envmap attribute and OpenEXR's axes. A cubemap can be written in every layout except lat-long. Faces of a
+  /// horizontal strip have at most 10922 texels per edge, because no reader accepts images wider than 65536. With
+  /// six_files, "sky.exr" writes sky_px.exr, sky_nx.exr, ..., sky_nz.exr; not available in memory.
   Layout layout = Layout::automatic;
-  SampleType type = SampleType::automatic;  ///< halves, floats or bytes; automatic: the usual one of the format
+  SampleType type = SampleType::automatic;  ///< type of written values
 };
 
-/// What a format could not hold of the values.
+/// Files written, and values that their format could not hold.
 struct WriteReport {
-  std::vector<std::filesystem::path> files;  ///< that were written; in memory the name
-  std::uint64_t values_clamped = 0;          ///< channel values beyond the format's range (NaN becomes 0)
+  std::vector<std::filesystem::path> files;  ///< files written; in memory the name
+  std::uint64_t values_clamped = 0;          ///< channel values outside the format's range (NaN becomes 0)
 };
 
-/// Throws what `write_environment` would by output and options alone: ask it before a picture is made for them. (Of the
-/// place only the folder is looked at, and nothing of a vector; the rest shows when it is written.)
+/// Checks output and options, and throws what `write_environment` would, before an image is computed for them. Of the
+/// target it checks only that the folder exists.
 void check_write_options(const FileOutput& output, const WriteOptions& options, bool is_cubemap);
 
-/// Writes a picture in the format that the extension names: .exr, .hdr, .pfm, .png.
-///
-/// A file is complete or not there: it is written beside its place and renamed when it is whole. Existing files
-/// are replaced. Throws `Error`: invalid_argument for a view, layout or type that does not fit (naming what
-/// does), unsupported_file for an extension that is not written, file_access, cancelled.
+/// Writes an environment in the format that the extension names: .exr, .hdr, .pfm or .png. Files are written
+/// atomically: complete or not at all. Existing files are replaced. Throws `Error`: invalid_argument for a view, layout
+/// or type that does not fit (naming what does), unsupported_file for another extension, file_access.
 WriteReport write_environment(const FileOutput& output, const EnvironmentView& picture,
                               const WriteOptions& options = {}, const Control& control = {});
 

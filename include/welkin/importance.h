@@ -1,4 +1,4 @@
-// Tables by which a path tracer picks directions of an environment in proportion to the light that comes from there.
+// Importance sampling of environments: directions in proportion to the light that arrives from them.
 //
 //   welkin::ImportanceTable table = welkin::importance_table(panorama);
 //   welkin::ImportanceSample towards = table.sample(random(), random());
@@ -16,130 +16,128 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// What of a texel counts. A negative weight counts as 0.
+/// The scalar weight of a texel. Negative weights count as 0.
 enum class ImportanceWeight {
   luminance,  ///< Rec. 709: 0.2126, 0.7152, 0.0722
-  mean,       ///< of the three channels
-  largest,    ///< of the three channels: for saturated lights, whose luminance is low
+  mean,       ///< mean of the three channels
+  largest,    ///< maximum of the three channels: for saturated lights, whose luminance is low
 };
 
-/// How a table is made.
+/// Options of `importance_table`.
 struct ImportanceOptions {
-  /// Texels of the table, 1 to the source's; 0: as many as the source has. A coarser table's texel has the mean of the
-  /// source over its own area, texels that are cut counted by the part.
+  /// Width of the table, 1 to the source's; 0 for the source's. A texel of a coarser table has the mean of the source
+  /// over its area, with fractional texels at its edges.
   int width = 0;
-  int height = 0;  ///< the same
+  int height = 0;  ///< height of the table, 1 to the source's; 0 for the source's
 
-  ImportanceWeight weight = ImportanceWeight::luminance;  ///< what of a texel counts
+  ImportanceWeight weight = ImportanceWeight::luminance;  ///< weight of a texel
 
-  /// What lies below the mean weight counts as 0, what lies above by how much it does (Karlik et al. 2019, "MIS
-  /// compensation", section 5.2): for estimators that combine the table with samples of the material by the balance
-  /// heuristic, which find dim light themselves. Alone, such a table would leave light out.
+  /// Subtracts the mean weight and clamps to 0 (Karlik et al. 2019, "MIS compensation", section 5.2). For estimators
+  /// that combine the table with samples of the material by the balance heuristic; alone, such a table misses light.
   bool mis_compensation = false;
 
-  PixelPolicy pixels{};  ///< what becomes of the source's values first
+  PixelPolicy pixels{};  ///< treatment of source values
 
   friend bool operator==(const ImportanceOptions&, const ImportanceOptions&) = default;
 };
 
-/// A direction that was picked.
+/// A sampled direction.
 struct ImportanceSample {
-  dvec3 direction{};     ///< unit; the frame of `LatLongView`
-  double density = 0.0;  ///< probability for each steradian about it, above 0
-  int column = 0;        ///< the table's texel that it lies in
-  int row = 0;           ///< the same
+  dvec3 direction{};     ///< unit vector, in the axes of `LatLongView`
+  double density = 0.0;  ///< probability density per steradian, above 0
+  int column = 0;        ///< column of the table's texel that was sampled
+  int row = 0;           ///< row of the table's texel that was sampled
 };
 
-/// Where the parts of a table are written, in memory of the caller's.
+/// The caller's memory for the arrays of a table.
 struct ImportanceTargets {
   std::span<float> function;    ///< width x height; see `ImportanceTable`
   std::span<float> row_cdf;     ///< height + 1
   std::span<float> column_cdf;  ///< height x (width + 1)
 };
 
-/// A piecewise constant density over the sphere: constant by solid angle within each texel of a lat-long.
+/// A piecewise constant density over the sphere: constant per solid angle within each texel of a lat-long.
 ///
 /// The arrays are those of pbrt's PiecewiseConstant2D (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
 /// edition, A.4.5 and A.5.2): `column_cdf` is that of its conditional densities, row by row, and `row_cdf` that of the
-/// marginal one. Both begin with 0, never fall, and end with 1 exactly; a row without light has an even one.
+/// marginal one. Both start at 0, never decrease, and end at exactly 1. A row without light has a uniform one.
 struct ImportanceTable {
-  int width = 0;   ///< texels
-  int height = 0;  ///< texels
+  int width = 0;   ///< texels per row
+  int height = 0;  ///< number of rows
 
-  /// [height][width]: the integral of the weight over each texel, in its own unit times steradians. Divided by
-  /// `integral` it is the texel's probability. (pbrt calls its values func; any scale does.) Where no texel has a
-  /// weight above 0, the texels' solid angles: the density is that of the whole sphere then.
+  /// [height][width]: integral of the weight over each texel, in its unit times steradians; divided by `integral`, the
+  /// texel's probability. (pbrt calls these values func; any scale works.) If no texel has a weight above 0: the
+  /// texels' solid angles, a uniform density over the sphere.
   std::vector<float> function;
   std::vector<float> row_cdf;     ///< [height + 1]: probability of the rows above each
-  std::vector<float> column_cdf;  ///< [height][width + 1]: within a row, of the columns before each
+  std::vector<float> column_cdf;  ///< [height][width + 1]: probability within a row of the columns before each
   double integral = 0.0;          ///< sum of `function`
 
-  /// The direction that two numbers from 0 to 1, 1 excluded, stand for (others are moved there): `down` picks the row
-  /// and the height within it, `across` the column and the longitude. Evenly distributed numbers give directions by the
-  /// density. The density is by `function`; the
-  /// cumulative distributions, being floats, hold steps of 6e-8 of a row, which pass over some texels that are dimmer
-  /// beside a bright one and pick others for them. Cost: two binary searches.
+  /// Returns the direction for two numbers in [0, 1), to which others are clamped: `down` selects the row and the
+  /// height within it, `across` the column and the longitude. Uniform numbers give directions with the table's density.
+  /// The density is that of `function`; the cumulative distributions are floats with steps of 6e-8 of a row, so texels
+  /// next to a much brighter one may be missed in favour of others. Cost: two binary searches.
   [[nodiscard]] ImportanceSample sample(double across, double down) const;
 
-  /// Returns the density per steradian at a direction, as `sample` gives it: 0 where nothing is sampled. Throws `Error`
-  /// (invalid_argument) for a direction that is zero or not finite.
+  /// Returns the density per steradian at a direction, consistent with `sample`; 0 where nothing is sampled. Throws
+  /// `Error` (invalid_argument) for a direction that is zero or not finite.
   [[nodiscard]] double density(const dvec3& direction) const;
 };
 
-/// Makes a table. Sums are of doubles in one fixed order: the same bits on any number of threads and every instruction
-/// set. Cost: reading the source once and writing the table once, or twice with `mis_compensation`.
-/// Throws `Error`: invalid_argument (view, options), rejected_pixel, cancelled.
+/// Computes a table. Cost: one pass over the source and one over the table, two with `mis_compensation`. Throws
+/// `Error`: invalid_argument, rejected_pixel.
 [[nodiscard]] ImportanceTable importance_table(const LatLongView& source, const ImportanceOptions& options = {},
                                                const Control& control = {});
 
-/// The same into memory of the caller's; returns the integral. Throws `Error` (invalid_argument), too, where a span has
-/// another length than it must.
+/// Computes a table into the caller's memory and returns its `integral`. Throws `Error` (invalid_argument) also for
+/// spans of another length.
 double importance_table(const LatLongView& source, const ImportanceTargets& targets,
                         const ImportanceOptions& options = {}, const Control& control = {});
 
-// ---- Other ways of picking by the same probabilities
+// ---- Other structures for sampling with the same probabilities
 
-/// An entry of an alias table (Walker 1977, Vose 1991).
+/// Entry of an alias table (Walker 1977, Vose 1991).
 struct AliasEntry {
-  float own = 1.0F;         ///< share of the entry that stands for its own index
-  std::uint32_t other = 0;  ///< the index that the rest stands for
+  float own = 1.0F;         ///< probability that the entry stands for its own index
+  std::uint32_t other = 0;  ///< index that it stands for otherwise
 };
 
-/// Picks in constant time: an entry of `rows` by one number in [0, 1), then one of that row's `columns`.
+/// A two-level alias table. Sampling takes constant time: an entry of `rows` by one number in [0, 1), then one of that
+/// row's `columns`.
 struct AliasTable {
   std::vector<AliasEntry> rows;     ///< [height]
   std::vector<AliasEntry> columns;  ///< [height][width]
 };
 
-/// Of the table's probabilities, each off by no more than a rounding of floats. The same bits everywhere. Cost: some 10
-/// ns a texel and thread.
+/// Computes an alias table with the table's probabilities, each within a rounding error of float. Cost: 10 ns per texel
+/// and thread.
 [[nodiscard]] AliasTable alias_table(const ImportanceTable& table, const Control& control = {});
 
-/// Probabilities of ever larger blocks of texels, for hierarchical warping (Clarberg et al. 2005) and for looking up a
-/// direction's density at a level of detail.
+/// Probabilities of blocks of texels by powers of two, for hierarchical warping (Clarberg et al. 2005) and for
+/// densities at a level of detail.
 struct ImportancePyramid {
-  /// A level.
+  /// One level of the pyramid.
   struct Level {
     int width = 0;                     ///< half that of the level before, rounded up
-    int height = 0;                    ///< the same
-    std::vector<float> probabilities;  ///< [height][width], whose sum is 1
+    int height = 0;                    ///< half that of the level before, rounded up
+    std::vector<float> probabilities;  ///< [height][width], with a sum of 1
   };
   std::vector<Level> levels;  ///< from the table's own texels down to a single block
 };
 
-/// Each level's blocks are 2 x 2 of the one before; at an edge of odd length what is there. The same bits everywhere.
+/// Computes the pyramid. A block covers 2 x 2 blocks of the level before, or fewer at an edge of odd length.
 [[nodiscard]] ImportancePyramid importance_pyramid(const ImportanceTable& table, const Control& control = {});
 
-// ---- What it gains
+// ---- Gain of importance sampling
 
-/// Variance of estimates of the sphere's total weight by one sample, relative to the total's square.
+/// Variance of one-sample estimates of the sphere's total weight, relative to the square of the total.
 struct ImportanceVariance {
-  double uniform = 0.0;  ///< directions all alike
-  double table = 0.0;    ///< by the table; infinite where its function leaves out what has a weight
+  double uniform = 0.0;  ///< for uniform directions
+  double table = 0.0;    ///< for the table; infinite if it never samples a texel that has a weight
 };
 
-/// Exactly, by sums over the source's texels, whose value is even over each. `weight` and `pixels` as the table was
-/// made with. Throws `Error`: invalid_argument (view, a table larger than the source), rejected_pixel, cancelled.
+/// Computes variances exactly, by sums over the source's texels as constant areas. `weight` and `pixels` must be those
+/// of the table. Throws `Error`: invalid_argument (also for a table larger than the source), rejected_pixel.
 [[nodiscard]] ImportanceVariance importance_variance(const LatLongView& source, const ImportanceTable& table,
                                                      ImportanceWeight weight = ImportanceWeight::luminance,
                                                      const PixelPolicy& pixels = {}, const Control& control = {});

@@ -1,10 +1,11 @@
-// Prefiltered specular light: an environment blurred by GGX lobes, a mip for each roughness (split sum, N = V = R), or
-// by lobes of another family.
+// Prefiltered specular light: an environment convolved with GGX lobes, one roughness per mip (split sum, N = V = R), or
+// with lobes of another family; roughness schedules; the BRDF lookup table.
 //
 //   P(n) = Int L(l) k(n.l) dl / Int k(n.l) dl,   k(c) = c D(sqrt((1 + c) / 2)) for c > 0, else 0,
 //   D(h) = a^2 / (pi (h^2 (a^2 - 1) + 1)^2),     a = roughness^2
 //
-// That is the limit of Karis' sum of half-vector samples weighted by n.l (Real Shading in Unreal Engine 4, 2013).
+// This is the limit of Karis' sum of half-vector samples weighted by n.l (Real Shading in Unreal Engine 4, 2013).
+// Roughness is perceptual throughout: GGX's alpha is its square.
 #pragma once
 
 #include <cstddef>
@@ -22,222 +23,225 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< for each mip the fastest within both bounds: spectral or narrow
-  spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
-  reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
+  automatic,  ///< the faster of `spectral` and the narrow method of `MipMethod` that meets both bounds, for each mip
+  spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels are convolved one by one
+  reference,  ///< the integral, texel by texel in double; slow. The other methods are measured against it.
 };
 
-/// "automatic", "spectral", "reference"
+/// Returns "automatic", "spectral" or "reference".
 [[nodiscard]] const char* name(PrefilterMethod method) noexcept;
 
-/// Lobes that the mips of a chain are blurred by, each a function of the mip's roughness r, alpha = r^2. Those other
-/// than GGX are `ZonalKernel`s, which also takes functions of the caller's.
+/// Families of lobes, each a function of the mip's roughness r with alpha = r^2. Lobes other than GGX are
+/// `ZonalKernel`s; `prefilter_by_kernels` also takes lobes of your own.
 enum class LobeFamily {
   ggx,      ///< the kernel above
   charlie,  ///< `charlie(r)`: sheen. A roughness below `kLeastCharlieRoughness` (0.05) is raised to it.
   lambert,  ///< `lambert()`: irradiance over pi, at any roughness
   phong,    ///< `phong(max(1, 2 / alpha^2 - 2))`. A roughness below 0.12 is raised to it.
   blinn,    ///< `blinn(2 / alpha^2 - 2)`. A roughness below 0.12 is raised to it.
-  spectra,  ///< `from_spectrum` of the numbers that `PrefilterOptions::spectra` has for the mip
+  spectra,  ///< `from_spectrum` of the numbers in `PrefilterOptions::spectra` for the mip
 };
 
-/// "ggx", "charlie", "lambert", "phong", "blinn", "spectra"
+/// Returns "ggx", "charlie", "lambert", "phong", "blinn" or "spectra".
 [[nodiscard]] const char* name(LobeFamily lobe) noexcept;
 
-/// Presets of how exact reflections and irradiance are: see `PrefilterOptions::at` and `BakeOptions::at`.
+/// Presets for the accuracy of reflections and irradiance; see `PrefilterOptions::at` and `BakeOptions::at`.
 enum class Quality {
   normal,     ///< `rms_error` 1e-3: the default
   fast,       ///< `rms_error` 1e-2: for probes that are captured in each frame
-  reference,  ///< the integrals themselves, in double: what the others are measured against. Takes minutes.
+  reference,  ///< the integrals in double, against which the others are measured; takes minutes
 };
 
-/// "normal", "fast", "reference"
+/// Returns "normal", "fast" or "reference".
 [[nodiscard]] const char* name(Quality quality) noexcept;
 
-/// Sizes, lobes and bounds of a chain.
+/// Size, lobes and error bounds of a specular chain.
 struct PrefilterOptions {
-  int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
-  /// At least 1. None: as many as `roughness` names, else as `spectra` has, else 1 of `lambert` and
-  /// `mips_of_chain(filament, size)` (`linear` of `charlie`) of other lobes.
+  int size = 256;  ///< texels per edge of mip 0: 1 to 8192
+  /// Number of mips, at least 1. If empty: the length of `roughness`, else of `spectra`, else 1 for `lambert`,
+  /// `mips_of_chain(linear, size)` for `charlie` and `mips_of_chain(filament, size)` for other lobes.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(filament, mips, size)`, of `charlie`
-  /// `charlie_roughness_of_mips(mips, size)`. 0 of `ggx`: no blur.
+  /// Perceptual roughness of each mip, in [0, 1]. If empty: `charlie_roughness_of_mips(mips, size)` for `charlie` and
+  /// `roughness_of_mips(filament, mips, size)` for other lobes. With `ggx`, roughness 0 means no convolution.
   std::vector<double> roughness{};
 
-  /// Perceptual roughness of the lobe that each mip is blurred by, where that is not the roughness at which shaders
-  /// find the mip (`fitted_roughness_of_mips`); empty: `roughness`. `lambert` and `spectra` ignore it.
+  /// Perceptual roughness of each mip's lobe, if it differs from the roughness at which shaders look the mip up (see
+  /// `fitted_roughness_of_mips`). If empty: `roughness`. `lambert` and `spectra` ignore it.
   std::vector<double> lobe_roughness{};
 
-  LobeFamily lobe = LobeFamily::ggx;  ///< of all mips
+  LobeFamily lobe = LobeFamily::ggx;  ///< lobes of all mips
 
-  /// Of each mip what degree 0, 1, ... of the environment is multiplied by, over the first; only of `spectra`.
+  /// For `spectra`, one list per mip: the factors of the environment's degrees 0, 1, ..., relative to the first.
   std::vector<std::vector<double>> spectra{};
 
-  /// How each mip is computed. Of lobes other than `ggx`, `automatic` is `spectral`.
+  /// Method for all mips. For lobes other than `ggx`, `automatic` is `spectral`.
   PrefilterMethod method = PrefilterMethod::automatic;
 
-  double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
-  /// Bound on |result - truth| / truth at any texel; none: ten times `rms_error`, at most 1. A channel that is darker
-  /// than 1e-6 / `maximum_error` of the root mean square of its mip (without very bright lights) may exceed it: the
-  /// pass "mip N: dark channels" reports it.
+  double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, weighted by solid angle
+  /// Bound on |result - reference| / reference at any texel. If empty: ten times `rms_error`, at most 1. Channels that
+  /// are darker than 1e-6 / `maximum_error` of the mip's root mean square (without very bright lights) may exceed it;
+  /// the pass "mip N: dark channels" then reports them.
   std::optional<double> maximum_error = std::nullopt;
 
-  PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
+  PixelPolicy pixels{};  ///< treatment of source values, as in `project`
 
-  /// Returns the default options with the method and the bounds of a preset, which may be changed afterwards.
+  /// Returns the default options with the method and the bounds of a preset. They may be changed afterwards.
   [[nodiscard]] static PrefilterOptions at(Quality quality);
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
 
-/// How one mip came about.
+/// The way in which a mip was made.
 enum class MipMethod {
   copy,       ///< the source resampled by area: roughness 0
-  spectral,   ///< as `PrefilterMethod::spectral`
-  reference,  ///< as `PrefilterMethod::reference`
-  stored,     ///< it was in the file that was baked
-  narrow,     ///< texels near by as areas, the lobe's far part by harmonics: below roughness 0.055 at default bounds
+  spectral,   ///< by `PrefilterMethod::spectral`
+  reference,  ///< by `PrefilterMethod::reference`
+  stored,     ///< read from the file that was baked
+  narrow,     ///< nearby texels as areas, the lobe's tail by harmonics; below roughness 0.055 at default bounds
 };
 
-/// "copy", "spectral", "reference", "stored", "narrow"
+/// Returns "copy", "spectral", "reference", "stored" or "narrow".
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
-/// How one mip was made, and how good it is.
+/// Roughness, method, estimated errors and time of one mip.
 struct MipRecord {
-  int size = 0;                        ///< texels along an edge
-  double roughness = 0.0;              ///< perceptual, at which a shader finds the mip
-  double lobe_roughness = 0.0;         ///< of the mip's lobe: `roughness`, unless it is fitted to lookups
+  int size = 0;                        ///< texels per edge
+  double roughness = 0.0;              ///< perceptual roughness at which a shader looks the mip up
+  double lobe_roughness = 0.0;         ///< perceptual roughness of the mip's lobe: `roughness`, unless fitted
   MipMethod method = MipMethod::copy;  ///< how it was made
-  int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
-  int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the rest
-  /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of stored mips.
+  int bands = 0;                       ///< harmonic bands that were used (spectral, narrow)
+  int bright_texels = 0;               ///< texels whose lobes were added one by one (spectral, narrow)
+  /// Predicted rms error divided by the mip's rms; 0 for copies, empty for stored mips.
   std::optional<double> error_estimate = std::nullopt;
-  /// Predicted relative rms error of a shader that reads this mip and the next bilinearly and interpolates linearly
-  /// between them, over all roughnesses from this mip's to the next one's, by the formula of the chain's
-  /// `RoughnessSchedule` (of other tables linear in roughness). None of the last mip, of lobes other than GGX, and
-  /// where the picture's spectrum is not known: of stored mips, and of chains without a spectral mip.
+  /// Predicted relative rms error of a shader that interpolates bilinearly within this mip and the next, and linearly
+  /// between them: over all roughnesses from this mip's to the next one's, by the formula of the chain's
+  /// `RoughnessSchedule` (linear in roughness for other tables). Empty for the last mip, for lobes other than GGX, and
+  /// where the source's spectrum is unknown (stored mips, and chains without a spectral mip).
   std::optional<double> error_between = std::nullopt;
-  /// Mean of the texels, by solid angle. The kernel keeps energy, so the blurred light has the same mean on every mip.
-  /// A texel holds the value at its centre: where a lamp's blurred light is narrower than the texels, centres meet or
-  /// miss it, and this mean differs (by up to 180 % on mip 1 of a chain of 32, cubemap of 64 with a lamp of one texel).
+  /// Mean of the texels, weighted by solid angle. Convolution preserves energy, so the mean is nearly the same on every
+  /// mip. It differs where a lamp's convolved light is narrower than the texels, because a texel holds the value at its
+  /// centre: by up to 180 % on mip 1 of a chain of 32, for a cubemap of 64 with a lamp of one texel.
   dvec3 mean{};
   double milliseconds = 0.0;  ///< wall time
 };
 
-/// A chain of reflections.
+/// A prefiltered specular chain.
 struct PrefilteredSpecular {
-  Cubemap cubemap;               ///< a level for each mip
-  std::vector<MipRecord> mips;   ///< one record for each mip
-  ProjectionDiagnostics pixels;  ///< what was read, replaced and clamped; its passes are the prefilter's
-  std::uint64_t peak_bytes = 0;  ///< of working memory, beside source and result
+  Cubemap cubemap;               ///< the chain, one level per mip
+  std::vector<MipRecord> mips;   ///< one record per mip
+  ProjectionDiagnostics pixels;  ///< what was read, replaced and clamped; `passes` are those of the prefilter
+  std::uint64_t peak_bytes = 0;  ///< working memory, without source and result
 };
 
-/// Prefilters. Mip 0 of roughness 0 is the source resampled by area (`to_cubemap`; the very texels of a cubemap of the
-/// same size). Not negative where the source is not; uniform ones stay so to 1e-6 (of cubemaps, in mips of roughness
-/// below 0.2, to 2e-4), ranges to `maximum_error` of an end.
-/// The same bits on any number of threads and instruction set.
-/// Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no method reaches), cancelled.
+/// Prefilters an environment. A mip of roughness 0 is the source resampled by area (`to_cubemap`), or copied from a
+/// cubemap of the same size.
+///
+/// A source without negative values gives a result without negative values. A uniform environment stays uniform to
+/// within 1e-6 (2e-4 for cubemaps in mips of roughness below 0.2). Values exceed the source's range by at most
+/// `maximum_error` of its ends. Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no
+/// method reaches).
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const EnvironmentView& source,
                                                      const PrefilterOptions& options = {}, const Control& control = {});
 
-/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction.
-/// Cost: 10 ns per source texel and direction. Throws `Error` (invalid_argument, cancelled).
+/// Computes the reference at chosen directions, in double over all source texels as areas; one entry per direction.
+/// Cost: 10 ns per source texel and direction. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<dvec3> reference_specular(const EnvironmentView& source, double roughness,
                                                     const std::vector<dvec3>& directions, const Control& control = {});
 
-// Which roughness each mip of a specular cubemap has, and where a shader looks for a roughness.
-//
-// Roughness is perceptual (what artists set) everywhere here; GGX's alpha is its square.
+// Roughness schedules: the roughness of each mip of a specular cubemap, and the mip at which a shader looks a roughness
+// up.
 
-/// Named ways to spread roughness over a chain, t = mip / (mips - 1) in [0, 1].
+/// Mappings from mips to roughness, with t = mip / (mips - 1) in [0, 1].
 enum class RoughnessSchedule {
   linear,    ///< t (glTF-IBL-Sampler)
   filament,  ///< 1 - sqrt(1 - t) (Filament, three.js)
   babylon,   ///< 0 at mip 0, else alpha = 2^(mip / 0.8) / size, at most 1 (Babylon.js, lodGenerationScale 0.8)
-  unity,     ///< mip = 6 r (1.7 - 0.7 r), whatever the number of mips; 1 beyond mip 6 (Unity_GlossyEnvironment)
+  unity,     ///< mip = 6 r (1.7 - 0.7 r) for any number of mips; 1 beyond mip 6 (Unity_GlossyEnvironment)
   /// 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1 (ComputeReflectionCaptureRoughnessFromMip)
   unreal,
 };
 
-/// "linear", "filament", "babylon", "unity", "unreal"
+/// Returns "linear", "filament", "babylon", "unity" or "unreal".
 [[nodiscard]] const char* name(RoughnessSchedule schedule) noexcept;
 
-/// Roughness of each of `mips` mips of a chain whose mip 0 has `size` texels along an edge: rising, in [0, 1], 0 at mip
+/// Returns the roughness of each mip of a chain whose mip 0 has `size` texels per edge: increasing, in [0, 1], 0 at mip
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// Returns the roughness of lobes for a chain that a shader reads by the schedule's formula, bilinearly in a mip and
-/// linearly between two. Read so, the chain is nearer to the blurred picture over all roughnesses than one whose mips
-/// have the lobes of `roughness_of_mips`, which is where the shader still looks them up. Mip 0 stays a mirror. The fit
-/// is to a picture of typical power per degree and depends on the arguments alone. Cost: 1 to 3 ms; fits that were used
-/// last are kept. Throws `Error` as `roughness_of_mips`.
+/// Returns the roughness of lobes that suits trilinear lookups by the schedule's formula best. Shaders still look mips
+/// up at `roughness_of_mips`, but read a chain of these lobes with a smaller error over all roughnesses. Mip 0 stays a
+/// mirror. The fit assumes an image with a typical power spectrum and depends on the arguments alone. Cost: 1 to 3 ms;
+/// recent fits are cached. Throws `Error` as `roughness_of_mips`.
 [[nodiscard]] std::vector<double> fitted_roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// Returns the default number of mips for a schedule. `linear` and `filament`: down to 4 texels, because what lies
-/// between two mips errs more than few texels do, but five where `size` has five. `unity`: seven, or as many as there
-/// are. `babylon` and `unreal`: down to 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <= 8192.
+/// Returns the default number of mips for a schedule: down to 4 texels for `linear` and `filament` but at least five
+/// where `size` has five, since interpolation between few mips costs more accuracy than small mips do; seven for
+/// `unity`, or as many as `size` has; down to 1 texel for `babylon` and `unreal`. Throws `Error` (invalid_argument)
+/// unless 1 <= size <= 8192.
 [[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
 
-/// Returns how many mips a chain of these options has. Throws `Error` (invalid_argument) for a number out of range.
+/// Returns the number of mips of a chain with these options. Throws `Error` (invalid_argument) for a number out of
+/// range.
 [[nodiscard]] int mips_of_chain(const PrefilterOptions& options);
 
-/// The mip, fractions too, at which a shader that interpolates between mips finds `roughness`: by linear interpolation
-/// in `table`, which must not fall. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table
-/// or one that falls.
+/// Returns the fractional mip at which a shader that interpolates between mips finds `roughness`, by linear
+/// interpolation in `table`, clamped to its ends. Throws `Error` (invalid_argument) for an empty or decreasing table.
 [[nodiscard]] double mip_of_roughness(const std::vector<double>& table, double roughness);
 
-// The other half of the split sum: how much of the light a GGX surface (or sheen) sends back, by angle and roughness.
+// The BRDF lookup table, the other half of the split sum: the reflectance of a GGX or sheen surface by viewing angle
+// and roughness.
 //
 //   auto table = welkin::brdf_table();                               // 64 x 64, split sum, sheen in the third channel
 //   auto dfg = welkin::brdf_table({128, 128, welkin::BrdfModel::multiple_scattering});
 
-/// What the first two channels hold. With V the height-correlated Smith visibility (Heitz 2014, equation 99), F
-/// Schlick's Fresnel and alpha = roughness squared, E = Int D V F (n.l) dl over the lights' hemisphere is
+/// Meaning of the first two channels. With V the height-correlated Smith visibility (Heitz 2014, equation 99), F
+/// Schlick's Fresnel and alpha = roughness squared, E = Int D V F (n.l) dl over the hemisphere of light directions is
 ///
 ///   E = f0 Int D V (n.l) (1 - (1 - v.h)^5) dl + Int D V (n.l) (1 - v.h)^5 dl = f0 scale + bias.
 enum class BrdfModel {
-  split_sum,            ///< (scale, bias) (Karis 2013, Real Shading in Unreal Engine 4): E = f0 scale + bias
-  multiple_scattering,  ///< (bias, scale + bias): E = (1 - f0) x + f0 y, as Filament's DFG has them. y is the whole
-                        ///< albedo, which its energy compensation 1 + f0 (1 / y - 1) needs
+  split_sum,  ///< (scale, bias) (Karis 2013, Real Shading in Unreal Engine 4): E = f0 scale + bias
+  /// (bias, scale + bias): E = (1 - f0) x + f0 y, as in Filament's DFG. y is the full albedo, which the energy
+  /// compensation 1 + f0 (1 / y - 1) needs
+  multiple_scattering,
 };
 
-/// What the table holds.
+/// Options of `brdf_table`.
 struct BrdfTableOptions {
-  int width = 64;                          ///< along N.V, 1 to 4096: column i is at N.V = (i + 0.5) / width
-  int height = 64;                         ///< along perceptual roughness, 1 to 4096: row j is at (j + 0.5) / height
-  BrdfModel model = BrdfModel::split_sum;  ///< what red and green are
+  int width = 64;   ///< texels along N.V, 1 to 4096: column i is at N.V = (i + 0.5) / width
+  int height = 64;  ///< texels along perceptual roughness, 1 to 4096: row j is at (j + 0.5) / height
+  BrdfModel model = BrdfModel::split_sum;  ///< meaning of red and green
 
-  /// A third channel: directional albedo of Charlie sheen, D of Estevez and Kulla 2017 (Production Friendly Microfacet
-  /// Sheen BRDF) with alpha = roughness squared, with the visibility 1 / (4 (n.l + n.v - n.l n.v)) of Neubelt and
-  /// Pettineo 2013: that is what Filament and three.js shade with, and the table must fit the shader. (Charlie's own
-  /// lambda is for path tracers.) That visibility does not keep energy: below a roughness of 0.4 or so the albedo
-  /// exceeds 1 at grazing angles (8 at 0.05, hundreds below), for which renderers bound roughness from below.
+  /// Adds a third channel with the directional albedo of Charlie sheen: D of Estevez and Kulla 2017 (Production
+  /// Friendly Microfacet Sheen BRDF) with alpha = roughness squared, and the visibility 1 / (4 (n.l + n.v - n.l n.v))
+  /// of Neubelt and Pettineo 2013, as Filament and three.js shade. This visibility does not conserve energy: at
+  /// roughness below 0.4 the albedo exceeds 1 at grazing angles (8 at 0.05, hundreds below), so renderers bound
+  /// roughness from below.
   bool sheen = true;
 
   friend bool operator==(const BrdfTableOptions&, const BrdfTableOptions&) = default;
 };
 
-/// The table: reflectance of a surface in even light, by the cosine to the viewer and by roughness.
+/// Reflectance of a surface in a uniform environment, by the cosine to the viewer and by roughness.
 struct BrdfTable {
-  BrdfTableOptions options;   ///< those that it was made with
-  int channels = 2;           ///< 3 with sheen
-  std::vector<float> values;  ///< height x width x channels, row 0 at the lowest roughness
+  BrdfTableOptions options;   ///< options of the table
+  int channels = 2;           ///< 2, or 3 with sheen
+  std::vector<float> values;  ///< height x width x channels values; row 0 has the lowest roughness
 
-  /// The same as IEEE half floats, rounded to nearest, ties to even; beyond 65504: 65504.
+  /// Returns the values as IEEE half floats, rounded to nearest, ties to even. Values above 65504 become 65504.
   [[nodiscard]] std::vector<std::uint16_t> half_values() const;
-  /// Memory of `values`.
+  /// Returns the size of `values` in bytes.
   [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(float); }
 };
 
-/// The table, by deterministic quadrature: absolute error below 1e-5 in every texel, sheen above 1 by 1e-5 of its
-/// value. Tables depend on no scene: those that were used last are kept, up to 32 MiB of them, and shared; larger ones
-/// are made at every call. Cost: some 0.6 microseconds a texel and thread with AVX-512, and as much again for sheen.
-/// The same bits on any number of threads and instruction set. Throws `Error`: invalid_argument, cancelled.
+/// Computes a BRDF table by deterministic quadrature. The absolute error is below 1e-5 in every texel; for sheen values
+/// above 1, the relative error is. Recent tables are cached and shared, up to 32 MiB in total; larger tables are
+/// computed at every call. Cost: 0.6 microseconds per texel and thread with AVX-512, twice that with sheen. Throws
+/// `Error` (invalid_argument).
 [[nodiscard]] std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options = {},
                                                           const Control& control = {});
 
-// ---- Lobes other than GGX: Charlie sheen, Lambert, Phong, Blinn, or one of the caller's own
+// ---- Lobes other than GGX: Charlie sheen, Lambert, Phong, Blinn, or your own
 //
 //   welkin::KernelChainOptions sheen{.size = 256};
 //   for (const double roughness : welkin::charlie_roughness_of_mips(5, 256))
@@ -248,41 +252,44 @@ namespace reflections {
 class Lobe;
 }
 
-/// A lobe that is the same all about its axis: how much light counts, by the cosine c between it and the axis. All of
-/// them are scaled so that their integral over the sphere is 1: even light stays as it is.
+/// A radially symmetric filter kernel: a weight per cosine c of the angle to its axis. Kernels are normalised: their
+/// integral over the sphere is 1.
 class ZonalKernel {
  public:
-  /// Charlie sheen (Estevez and Kulla 2017) with N = V = R: c (1 - c)^p for c > 0, p = 1 / (2 alpha), alpha = roughness
-  /// squared. It looks along the horizon, at c = 1 / (1 + p). Roughness in [0.01, 1]; below `kLeastCharlieRoughness`
-  /// a picture may need more harmonic bands than there are.
+  /// Returns Charlie sheen (Estevez and Kulla 2017) with N = V = R: c (1 - c)^p for c > 0, p = 1 / (2 alpha), alpha =
+  /// roughness squared. Its maximum is near the horizon, at c = 1 / (1 + p). `roughness` lies in [0.01, 1]; below
+  /// `kLeastCharlieRoughness` an image may need more harmonic bands than Welkin has.
   [[nodiscard]] static ZonalKernel charlie(double roughness);
-  /// c for c > 0: irradiance over pi.
+  /// Returns c for c > 0: irradiance divided by pi.
   [[nodiscard]] static ZonalKernel lambert();
-  /// c^power for c > 0; power in [0.5, 1e6].
+  /// Returns c^power for c > 0. `power` lies in [0.5, 1e6].
   [[nodiscard]] static ZonalKernel phong(double power);
-  /// c h^power for c > 0, h = sqrt((1 + c) / 2) the cosine of the half vector; power in [0, 1e6].
+  /// Returns c h^power for c > 0, where h = sqrt((1 + c) / 2) is the cosine of the half vector. `power` lies in [0,
+  /// 1e6].
   [[nodiscard]] static ZonalKernel blinn(double power);
 
-  /// Any function of the cosine. `breaks`: cosines between -1 and 1 at which it or a derivative jumps; between them it
-  /// must be smooth. It is called here and nowhere else, for cosines from -1 to 1, some hundred to some ten thousand
-  /// times. It may be negative in places. Throws `Error` (invalid_argument): a value that is not finite, an integral
-  /// that is not above 0, a function that no 2000 polynomials follow; and whatever `value` throws.
+  /// Returns the kernel of any function of the cosine, which may have negative values. `breaks` lists the cosines
+  /// between -1 and 1 at which the function or a derivative jumps; it must be smooth between them. `value` is called
+  /// during this call only, for cosines from -1 to 1, a hundred to tens of thousands of times. Throws `Error`
+  /// (invalid_argument) for values that are not finite, an integral that is not above 0, and functions that no 2000
+  /// polynomials approximate; and whatever `value` throws.
   [[nodiscard]] static ZonalKernel from_function(const std::function<double(double cosine)>& value,
                                                  const std::vector<double>& breaks = {0.0});
 
-  /// What degree l of the environment is multiplied by, l = 0, 1, ...; over the first one, which must be above 0.
-  /// Degrees that are not named are left out. 1 to 1536 of them, finite. Throws `Error` (invalid_argument).
+  /// Returns the kernel that multiplies degree l of the environment by factors[l] / factors[0]. factors[0] must be
+  /// above 0. Degrees beyond the list are removed. The list has 1 to 1536 finite numbers. Throws `Error`
+  /// (invalid_argument).
   [[nodiscard]] static ZonalKernel from_spectrum(const std::vector<double>& factors);
 
-  /// A steradian; for cosines from -1 to 1. Error: 1e-9 of the largest value.
+  /// Returns the kernel's density per steradian at `cosine`, which lies in [-1, 1]. Error: 1e-9 of the maximum.
   [[nodiscard]] double value(double cosine) const;
-  /// k_l = 2 pi Int k(c) P_l(c) dc for l < bands, k_0 = 1: what the prefilter does to degree l. Error: 1e-10. `bands`
-  /// from 1 to 1536; throws `Error` (invalid_argument) otherwise.
+  /// Returns k_l = 2 pi Int k(c) P_l(c) dc for l < bands, with k_0 = 1: the factor of degree l. Error: 1e-10. Throws
+  /// `Error` (invalid_argument) unless 1 <= bands <= 1536.
   [[nodiscard]] std::vector<double> spectrum(int bands) const;
-  /// Of `charlie`; 0 of others.
+  /// Returns the roughness of a `charlie` kernel, or 0 for others.
   [[nodiscard]] double roughness() const noexcept { return roughness_; }
 
-  /// From the inside: what the library reads.
+  /// Returns the internal representation, for the library.
   [[nodiscard]] const std::shared_ptr<const reflections::Lobe>& lobe() const noexcept { return lobe_; }
 
  private:
@@ -296,37 +303,38 @@ class ZonalKernel {
 /// The lowest roughness of `charlie_roughness_of_mips`.
 inline constexpr double kLeastCharlieRoughness = 0.05;
 
-/// Roughness of each mip of a sheen chain as the sample renderer of glTF looks it up: t = mip / (floor(log2 size) - 1),
-/// but no lower than `kLeastCharlieRoughness` (at 0 the lobe would be the horizon's circle) and no higher than 1.
-/// Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and 1 <= size <= 8192.
+/// Returns the roughness of each mip of a sheen chain as glTF's sample renderer looks it up: t = mip / (floor(log2
+/// size) - 1), clamped to [`kLeastCharlieRoughness`, 1], because the lobe degenerates to the horizon at 0. Throws
+/// `Error` (invalid_argument) unless 1 <= mips <= 16 and 1 <= size <= 8192.
 [[nodiscard]] std::vector<double> charlie_roughness_of_mips(int mips, int size);
 
-/// A chain by kernels.
+/// Options of `prefilter_by_kernels`.
 struct KernelChainOptions {
-  int size = 256;                      ///< texels along an edge of mip 0: 1 to 8192
-  std::vector<ZonalKernel> kernels{};  ///< one a mip: at least one, no more than the cubemap has levels
+  int size = 256;                      ///< texels per edge of mip 0: 1 to 8192
+  std::vector<ZonalKernel> kernels{};  ///< one per mip: at least one, at most as many as the cubemap has levels
 
-  /// `spectral`: a product with the kernel's spectrum in harmonics, bright texels each by the kernel. `automatic`: the
-  /// same, and where its estimated error exceeds the bound the integral, if that takes a second at most. `reference`:
-  /// the integral texel by texel in double, slow.
+  /// `spectral` multiplies by the kernel's spectrum in harmonics and convolves bright texels one by one. `automatic`
+  /// does so and uses the integral where the estimated error exceeds the bound, if that takes at most a second.
+  /// `reference` is the integral, texel by texel in double; slow.
   PrefilterMethod method = PrefilterMethod::automatic;
 
-  double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
+  double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, weighted by solid angle
 
-  PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
+  PixelPolicy pixels{};  ///< treatment of source values, as in `project`
 };
 
-/// Prefilters by a kernel a mip. Bounds are those of `prefilter_specular`: 0.1 % rms, 1 % at any texel, for kernels
-/// whose values are continuous. Where source and kernel are nowhere negative the result is not. The same bits on any
-/// number of threads and instruction set, of the kernels with names and wherever a caller's function has the same bits.
-/// Cost: as `prefilter_specular`, and some 10 ns for each texel of the result and each bright one of the source.
-/// Throws `Error`: invalid_argument; limit_exceeded (a kernel so narrow, or with so sharp an edge, that 1536 bands miss
-/// the bound on this picture, or an estimated error above it: the message says by how much); rejected_pixel; cancelled.
+/// Prefilters an environment with one kernel per mip. For continuous kernels the default bounds are those of
+/// `prefilter_specular`: 0.1 % rms, 1 % at any texel. Where source and kernel have no negative values, neither has the
+/// result. Results of `from_function` are bit-identical only where the function's values are. Cost: that of
+/// `prefilter_specular`, plus 10 ns per texel of the result and bright texel of the source.
+///
+/// Throws `Error`: invalid_argument; rejected_pixel; limit_exceeded if the kernel is so narrow or sharp that 1536 bands
+/// miss the bound on this image, or if the estimated error exceeds it; the message states by how much.
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const EnvironmentView& source, const KernelChainOptions& options,
                                                        const Control& control = {});
 
-/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction. Slow.
-/// Throws `Error` (invalid_argument, cancelled).
+/// Computes the reference at chosen directions, in double over all source texels as areas; one entry per direction.
+/// Slow. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<dvec3> reference_by_kernel(const EnvironmentView& source, const ZonalKernel& kernel,
                                                      const std::vector<dvec3>& directions, const Control& control = {});
 

@@ -1,10 +1,12 @@
-// What can be asked of a worker: Welkin's own calls, with the pixels or tables that they work on.
+// Requests for a worker: Welkin's calls together with the pixels or tables that they work on.
 //
 //   auto light = worker.post(welkin::Project{std::move(image), {.bands = 4}});
 //   auto tables = worker.post(welkin::PrecomputeSky{welkin::earth()}, {.key = "sky tables"});
+//   auto probe = worker.post(welkin::Bake{std::move(image)});  // its result is a std::shared_ptr<const BakeResult>
 //
-// Each request does what the call of the same name does, and throws what that throws. Any other callable is a request
-// too: `worker.post([image](const welkin::Control& control) { return ...; })`. Requests about files are in bake_file.h.
+// Each request does what the function of the same name does, and fails with the same errors. Any other callable is a
+// request too: `worker.post([image](const welkin::Control& control) { return ...; })`. bake_file.h has the requests
+// that read files.
 #pragma once
 
 #include <cstddef>
@@ -27,27 +29,27 @@ struct Environment;  // environment_file.h
 
 // ---- Pixels of a request
 
-/// A picture for a request, together with what keeps its pixels alive. Copies share the pixels.
+/// Pixels of a request together with their owner. Copies share the pixels.
 class EnvironmentSource {
  public:
-  /// The pixels are moved into the request, without a copy, and are freed when it is done.
+  /// Takes ownership of the pixels without copying them, and frees them when the request is done.
   EnvironmentSource(Cubemap image);       // NOLINT(google-explicit-constructor): a request is written as what it reads
-  EnvironmentSource(LatLongImage image);  ///< moved in, too. NOLINT(google-explicit-constructor)
+  EnvironmentSource(LatLongImage image);  ///< takes ownership, too. NOLINT(google-explicit-constructor)
   EnvironmentSource(Environment environment);  ///< defined in welkin::files. NOLINT(google-explicit-constructor)
-  /// The pixels are shared, all levels of a cubemap, and must not change until the job is ready.
+  /// Shares the pixels, all mips of a cubemap, which must not change until the job is ready.
   EnvironmentSource(std::shared_ptr<const Cubemap> image);       // NOLINT(google-explicit-constructor)
-  EnvironmentSource(std::shared_ptr<const LatLongImage> image);  ///< shared, too. NOLINT(google-explicit-constructor)
-  /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
-  /// empty, they must stay until the job is ready.
+  EnvironmentSource(std::shared_ptr<const LatLongImage> image);  ///< shares, too. NOLINT(google-explicit-constructor)
+  /// Refers to pixels of any kind. `owner` keeps them alive; its last copy may be destroyed on any thread. If `owner`
+  /// is empty, the pixels must stay valid until the job is ready.
   EnvironmentSource(const EnvironmentView& view, std::shared_ptr<const void> owner);
-  /// A cubemap with its mip chain, `mips[0]` the full size.
+  /// Refers to a cubemap with its mips, `mips[0]` the full size. `owner` keeps the pixels alive.
   EnvironmentSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner);
 
-  /// The full size.
+  /// Returns the view of the full size.
   [[nodiscard]] const EnvironmentView& view() const noexcept { return view_; }
-  /// All levels of a cubemap that brought its mip chain; else empty.
+  /// Returns the mips of a cubemap that came with them, otherwise nothing.
   [[nodiscard]] std::span<const CubemapView> mips() const noexcept { return mips_; }
-  /// Memory of the pixels in bytes, padding of rows included.
+  /// Returns the size of the pixels in bytes, including padding of rows.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_; }
 
  private:
@@ -59,98 +61,98 @@ class EnvironmentSource {
 
 // ---- Requests about pixels
 
-/// `project`.
+/// Request for `project`.
 struct Project {
-  EnvironmentSource source;     ///< the pixels that are read
-  ProjectionOptions options{};  ///< as of `project`
+  EnvironmentSource source;     ///< pixels to project
+  ProjectionOptions options{};  ///< options of `project`
 
   [[nodiscard]] Projection operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
+  /// Returns the size of the source in bytes, which counts against the worker's limit.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `to_cubemap`.
+/// Request for `to_cubemap`.
 struct ToCubemap {
-  EnvironmentSource source;  ///< the pixels that are read
-  int size = 0;              ///< of the result: texels along an edge, 1 to 16384
-  dmat3 turn = dmat3(1.0);   ///< orthogonal: direction d of the source becomes turn * d
+  EnvironmentSource source;  ///< pixels to resample
+  int size = 0;              ///< texels per edge of the result, 1 to 16384
+  dmat3 turn = dmat3(1.0);   ///< orthogonal matrix: direction d of the source becomes turn * d
 
   [[nodiscard]] Cubemap operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
+  /// Returns the size of the source in bytes, which counts against the worker's limit.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `to_lat_long`.
+/// Request for `to_lat_long`.
 struct ToLatLong {
-  EnvironmentSource source;  ///< the pixels that are read
-  int width = 0;             ///< of the result: texels, 1 to 65536
-  int height = 0;            ///< of the result: texels, 1 to 32768
-  dmat3 turn = dmat3(1.0);   ///< orthogonal: direction d of the source becomes turn * d
+  EnvironmentSource source;  ///< pixels to resample
+  int width = 0;             ///< width of the result, 1 to 65536
+  int height = 0;            ///< height of the result, 1 to 32768
+  dmat3 turn = dmat3(1.0);   ///< orthogonal matrix: direction d of the source becomes turn * d
 
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
+  /// Returns the size of the source in bytes, which counts against the worker's limit.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `bake`. Its result is handed out by pointer, because it is large.
+/// Request for `bake`. The result is large and therefore returned by pointer.
 struct Bake {
-  EnvironmentSource source;  ///< the pixels that are baked
-  BakeOptions options{};     ///< what is made, and how
+  EnvironmentSource source;  ///< pixels to bake
+  BakeOptions options{};     ///< options of the bake
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
+  /// Returns the size of the source in bytes, which counts against the worker's limit.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
-/// `bake_to`: bakes into the caller's memory, such as a mapped upload buffer. The worker's threads read the source in
-/// its format and write the targets in theirs, so the thread that posts converts no texel.
+/// Request for `bake_to`: bakes into the caller's memory, such as a mapped upload buffer. Conversion to and from half
+/// floats happens on the worker's threads.
 ///
-/// The memory of the targets must stay until the job is ready, or be kept alive by `owner`. Once the job is ready,
-/// nothing writes to them. A job with a result has written every texel of its
-/// targets. A job that never started, or whose targets were refused, has written nothing. Any other job without a
-/// result (cancelled, replaced, failed) may have written any part of the texels.
+/// The targets' memory must stay valid until the job is ready, or be kept alive by `owner`. It is not written after the
+/// job is ready. If the job has a result, every texel of its targets has been written. If it never started, or its
+/// targets were refused, nothing has been written. If it was cancelled, replaced or failed otherwise, targets may be
+/// partly written.
 ///
-/// Running jobs must not share targets: a job that another with its key replaces writes until it is ready, so give the
-/// new one other memory.
+/// Running jobs must not share targets. A job that is replaced by another with its key may write until it is ready, so
+/// give the new job other memory.
 struct BakeTo {
-  EnvironmentSource source;  ///< the pixels that are baked
-  BakeTargets targets{};     ///< where cubemaps are written
-  BakeOptions options{};     ///< what is made, and how
-  /// Frees the targets' memory when its last copy goes, on whichever thread that is; may be empty. The worker's copy
-  /// goes right after the job is ready.
+  EnvironmentSource source;  ///< pixels to bake
+  BakeTargets targets{};     ///< memory to which cubemaps are written
+  BakeOptions options{};     ///< options of the bake
+  /// Keeps the targets' memory alive; may be empty. The worker destroys its copy right after the job is ready, on any
+  /// thread.
   std::shared_ptr<const void> owner{};
 
-  /// Returns what `bake_to` returns.
+  /// Returns the result of `bake_to`.
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
-  /// Memory of the source in bytes, which counts against the limit of the worker.
+  /// Returns the size of the source in bytes, which counts against the worker's limit.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
 };
 
 // ---- Requests about skies
 
-/// `precompute_sky`. Handed out by pointer: views and curves share the tables.
+/// Request for `precompute_sky`. The result is returned by pointer, because views and curves share the tables.
 struct PrecomputeSky {
-  Atmosphere atmosphere;      ///< whose sky
-  SkyTableOptions options{};  ///< sizes and orders of the tables
+  Atmosphere atmosphere;      ///< the atmosphere to compute
+  SkyTableOptions options{};  ///< sizes of the tables and orders of scattering
 
   [[nodiscard]] std::shared_ptr<const SkyTables> operator()(const Control& control) const;
 };
 
-/// `SkyCurve` of a height.
+/// Request for a `SkyCurve` at one altitude.
 struct BakeSkyCurve {
-  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
-  double altitude_m = 0.0;                  ///< the observer's, above the ground
+  std::shared_ptr<const SkyTables> tables;  ///< scattering tables of the atmosphere
+  double altitude_m = 0.0;                  ///< altitude of the observer above the ground
   SkyCurveOptions options{};                ///< nodes of the curve
 
   [[nodiscard]] SkyCurve operator()(const Control& control) const;
 };
 
-/// `sky_specular`, without the sun's disc. Handed out by pointer.
+/// Request for `sky_specular`, without the sun's disc. The result is returned by pointer.
 struct SkySpecular {
-  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
-  double altitude_m = 0.0;                  ///< the observer's, above the ground
-  dvec3 sun{0.0, 1.0, 0.0};                 ///< unit, towards it
-  PrefilterOptions options{.size = 32};     ///< of the chain
+  std::shared_ptr<const SkyTables> tables;  ///< scattering tables of the atmosphere
+  double altitude_m = 0.0;                  ///< altitude of the observer above the ground
+  dvec3 sun{0.0, 1.0, 0.0};                 ///< unit vector towards the sun
+  PrefilterOptions options{.size = 32};     ///< options of the specular chain
 
   [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;
 };

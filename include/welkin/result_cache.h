@@ -1,4 +1,4 @@
-// Results that were computed before, found again by the contents of what they were computed from.
+// A cache of results, found by the contents of what they were computed from.
 //
 //   welkin::ResultCache cache({.folder = "cache"});
 //   welkin::BakeResult light = cache.bake(panorama, options);   // the second time, in any process, it is read
@@ -28,42 +28,41 @@ namespace WELKIN_EXPORT welkin {
 
 // ---- Hashes of pixels, options and files
 //
-// XXH3-128 (https://xxhash.com, fixed since version 0.8) is not for secrets. Among a million different inputs two share
-// a hash by chance once in 10^26 times; whoever can choose inputs freely can make two that do.
+// XXH3-128 (https://xxhash.com, stable since version 0.8) is not cryptographic: anyone who can choose inputs freely can
+// produce a collision. Among a million different inputs, the probability of an accidental one is 1e-26.
 
-/// 128 bits of XXH3: equal for equal contents.
+/// A 128-bit XXH3 hash: equal for equal contents.
 struct ContentHash {
   std::uint64_t high = 0;  ///< the upper 64 bits
   std::uint64_t low = 0;   ///< the lower 64 bits
 
   friend auto operator<=>(const ContentHash&, const ContentHash&) = default;
 
-  /// 32 digits, lower case, `high` first.
+  /// Returns 32 lower-case hexadecimal digits, `high` first.
   [[nodiscard]] std::string text() const;
 };
 
-/// Of `count` bytes from `bytes` on; 5 to 10 GB/s.
+/// Hashes `count` bytes from `bytes` on. Speed: 5 to 10 GB/s.
 [[nodiscard]] ContentHash hash_bytes(const void* bytes, std::size_t count) noexcept;
 
-/// Of several in their order.
+/// Combines several hashes in their order.
 [[nodiscard]] ContentHash combine(std::span<const ContentHash> parts) noexcept;
 
-/// Of a picture's kind, size, format and texels: not of where rows lie in memory. Alpha counts although no result
-/// depends on it; so do the signs of zeros and the bits of NaNs. Blocks of rows are hashed side by side, and their
-/// hashes in order: the same for any number of threads. Bounded by memory: 5 to 10 GB/s a thread. Throws `Error`:
-/// invalid_argument, cancelled.
+/// Hashes an environment's kind, size, format and texels, independently of row strides. Alpha, signs of zeros and bits
+/// of NaNs count, although no result depends on them. Blocks of rows are hashed in parallel. Speed: 5 to 10 GB/s per
+/// thread, limited by memory bandwidth. Throws `Error` (invalid_argument).
 [[nodiscard]] ContentHash hash_pixels(const EnvironmentView& environment, const Control& control = {});
 
-/// Of each face by itself, whichever it is. Throws likewise.
+/// Hashes each face, independently of which face it is. Throws `Error` (invalid_argument).
 [[nodiscard]] std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control = {});
-/// What `hash_pixels` says of a cubemap with these faces.
+/// Returns the `hash_pixels` of a cubemap whose faces have these hashes.
 [[nodiscard]] ContentHash hash_of_faces(const std::array<ContentHash, 6>& faces) noexcept;
 
-/// Of a file's bytes, whatever its name. Throws `Error`: file_access, cancelled.
+/// Hashes a file's bytes, independently of its name. Throws `Error` (file_access).
 [[nodiscard]] ContentHash hash_file(const std::filesystem::path& path, const Control& control = {});
 
-/// Of every field that a result depends on. Left out are `memory_limit_bytes`, the atmosphere's name, and of the
-/// `pixels` of a bake or a prefilter what is not used there.
+/// Hashes every option that a result depends on. Excluded are `memory_limit_bytes`, the atmosphere's name, and `pixels`
+/// members that a bake or prefilter ignores.
 [[nodiscard]] ContentHash hash_options(const ProjectionOptions& options);
 [[nodiscard]] ContentHash hash_options(const PrefilterOptions& options);
 [[nodiscard]] ContentHash hash_options(const BrdfTableOptions& options);
@@ -74,111 +73,112 @@ struct ContentHash {
 
 // ---- The cache
 
-/// Where results are kept, and how much of them.
+/// Location and limits of a cache.
 struct CacheOptions {
-  std::filesystem::path folder{};                          ///< made if it is not there; empty: nothing on disk
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20U;  ///< held in this process; 0: nothing
-  /// In the folder. Each process goes by what it held at the last look and its own entries since: several may be above
-  /// it together until one of them looks again.
+  std::filesystem::path folder{};  ///< created if it does not exist; empty for no results on disk
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20U;  ///< limit in this process; 0 for no results in memory
+  /// Limit in the folder. Each process knows what the folder held when it last looked, and its own entries since;
+  /// several processes may together exceed the limit until one of them looks again.
   std::uint64_t disk_bytes = std::uint64_t{4} << 30U;
 };
 
-/// What has become of requests so far. A bake asks once for each of its parts, a chain once for each of its mips.
+/// Counts of requests. A bake makes one request per part, a chain one per mip.
 struct CacheStatistics {
   std::uint64_t memory_hits = 0;     ///< results found in memory
   std::uint64_t disk_hits = 0;       ///< results found on disk
   std::uint64_t misses = 0;          ///< results that had to be computed
-  std::uint64_t damaged = 0;         ///< entries that were not what they should be; taken away, and computed anew
-  std::uint64_t write_failures = 0;  ///< entries that could not be stored: the disk is full, or the folder is a file
-  std::string last_failure;          ///< of those, in the system's words
-  std::uint64_t memory_bytes = 0;    ///< held now
+  std::uint64_t damaged = 0;         ///< damaged entries, which were removed and recomputed
+  std::uint64_t write_failures = 0;  ///< entries that could not be stored, for instance because the disk was full
+  std::string last_failure;          ///< the system's message for the last of those
+  std::uint64_t memory_bytes = 0;    ///< bytes held now
 };
 
-/// What is done to light that was projected before.
+/// A change of projected light.
 struct LightChange {
-  double exposure = 1.0;  ///< factor to the light as gamma and clamp have left it; finite, >= 0
-  dmat3 turn{1.0};        ///< orthogonal: what came from direction d comes from turn * d
+  double exposure = 1.0;  ///< factor of the light, after gamma and clamp; finite, at least 0
+  dmat3 turn{1.0};        ///< orthogonal: light from direction d then comes from turn * d
 
-  /// Keeps the sums of faces too, which `FaceHarmonics` holds: of a cubemap that is seen again with some faces changed,
-  /// those alone are projected. No use for lat-longs, nor for a target size with the midpoint rule.
+  /// Also keeps the sums of each face (`FaceHarmonics`), so that a cubemap of which some faces changed is projected in
+  /// those only. Has no effect for lat-longs, and for a target size with midpoint quadrature.
   bool keep_faces = false;
 };
 
-/// A light changed without a look at its pixels: exposure is a factor, and the coefficients are turned as by `turned`.
-/// The diagnostics' total radiance follows the exposure. Throws `Error` (invalid_argument).
+/// Changes projected light without its pixels: scales it by the exposure, and rotates coefficients as `turned` does.
+/// The diagnostics' total radiance is scaled, too. Throws `Error` (invalid_argument).
 [[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
 
-/// Each call gives the bits of the call of the same name without a cache; hits differ in their passes (action "reuse",
-/// and "cache" says what was found where), in times (a mip that was found took 0 ms) and in a prefilter's `peak_bytes`.
-/// Keys are `ContentHash`es of pixels, of options and of the library's version. What is refused without a cache is
-/// refused with one.
+/// Calls with a cache, in memory and on disk. Each has the bits of the call of the same name without a cache. Results
+/// that were found differ in their passes (action "reuse"; pass "cache" states where each was found), in times (0 ms
+/// for a mip) and in a prefilter's `peak_bytes`. Keys are `ContentHash`es of pixels, options and the library's version.
+/// Arguments are checked as without a cache. Thread-safe.
 ///
-/// A specular chain is kept mip by mip, for prefilters and bakes alike. Whatever chain a mip was made for, it serves
-/// all in which its bits are the same: same source and policies for its pixels, same size and roughness, same method,
-/// and
-/// - copied (roughness below 0.001), narrow and reference mips: nothing else;
-/// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain. It decides
-///   which bright texels are taken out, and which rings a cubemap goes through.
-/// So a mip can be added, removed or changed at the rough end: only what is missing is made, from the first such mip to
-/// the last. What cannot be served: the spectral mips of a chain whose narrowest
-/// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear,
-/// filament, the default, and unreal), as every roughness changes with it. By babylon, unity or a list none does.
+/// A specular chain is stored mip by mip, for prefilters and bakes alike. A stored mip is used in any chain in which
+/// its bits are the same: same source, pixel policies, size, roughness and method, and
+/// - for copied (roughness below 0.001), narrow and reference mips: nothing else;
+/// - for spectral mips: the same error bounds, and the same narrowest lobe among the chain's spectral mips, which
+///   decides which bright texels are extracted and through which rings a cubemap is transformed.
 ///
-/// Entries on disk are files of their own with a checksum, which are on the disk before they get their name: a killed
-/// process and a power failure leave whole entries or none. Any number of processes and threads may share a folder; a
-/// damaged, cut or foreign file is never believed, no link is followed, and no memory is taken for more bytes than an
-/// entry of its kind can have. Above the limit the entries that were used least recently go. Nothing that happens to
-/// the folder makes a call fail, nor that there is no memory for an entry: it is not found then, or not kept.
+/// So if mips are added, removed or changed at the rough end, only the missing ones are computed, from the first to the
+/// last of them. Spectral mips are recomputed when the narrowest lobe changes, and all except mip 0 when the number of
+/// mips changes in a schedule that depends on it (linear, filament and unreal; not babylon, unity and lists).
 ///
-/// Thread-safe. Two threads that miss the same entry at the same time both compute it. A hit costs hashing the source
-/// (bounded by memory) and copying the result, from disk also reading and checking it: far less than a bake, a
-/// prefilter or sky tables. A projection of pixels in memory is about as fast as their hash: there it is files, many
-/// bands and faces that are worth keeping. A miss costs writing the entries besides, and of a file reading it twice
-/// more for its hash. Memory beside the call's own: the largest entry twice, and of a chain of which a part was found
-/// that part.
+/// Entries on disk are files with a checksum. They are renamed into place when complete, so a killed process or a power
+/// failure leaves no partial entries. Any number of processes and threads may share a folder. Damaged, truncated and
+/// foreign files are ignored, links are not followed, and sizes are checked before memory is allocated. Above the
+/// limit, the least recently used entries are removed. Failures of the folder, and lack of memory for an entry, never
+/// make a call fail: the entry is then not found, or not kept.
+///
+/// Two threads that miss the same entry at the same time both compute it. A hit costs hashing the source and copying
+/// the result, from disk also reading and checking it: much less than a bake, a prefilter or sky tables. Projecting
+/// pixels in memory costs about as much as hashing them, so caching projections pays for files, many bands and faces. A
+/// miss also costs writing the entries, and for a file two more reads for its hash. Additional memory: twice the
+/// largest entry, and the part of a chain that was found.
 class ResultCache {
  public:
-  /// Opens the folder, or makes it. Throws `Error`: file_access, invalid_argument.
+  /// Opens the folder, or creates it. Throws `Error`: file_access, invalid_argument.
   explicit ResultCache(const CacheOptions& options = {});
   ~ResultCache();
-  /// The source can only be assigned to or destroyed afterwards.
+  /// Moves a cache. The source can then only be assigned to or destroyed.
   ResultCache(ResultCache&&) noexcept;
-  /// As above.
+  /// Moves a cache. The source can then only be assigned to or destroyed.
   ResultCache& operator=(ResultCache&&) noexcept;
 
-  /// As `project`, of light that is changed as `change` says.
+  /// Projects an environment as `project` does, and applies `change`.
   [[nodiscard]] Projection project(const EnvironmentView& source, const ProjectionOptions& options = {},
                                    const LightChange& change = {}, const Control& control = {});
 
-  /// By the file's bytes: a hit decodes nothing. A folder of six faces is not kept.
+  /// Projects a file as `welkin::project_file` does. The key is the hash of the file's bytes: a hit decodes nothing.
+  /// Six files are projected without caching.
   [[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
                                         const ProjectionOptions& options = {}, const Control& control = {});
 
-  /// As `prefilter_specular`, kept mip by mip.
+  /// Prefilters an environment as `welkin::prefilter_specular` does.
   [[nodiscard]] PrefilteredSpecular prefilter_specular(const EnvironmentView& source,
                                                        const PrefilterOptions& options = {},
                                                        const Control& control = {});
 
-  /// Part by part: background, mips of the specular cubemap, irradiance, coefficients. What was there is read, the rest
-  /// is baked.
+  /// Bakes an environment. Background, mips of the specular cubemap, irradiance and coefficients are stored separately;
+  /// only missing parts are computed.
   [[nodiscard]] BakeResult bake(const EnvironmentView& view, const BakeOptions& options = {},
                                 const Control& control = {});
-  /// The same of a plan, which must be of these pixels.
+  /// Bakes according to a plan, which must be for this environment.
   [[nodiscard]] BakeResult bake(const EnvironmentView& view, const Plan& plan, const Control& control = {});
-  /// And of a file: what it carries is taken from it, of the rest what was made before is found by its pixels.
+  /// Bakes a file according to its plan. Parts stored in the file are read from it; the others are found by the file's
+  /// pixels, or computed.
   [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
-  /// As `precompute_sky`.
+  /// Computes scattering tables as `welkin::precompute_sky` does.
   [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                          const Control& control = {});
 
-  /// What `keep_bytes` was given under that key: files that were made of results, say. Nothing if it is not there, or
-  /// longer than `most_bytes`. The caller's key must name all that decides the bytes, its own version among it.
+  /// Returns the bytes that `keep_bytes` stored under a key, for instance files made from results. Returns nothing if
+  /// there are none, or more than `most_bytes`. The key must identify everything that the bytes depend on, including
+  /// the caller's version.
   [[nodiscard]] std::optional<std::vector<std::byte>> find_bytes(const ContentHash& key, std::uint64_t most_bytes);
-  /// Keeps them as any entry, for as long as there is room.
+  /// Stores bytes under a key, subject to the limits like any entry.
   void keep_bytes(const ContentHash& key, std::span<const std::byte> bytes);
 
-  /// Since the cache was opened.
+  /// Returns counts since the cache was opened.
   [[nodiscard]] CacheStatistics statistics() const;
 
  private:

@@ -1,14 +1,14 @@
-// Computed skies: tables of a planet's scattered light, the sky as it is seen from one height, and its harmonics.
+// Computed skies: scattering tables of a planet's atmosphere, the sky seen from one altitude, and its harmonics.
 //
 //   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));   // seconds
-//   welkin::SkyView view(tables, 0.0);                                     // milliseconds, once a height
+//   welkin::SkyView view(tables, 0.0);                                     // milliseconds, once per altitude
 //   welkin::dvec3 sun = welkin::sun_direction(20.0, 145.0);
-//   welkin::Cubemap picture = welkin::sky_cubemap(view, sun, 256);
+//   welkin::Cubemap image = welkin::sky_cubemap(view, sun, 256);
 //   welkin::SphericalHarmonics light = welkin::SkyProjector(view).project(sun);
 //
-// Directions have y up, and a direction `sun` points towards the sun; a sun's azimuth is counted from +z towards
-// +x, its elevation from the horizon up. Lengths are metres, coefficients 1/m, wavelengths nanometres, irradiances
-// W/m2/nm.
+// Conventions: y is up. `sun` is a direction towards the sun. A sun's azimuth is measured from +z towards +x, its
+// elevation from the horizon upwards. Lengths are in metres, coefficients in 1/m, wavelengths in nanometres, spectral
+// irradiances in W/m2/nm. Values out of range throw `Error` (invalid_argument).
 #pragma once
 
 #include <cstdint>
@@ -24,420 +24,423 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// ---- Atmospheres as data: what a planet's air scatters and absorbs, and the light that falls on it
+// ---- Atmospheres: what a planet's air scatters and absorbs, and the sunlight that reaches it
 
 /// A layer of a density profile, relative to the density at which coefficients are stated:
 ///   density(h) = clamp(exponential_term exp(exponential_scale_per_m h) + linear_term_per_m h + constant_term, 0, 1),
-/// h the altitude above the ground (Bruneton 2017, "Precomputed Atmospheric Scattering: a New Implementation",
+/// where h is the altitude above the ground (Bruneton 2017, "Precomputed Atmospheric Scattering: a New Implementation",
 /// DensityProfileLayer).
 struct DensityLayer {
-  double thickness_m = 0.0;              ///< the last layer's is not read: it goes up to the top
+  double thickness_m = 0.0;              ///< ignored for the last layer, which extends to the top
   double exponential_term = 0.0;         ///< factor of the exponential
-  double exponential_scale_per_m = 0.0;  ///< its exponent, 1/m; negative where density falls with altitude
+  double exponential_scale_per_m = 0.0;  ///< exponent, 1/m; negative where density decreases with altitude
   double linear_term_per_m = 0.0;        ///< slope of the linear part, 1/m
   double constant_term = 0.0;            ///< density at altitude 0 without the exponential
 
   friend bool operator==(const DensityLayer&, const DensityLayer&) = default;
 };
 
-/// exp(-h / scale_height), all the way up. Throws `Error` (invalid_argument) unless it is above 0 and finite.
+/// Returns the profile exp(-h / scale_height), without an upper end. Throws `Error` (invalid_argument) unless the scale
+/// height is finite and above 0.
 [[nodiscard]] std::vector<DensityLayer> exponential_profile(double scale_height_m);
-/// A tent: 0 at centre -+ half_width, 1 at the centre, linear between: ozone. Throws likewise; the centre may be 0.
+/// Returns a tent profile, as for ozone: 1 at the centre, 0 at centre -+ half_width, linear in between. Throws `Error`
+/// (invalid_argument) unless the lengths are finite, the centre at least 0 and the half-width above 0.
 [[nodiscard]] std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m);
 
-/// One kind of matter in the air.
+/// One constituent of the air.
 struct Constituent {
-  std::vector<DensityLayer> density;     ///< from the ground up; none: there is nothing of it
-  std::vector<double> scattering_per_m;  ///< at each wavelength, where the density is 1; none: 0
-  std::vector<double> absorption_per_m;  ///< likewise
+  std::vector<DensityLayer> density;     ///< from the ground up; empty if the constituent is absent
+  std::vector<double> scattering_per_m;  ///< per wavelength, where the density is 1; empty for 0
+  std::vector<double> absorption_per_m;  ///< per wavelength, where the density is 1; empty for 0
 
   friend bool operator==(const Constituent&, const Constituent&) = default;
 };
 
-/// How an aerosol scatters, by the cosine of the angle that light turns by; a phase function's integral over the sphere
-/// is 1.
+/// Phase function of an aerosol, by the cosine of the scattering angle. Phase functions are normalised to an integral
+/// of 1 over the sphere.
 enum class AerosolPhase {
-  cornette_shanks,    ///< Cornette and Shanks 1992: Henyey-Greenstein times (1 + cos^2), as Bruneton has it
+  cornette_shanks,    ///< Cornette and Shanks 1992: Henyey-Greenstein times (1 + cos^2), as used by Bruneton
   henyey_greenstein,  ///< Henyey and Greenstein 1941
 };
 
-/// Luminance of the zenith in a dark place without a moon, cd/m2: 21.8 magnitudes per square arcsecond.
+/// Luminance of the zenith at a dark site without a moon, in cd/m2: 21.8 magnitudes per square arcsecond.
 inline constexpr double kDarkNightZenithLuminance = 2e-4;
 
-/// A planet's air, its ground and its sun. The model of all of Welkin's skies, the tables as well as the truth that
-/// they are tested against:
-/// - Light propagates along straight lines in spherical shells. Sunlight at a point x is solar irradiance times
-///   transmittance from x towards the sun's centre, or towards the horizon if the centre is below it, times the visible
-///   share of the disc, v(t) = t^2 (3 - 2 t) with t = clamp((e + a) / 2a, 0, 1), e = (mu_s - mu_h) r / R the elevation
-///   of the centre over x's own horizon in radians, nearly (mu_s: cosine between zenith and sun; mu_h = -sqrt(1 -
-///   (R/r)^2); R: the ground's radius, r: x's), a the sun's angular radius in radians. Of a point (a = 0) 1 above the
-///   horizon, else 0. (Bruneton 2017, GetTransmittanceToSun.)
-/// - For scattering the sun's direction is that of the centre.
+/// A planet's air, its ground and its sun. All skies, and the reference that they are tested against, use this model:
+/// - Light propagates along straight lines in spherical shells. Sunlight at a point x is solar irradiance, times the
+///   transmittance from x towards the sun's centre (towards the horizon if the centre is below it), times the visible
+///   fraction of the disc, v(t) = t^2 (3 - 2 t) with t = clamp((e + a) / 2a, 0, 1). a is the sun's angular radius in
+///   radians; e = (mu_s - mu_h) r / R approximates the elevation of the centre over x's horizon in radians, where mu_s
+///   is the cosine between zenith and sun, mu_h = -sqrt(1 - (R/r)^2), R the ground's radius and r the radius of x. For
+///   a = 0 the fraction is 1 above the horizon and 0 below (Bruneton 2017, GetTransmittanceToSun).
+/// - For scattering, the sun is a point at its centre.
 /// - The ground is Lambertian.
 struct Atmosphere {
   std::string name;  ///< for people
 
-  /// All rising or all falling, 1 to 1e6. Three for a table of their own radiances (red, green, blue); any number from
-  /// 3 to 96 if they are folded to colours.
+  /// Wavelengths, increasing or decreasing, 1 to 1e6 nm. Three give a table of their own radiances (red, green, blue);
+  /// any number from 3 to 96 can be integrated to colours.
   std::vector<double> wavelengths_nm{680.0, 550.0, 440.0};
 
-  double bottom_radius_m = 6'360'000.0;  ///< the ground's radius; the air begins there
-  double top_radius_m = 6'420'000.0;     ///< above it there is nothing
+  double bottom_radius_m = 6'360'000.0;  ///< radius of the ground, where the air begins
+  double top_radius_m = 6'420'000.0;     ///< radius of the top of the air
 
-  Constituent rayleigh;                                        ///< scatters by 3 / (16 pi) (1 + cos^2)
-  Constituent aerosol;                                         ///< Mie
-  AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< how aerosol scatters by angle
-  double aerosol_asymmetry = 0.8;                              ///< g, -0.8 to 0.999
-  /// g at each wavelength in place of the one above, likewise; none: that one at all. Dust whose lobe is narrower in
-  /// blue gives Mars its blue aureole. Where spectra are folded to colours each channel has one lobe, of its
-  /// wavelengths' mean g.
+  Constituent rayleigh;                                        ///< scatters as 3 / (16 pi) (1 + cos^2)
+  Constituent aerosol;                                         ///< Mie scatterer
+  AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< phase function of the aerosol
+  double aerosol_asymmetry = 0.8;                              ///< asymmetry g, -0.8 to 0.999
+  /// Asymmetry g per wavelength, -0.8 to 0.999; if empty, `aerosol_asymmetry` applies to all. Dust with a narrower lobe
+  /// in blue gives Mars its blue aureole. For spectra integrated to colours, each channel uses the mean g of its
+  /// wavelengths.
   std::vector<double> aerosol_asymmetries;
-  std::vector<Constituent> absorbers;  ///< ozone and the like: their scattering must be none; at most 4
+  std::vector<Constituent> absorbers;  ///< absorbers such as ozone, without scattering; at most 4
 
-  std::vector<double> ground_albedo;           ///< at each wavelength, 0 to 1; none: black
+  std::vector<double> ground_albedo;           ///< per wavelength, 0 to 1; empty for black
   std::vector<double> solar_irradiance;        ///< above the atmosphere, on a surface facing the sun, W/m2/nm
   double sun_angular_radius_degrees = 0.2678;  ///< 0 (a point) to 10
 
-  /// Light of a night without a moon (airglow, zodiacal light, faint stars), which is there by day too: luminance of
-  /// the zenith as seen from the ground, in cd/m2, 0 (none) to 1. Views from within the air add it, their irradiance,
-  /// harmonics and curves included; tables and truth do not have it. docs/maths/sky.md has its colour and its shape.
+  /// Luminance of the zenith in a night without a moon (airglow, zodiacal light, faint stars), seen from the ground, 0
+  /// (none) to 1 cd/m2. It is present by day too. Views from within the air add it, including their irradiance,
+  /// harmonics and curves; tables and the reference do not contain it. docs/maths/sky.md describes its colour and
+  /// shape.
   double night_zenith_luminance = 0.0;
 
   friend bool operator==(const Atmosphere&, const Atmosphere&) = default;
 };
 
-/// Throws `Error` (invalid_argument) that names the parameter, what was found and what would do, unless the atmosphere
-/// can be computed: everything finite, as many values as wavelengths, coefficients from 0 to 1e6, irradiances from 0 to
-/// 1e12, bottom_radius_m from 1 to 1e9, top_radius_m above it and at most 11 times it, g from -0.8 to 0.999, at most 8
-/// layers of thickness 0 to 1e12 and terms up to 1e15, at most 4 absorbers.
+/// Checks that an atmosphere can be computed. Throws `Error` (invalid_argument) that names the parameter, its value and
+/// the allowed range, unless all values are finite, lists have one entry per wavelength, coefficients are 0 to 1e6,
+/// irradiances 0 to 1e12, bottom_radius_m is 1 to 1e9, top_radius_m is above it and at most 11 times it, g is -0.8 to
+/// 0.999, and there are at most 4 absorbers and 8 layers, with thicknesses of 0 to 1e12 and terms up to 1e15.
 void check(const Atmosphere& atmosphere);
 
-/// What floats in the Earth's air.
+/// Aerosols of Earth's air, with their optical depth at 550 nm.
 enum class AerosolKind {
-  clear,     ///< the air of a clear day: optical depth 0.1
-  hazy,      ///< the same aerosol, 0.32
+  clear,     ///< clear day, 0.1
+  hazy,      ///< as `clear`, 0.32
   dusty,     ///< desert dust, 0.5
-  polluted,  ///< continental air near cities, 0.327; absorbs more
+  polluted,  ///< continental air near cities, 0.327, with more absorption
 };
 
-/// "clear", "hazy", "dusty", "polluted".
+/// Returns "clear", "hazy", "dusty" or "polluted".
 [[nodiscard]] const char* name(AerosolKind kind) noexcept;
 
-/// An aerosol by what sun photometers measure. Its extinction follows Angstrom's law, (wavelength / 550 nm)^-exponent;
-/// its lobe is Henyey and Greenstein's. The defaults are clear continental air.
+/// An aerosol in terms of sun photometer measurements. Extinction follows Angstrom's law, (wavelength / 550
+/// nm)^-exponent, with a Henyey-Greenstein phase function. The default is clear continental air.
 struct AerosolModel {
-  double optical_depth = 0.1;              ///< vertical, at 550 nm, of extinction; 0 to 100
-  double angstrom_exponent = 1.3;          ///< -4 to 8; 0: grey. Small particles have 1 to 2, dust about 0.2
-  double single_scattering_albedo = 0.95;  ///< the share of extinction that scatters, 0 to 1
-  double asymmetry = 0.7;                  ///< mean cosine of the angle that light turns by, -0.8 to 0.999
+  double optical_depth = 0.1;              ///< vertical extinction optical depth at 550 nm, 0 to 100
+  double angstrom_exponent = 1.3;          ///< -4 to 8; 0 is grey, small particles have 1 to 2, dust about 0.2
+  double single_scattering_albedo = 0.95;  ///< fraction of extinction that is scattering, 0 to 1
+  double asymmetry = 0.7;                  ///< mean cosine of the scattering angle, -0.8 to 0.999
   double scale_height_m = 1200.0;          ///< 1 to 1e6
 
   friend bool operator==(const AerosolModel&, const AerosolModel&) = default;
 };
 
-/// The numbers behind a kind of aerosol, with their sources in planets.cpp. Throws `Error` (invalid_argument) for an
+/// Returns the parameters of an aerosol; planets.cpp names their sources. Throws `Error` (invalid_argument) for an
 /// unknown kind.
 [[nodiscard]] AerosolModel aerosol_model(AerosolKind kind);
 
-/// The same atmosphere with that aerosol in place of its own. Throws `Error` (invalid_argument) for values out of
-/// range.
+/// Returns the atmosphere with another aerosol. Throws `Error` (invalid_argument) for values out of range.
 [[nodiscard]] Atmosphere with_aerosol(Atmosphere atmosphere, const AerosolModel& aerosol);
 
-/// Earth on a day with that aerosol, at given wavelengths (360 to 830 nm). Rayleigh optical depth 0.0973 at 550 nm
-/// (Hansen and Travis 1974), 300 Dobson units of ozone, solar spectrum ASTM G-173, ground albedo 0.1. The illuminance
-/// of clear air is within 10 % of the clear sky of IES RP-21-84 for suns of 60, 30 and 10 degrees (docs/maths/sky.md).
-/// Throws `Error` (invalid_argument) for other wavelengths and unknown kinds.
+/// Returns Earth's atmosphere at given wavelengths (360 to 830 nm) and with an aerosol. Rayleigh optical depth 0.0973
+/// at 550 nm (Hansen and Travis 1974), 300 Dobson units of ozone, solar spectrum ASTM G-173, ground albedo 0.1. The
+/// illuminance with clear air is within 10 % of the clear sky of IES RP-21-84 for suns at 60, 30 and 10 degrees
+/// (docs/maths/sky.md). Throws `Error` (invalid_argument) for other wavelengths and unknown kinds.
 [[nodiscard]] Atmosphere earth(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0},
                                AerosolKind aerosol = AerosolKind::clear);
-/// Bruneton 2017's Earth at given wavelengths (360 to 830 nm), equal to his program's: Rayleigh 1.24062e-6 (1 um /
-/// wavelength)^4, aerosols of scale height 1200 m and optical depth 0.0053 (far less than clear air has), ozone tent at
-/// 25 km. Throws `Error` (invalid_argument) for other wavelengths.
+/// Returns Bruneton 2017's Earth at given wavelengths (360 to 830 nm), as in his program: Rayleigh 1.24062e-6 (1 um /
+/// wavelength)^4, aerosols of scale height 1200 m and optical depth 0.0053 (far less than in clear air), an ozone tent
+/// at 25 km. Throws `Error` (invalid_argument) for other wavelengths.
 [[nodiscard]] Atmosphere earth_bruneton(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0});
-/// Hillaire 2020's Earth ("A Scalable and Production Ready Sky and Atmosphere Rendering Technique", table 1).
+/// Returns Hillaire 2020's Earth ("A Scalable and Production Ready Sky and Atmosphere Rendering Technique", table 1).
 [[nodiscard]] Atmosphere earth_hillaire();
-/// Mars: thin carbon dioxide and dust that absorbs blue, of optical depth 0.5.
+/// Returns Mars: thin carbon dioxide, and dust of optical depth 0.5 that absorbs blue.
 [[nodiscard]] Atmosphere mars();
-/// The same without aerosol.
+/// Returns the atmosphere without its aerosol.
 [[nodiscard]] Atmosphere without_aerosol(Atmosphere atmosphere);
-/// The same with that grey ground albedo, 0 to 1.
+/// Returns the atmosphere with a grey ground of the given albedo, 0 to 1.
 [[nodiscard]] Atmosphere with_ground_albedo(Atmosphere atmosphere, double albedo);
 
-/// What the three channels of a computed sky are.
+/// Meaning of the three channels of a computed sky.
 enum class SkyColour {
   spectral,     ///< W/m2/sr/nm at three wavelengths, in the order of `wavelengths_nm`
-  linear_srgb,  ///< cd/m2 in linear sRGB: the spectrum folded with the CIE 1931 colour matching functions, 683 lm/W
+  linear_srgb,  ///< cd/m2 in linear sRGB: the spectrum integrated with the CIE 1931 colour matching functions, 683 lm/W
 };
 
-/// Linear sRGB luminance (cd/m2) of radiances (W/m2/sr/nm) at an atmosphere's wavelengths: weights[i] times radiance i,
-/// summed. The spectrum between them is linear, outside of them constant. Throws `Error` (invalid_argument).
+/// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
+/// the sum of weights[i] times radiance i. The spectrum is linear between wavelengths and constant outside. Throws
+/// `Error` (invalid_argument).
 [[nodiscard]] std::vector<dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
-/// Unit direction towards a sun, elevation from -90 to 90. y up; azimuth from +z towards +x, -1e6 to 1e6. Throws
-/// `Error` (invalid_argument).
+/// Returns the unit direction towards a sun. Elevation is -90 to 90 degrees; azimuth, from +z towards +x, -1e6 to 1e6
+/// degrees. Throws `Error` (invalid_argument).
 [[nodiscard]] dvec3 sun_direction(double elevation_degrees, double azimuth_degrees);
 
 // ---- Precomputed scattering (Bruneton and Neyret 2008; Bruneton 2017)
 
-/// How many dimensions the table of scattered light has.
+/// Dimensions of the table of scattered light.
 enum class ScatteringLayout {
-  /// Height x cosine of view's zenith x cosine of sun's zenith x cosine of the azimuth between view and sun (Bruneton,
-  /// who has the cosine between view and sun for the last).
+  /// Altitude, cosine of the view's zenith angle, cosine of the sun's zenith angle, cosine of the azimuth between view
+  /// and sun. (Bruneton uses the cosine of the angle between view and sun for the last.)
   full,
-  /// Without the last: what varies with it is but the phase functions (32 x 64 x 32 in the article). RGBA: Rayleigh and
-  /// all higher orders in rgb, the first channel of single Mie scattering in a; its other channels are extrapolated.
+  /// The first three, with 32 x 64 x 32 texels in the article: only phase functions vary with the last. RGBA: rgb holds
+  /// Rayleigh and all higher orders; a holds the first channel of single Mie scattering, from which the other channels
+  /// are extrapolated.
   compact,
 };
 
-/// Sizes of the tables, and how far the scattering is followed.
+/// Sizes of the scattering tables, orders of scattering, and colours.
 struct SkyTableOptions {
-  ScatteringLayout layout = ScatteringLayout::full;  ///< four-dimensional, or compact
-  int heights = 32;                                  ///< of the scattering table, 2 to 128
-  int view_zeniths = 64;                             ///< even, 4 to 1024: half of them for rays that meet the ground
+  ScatteringLayout layout = ScatteringLayout::full;  ///< dimensions of the scattering table
+  int heights = 32;                                  ///< altitudes of the scattering table, 2 to 128
+  int view_zeniths = 64;                             ///< even, 4 to 1024; half of them for rays that hit the ground
   int sun_zeniths = 64;                              ///< 4 to 256
-  int sun_angles = 8;                                ///< cosines of azimuths between view and sun, full only: 2 to 128
+  int sun_angles = 8;                                ///< azimuths between view and sun, `full` only: 2 to 128
   int transmittance_heights = 64;                    ///< 2 to 1024
   int transmittance_zeniths = 256;                   ///< 2 to 2048
   int irradiance_heights = 16;                       ///< 2 to 1024
   int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
 
-  /// Elevation of the lowest sun that tables hold, in degrees, -90 to 0. The sky of a sun below it is that of the
-  /// lowest one, faded to nothing.
+  /// Elevation of the lowest sun in the tables, -90 to 0 degrees. Below it, the sky is that of the lowest sun, faded to
+  /// black.
   double minimum_sun_elevation_degrees = -30.0;
 
-  int orders = 4;  ///< of scattering, ground reflections included: 1 (single) to 64
+  int orders = 4;  ///< orders of scattering including ground reflections, 1 (single) to 64
 
-  /// Stops before `orders` when an order added less than this share of all light before it (mean radiance, over all
-  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the largest number
-  /// of the three.
+  /// Stops before `orders` if an order adds less than this fraction of the mean radiance of all orders before it, over
+  /// all altitudes and suns; 0 never stops early. Spectra integrated to colours stop separately for each three
+  /// wavelengths, and `orders` is the maximum.
   double until_change = 0.0;
 
-  /// Of orders beyond `orders` nothing is in the tables. Off: if there is more than one order, what all further ones
-  /// add is estimated, as light in deep twilight has been scattered often.
+  /// Computes `orders` orders only. By default, with more than one order, the contribution of all further orders is
+  /// estimated, because light in deep twilight has been scattered often.
   bool exact_orders = false;
 
-  SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
-  std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more are refused
+  SkyColour colour = SkyColour::spectral;                      ///< three wavelengths, or linear sRGB
+  std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more throw `Error` (limit_exceeded)
 
   friend bool operator==(const SkyTableOptions&, const SkyTableOptions&) = default;
 };
 
-/// The tables. Channels are three wavelengths' or linear sRGB's (`options.colour`).
+/// Scattering tables of an atmosphere. Channels are three wavelengths or linear sRGB (`options.colour`).
 struct SkyTables {
-  Atmosphere atmosphere;    ///< what they were computed from
-  SkyTableOptions options;  ///< those that they were made with
+  Atmosphere atmosphere;    ///< the atmosphere that they were computed from
+  SkyTableOptions options;  ///< options of the tables
 
-  /// Transmittance to the top (not past the ground): [transmittance_heights][transmittance_zeniths][3]. Of spectra that
-  /// are folded: sRGB light of a white sun (the sun's own spectrum folded) through it, relative to that above the air.
+  /// Transmittance to the top, for rays that miss the ground: [transmittance_heights][transmittance_zeniths][3]. For
+  /// spectra integrated to colours: transmitted sRGB light of the sun's spectrum, relative to that above the air.
   std::vector<float> transmittance;
 
-  /// [heights][view_zeniths][sun_angles][sun_zeniths][4], as a texture of sun_angles * sun_zeniths x view_zeniths x
-  /// heights RGBA: Rayleigh scattering without its phase function and higher orders divided by it, times solar
-  /// irradiance; in a single Mie scattering's first channel, likewise without phase function.
+  /// Scattered light, [heights][view_zeniths][sun_angles][sun_zeniths][4]: a texture of sun_angles * sun_zeniths x
+  /// view_zeniths x heights RGBA texels. rgb holds Rayleigh scattering without its phase function, and higher orders
+  /// divided by it, times solar irradiance; a holds the first channel of single Mie scattering without its phase
+  /// function.
   std::vector<float> scattering;
 
-  /// Full layout: single Mie scattering's channels (and 0), same shape. Compact, or no aerosol that scatters: empty.
+  /// Channels of single Mie scattering (and 0), in the shape of `scattering`. Empty for the compact layout, and without
+  /// an aerosol that scatters.
   std::vector<float> single_mie;
 
-  /// Irradiance of the sky, without direct sun, on horizontal ground facing up: [irradiance_heights]
-  /// [irradiance_sun_zeniths][3].
+  /// Irradiance of the sky, without direct sunlight, on horizontal ground:
+  /// [irradiance_heights][irradiance_sun_zeniths][3].
   std::vector<float> irradiance;
 
-  int orders = 0;                  ///< that were computed
-  double last_change = 0.0;        ///< share that the last of them added
+  int orders = 0;                  ///< orders that were computed
+  double last_change = 0.0;        ///< fraction that the last order added
   std::vector<PassRecord> passes;  ///< wall time of each step
 
-  /// Memory of all tables.
+  /// Returns the size of all tables in bytes.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 
-/// Memory that `precompute_sky` needs at most, results included; some 1 MB of it for each thread of the caller's arena.
-/// Throws `Error` (invalid_argument), also for radiances of other than three wavelengths.
+/// Returns the memory in bytes that `precompute_sky` needs at most, including results and 1 MB per thread of the
+/// caller's arena. Throws `Error` (invalid_argument), also for spectral tables of other than three wavelengths.
 [[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
 
-/// Precomputes: about two seconds of processor time for the defaults, a third of it for one order; three wavelengths
-/// each. Small tables are computed from fewer nodes.
+/// Computes scattering tables. Cost: 2 s of CPU time for the defaults and each three wavelengths, a third of that for
+/// one order. Small tables are computed from fewer nodes. All values are finite and not negative.
 ///
-/// Single scattering at texels: root mean square error 1e-5 of the mean by day, 1e-4 by night (Earth, Mars). Higher
-/// orders are not integrated over directions for each direction, as Bruneton does it: radiance about a point is
-/// projected to spherical harmonics (20 bands, of narrow lobes 28) about the vertical, where phase functions are
-/// products; the second order agrees with direct integration to 0.5 %. What these bands cannot carry of a forward lobe
-/// is taken for light that goes straight on (delta-M scaling), in the first order too, unless `orders` is 1.
+/// Single scattering at texels has a root mean square error of 1e-5 of the mean by day and 1e-4 by night (Earth, Mars).
+/// Higher orders are not integrated over directions per direction, as Bruneton does. Instead, radiance around a point
+/// is projected to spherical harmonics about the vertical (20 bands; 28 for narrow lobes), in which phase functions are
+/// products; the second order agrees with direct integration to 0.5 %. The part of a forward lobe that these bands
+/// cannot represent is treated as unscattered light (delta-M scaling), in the first order too unless `orders` is 1.
 ///
-/// The same bits on any number of threads and instruction set. Nothing in them is negative or not finite.
-/// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+/// Throws `Error`: invalid_argument, limit_exceeded.
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                        const Control& control = {});
 
-// ---- The sky as it is seen from one height: any direction, any sun
+// ---- The sky seen from one altitude, in any direction and for any sun
 
-/// What a view is prepared for.
+/// Options of `SkyView`.
 struct SkyViewOptions {
-  bool ground = true;  ///< rays that end on the ground see it, lit by sun and sky; else only the air before it
+  bool ground = true;  ///< rays that hit the ground see it, lit by sun and sky; otherwise only the air before it
 };
 
-/// What pictures show.
+/// Options of sky images.
 struct SkyPictureOptions {
-  /// The sun's disc, as texels that it covers by area: their total radiance is the directional light's irradiance. Off:
-  /// the disc is left out.
+  /// Includes the sun's disc, by the area of texels that it covers. Its total radiance is the irradiance of the
+  /// directional light.
   bool sun_disc = false;
 };
 
-/// The tables' slice at one height: 1 MiB at the default sizes, made in some 2 ms. Immutable: any number of threads may
-/// ask at once. A sun that is not finite or has no length is an `Error` (invalid_argument) in every call that takes
-/// one.
+/// A slice of scattering tables at one altitude. Memory: 1 MiB at the default sizes; cost: 2 ms. Immutable. Calls throw
+/// `Error` (invalid_argument) for a sun direction that is zero or not finite.
 ///
-/// Between the tables' nodes radiance is a cubic along each of height, view zenith, azimuth and sun zenith, which
-/// leaves the range of the two nodes nearest to it by no more than a tenth. Measured against the truth of single
-/// scattering (Earth, default sizes): nine harmonics within 0.2 % from 90 to -8 degrees on the ground, 0.3 % at 20 km,
-/// 0.7 % at the top; radiance rms 1e-5 by day, 0.5 % at sunset and after; at the edges of the planet's shadow percents.
+/// Between nodes of the tables, radiance is interpolated by cubics in altitude, view zenith, azimuth and sun zenith,
+/// which exceed the range of the two nearest nodes by at most a tenth. Relative to the reference for single scattering
+/// (Earth, default sizes), nine harmonics are within 0.2 % for suns from 90 to -8 degrees on the ground, 0.3 % at 20 km
+/// and 0.7 % at the top. The rms error of radiance is 1e-5 by day, 0.5 % at and after sunset, and several percent at
+/// the edges of the planet's shadow.
 class SkyView {
  public:
-  /// Altitude 0 (on the ground) to 1e9 m: above the top it is space, and rays are looked up where they enter the air.
-  /// Throws `Error` (invalid_argument), also for tables that do not hold what their options say.
+  /// Creates a view from an altitude of 0 (on the ground) to 1e9 m. Above the top of the air, rays are looked up where
+  /// they enter it. Throws `Error` (invalid_argument), also for tables whose contents do not match their options.
   SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options = {});
   ~SkyView();
-  /// Copies share the tables.
+  /// Copies a view; copies share the tables.
   SkyView(const SkyView&);
-  /// The source can only be assigned to or destroyed afterwards.
+  /// Moves a view. The source can then only be assigned to or destroyed.
   SkyView(SkyView&&) noexcept;
-  /// As the constructors.
+  /// Copies a view; copies share the tables.
   SkyView& operator=(const SkyView&);
-  /// As the constructors.
+  /// Moves a view. The source can then only be assigned to or destroyed.
   SkyView& operator=(SkyView&&) noexcept;
 
-  /// The tables that the view is a slice of.
+  /// Returns the tables of the view.
   [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept;
-  /// The observer's, above the ground.
+  /// Returns the altitude of the observer above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Returns the radiance that arrives from a direction, without the sun's disc; `sun`: towards the sun. It is finite
-  /// and not negative. Below the lowest sun of the tables it is the sky of that sun, faded to nothing at the nadir.
-  /// Allocates nothing. Cost: 0.3 us. Throws `Error` (invalid_argument) for directions that are zero or not finite.
+  /// Returns the radiance that arrives from a direction, without the sun's disc. It is finite and not negative. For
+  /// suns below the lowest one of the tables, it is the sky of that sun, faded to black at the nadir. Does not
+  /// allocate. Cost: 0.3 us. Throws `Error` (invalid_argument) for directions that are zero or not finite.
   [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
-  /// The same for many directions, in lanes: packed x y z, packed rgb. The bits of the call above for the same floats.
-  /// Allocates nothing; some 50 ns a direction. Throws `Error` (invalid_argument) if `rgb` is shorter than
-  /// `directions`.
+  /// Computes radiance for many directions with SIMD, with the bits of the call above for the same floats. Does not
+  /// allocate. Cost: 50 ns per direction. Throws `Error` (invalid_argument) if `rgb` is shorter than `directions`.
   void radiance(std::span<const vec3> directions, const dvec3& sun, std::span<vec3> rgb) const;
 
-  /// The sun as a directional light at this height: direction, irradiance through the air (0 below the horizon, in part
-  /// while it sets), mean radiance, solid angle of its disc. `texels` and total radiances are not set.
+  /// Returns the sun as a directional light at this altitude: direction, irradiance through the air (0 below the
+  /// horizon, reduced while the disc sets), mean radiance and solid angle of its disc. `texels` and total radiances are
+  /// not set.
   [[nodiscard]] Sun sun(const dvec3& sun) const;
 
-  /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table, with the light of the
-  /// night if the atmosphere has any; 0 from above the air.
+  /// Returns the irradiance of the sky, without direct sunlight, on a horizontal surface facing up, from the table.
+  /// Includes the light of the night if the atmosphere has any. 0 above the air.
   [[nodiscard]] dvec3 irradiance(const dvec3& sun) const;
 
  private:
   struct WELKIN_HIDDEN Slice;
-  friend struct SkyViewAccess;  ///< module/sky: the slice for quadratures
+  friend struct SkyViewAccess;  ///< module/sky: gives quadratures access to the slice
   std::shared_ptr<const Slice> slice_;
 };
 
-/// The radiance at texels' centres (the sun's disc, if asked for, by area: its total radiance is the irradiance of
-/// `SkyView::sun` at any size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on
-/// any number of threads; some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to
-/// 16384), cancelled.
+/// Computes an image of the sky: radiance at the centres of texels, plus the sun's disc by area if requested. The
+/// disc's total radiance is the irradiance of `SkyView::sun` at any size; of a disc that the horizon cuts, the part
+/// above is included. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1
+/// to 16384.
 [[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size,
                                   const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
                                         const SkyPictureOptions& options = {}, const Control& control = {});
 
-// ---- A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation, baked once
+// ---- A computed sky as spherical harmonics: by quadrature, or from a curve over the sun's elevation
 //
-//   welkin::SkyCurve curve(view);                                          // milliseconds, once a height
+//   welkin::SkyCurve curve(view);                                          // milliseconds, once per altitude
 //   welkin::SphericalHarmonics light = curve.at(welkin::sun_direction(20.0, 145.0));  // each frame
 
-/// Directions and weights. A sky is mirror-symmetric about the sun's vertical plane, so all of them look at half the
-/// azimuths only, and no coefficient that is odd in the azimuth from the sun is computed.
+/// Directions and weights of a sky projection. A sky is mirror-symmetric about the sun's vertical plane, so only half
+/// of the azimuths are evaluated, and coefficients that are odd in the azimuth from the sun are 0.
 enum class SkyQuadrature {
-  /// Uniform in angles, weighted by solid angle: 16 zenith angles x 32 azimuths (16 looked at) are the article's
+  /// Uniform in angles, weighted by solid angle. The article uses 16 zenith angles x 32 azimuths (16 evaluated).
   uniform,
-  /// Gauss-Legendre in t, cosine = horizon +- t^2, on either side of the horizon, times a trapezoid in azimuth
+  /// Gauss-Legendre in t, with cosine = horizon +- t^2, on both sides of the horizon; trapezoid in azimuth.
   gauss,
-  /// The same zenith angles, azimuths closer together about the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t),
-  /// and the aerosol's forward lobe, times what it has to scatter at the sun, taken out of the sky and given back by
-  /// its own spectrum in closed form
+  /// As `gauss`, with azimuths closer together near the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t). The
+  /// aerosol's forward lobe, times its source at the sun, is subtracted from the sky and added back by its spectrum in
+  /// closed form.
   gauss_split,
 };
 
-/// "uniform", "gauss", "gauss-split"
+/// Returns "uniform", "gauss" or "gauss-split".
 [[nodiscard]] const char* name(SkyQuadrature quadrature) noexcept;
 
-/// How a sky is projected.
+/// Options of `SkyProjector`.
 struct SkyHarmonicsOptions {
   int bands = 3;                                          ///< 1 to kMaximumBands
-  SkyQuadrature quadrature = SkyQuadrature::gauss_split;  ///< where directions are taken
-  int zeniths = 16;   ///< Gauss nodes on either side of the horizon; uniform: over both. 2 to 128
+  SkyQuadrature quadrature = SkyQuadrature::gauss_split;  ///< placement of directions
+  int zeniths = 16;   ///< Gauss nodes on each side of the horizon (`uniform`: on both together), 2 to 128
   int azimuths = 16;  ///< over half the circle, mirrored: 2 to 256
 
   friend bool operator==(const SkyHarmonicsOptions&, const SkyHarmonicsOptions&) = default;
 };
 
-/// A quadrature made ready for a view: what does not depend on the sun is computed here. Immutable: any number of
-/// threads may ask at once.
+/// A quadrature prepared for a view: everything that does not depend on the sun. Immutable.
 ///
-/// Error of the nine coefficients of Bruneton's Earth at the default setting, against the converged integral of the
-/// same view, on the ground: 2.1e-4 from 90 to -6 degrees, 3e-3 at -10; the article's directions: 2e-2 to 1.3e-1. At
-/// 10 km 2.2e-3, at 50 km 6.4e-3 (both at -6). Sharper lobes: 5e-3 at g = 0.95; at 0.99 up to 7e-2 while the sun
-/// crosses the horizon. Outside of the atmosphere the lobe is not taken out, and an update costs some 50 times more.
+/// Error of the nine coefficients of Bruneton's Earth at the default setting, relative to the converged integral of the
+/// view, on the ground: 2.1e-4 for suns from 90 to -6 degrees, 3e-3 at -10 degrees. (The article's directions: 2e-2 to
+/// 1.3e-1.) At 10 km 2.2e-3, at 50 km 6.4e-3, both at -6 degrees. With sharper lobes 5e-3 at g = 0.95, and up to 7e-2
+/// at g = 0.99 while the sun crosses the horizon. Outside the atmosphere the lobe is not subtracted, and a projection
+/// costs 50 times as much.
 class SkyProjector {
  public:
-  /// Throws `Error`: invalid_argument, limit_exceeded (more than 1 GiB for what is made ready).
+  /// Prepares a quadrature. Throws `Error`: invalid_argument, limit_exceeded (more than 1 GiB of prepared data).
   explicit SkyProjector(SkyView view, const SkyHarmonicsOptions& options = {});
 
-  /// Radiance coefficients of the sky with the sun towards a direction, without its disc. Writes bands^2 triples;
-  /// allocates nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span,
-  /// a direction that is not finite or has no length.
+  /// Computes radiance coefficients of the sky for a sun direction, without the sun's disc. Writes bands^2 triples.
+  /// Does not allocate. Throws `Error` (invalid_argument) if the span is too short or the direction is zero or not
+  /// finite.
   void project(const dvec3& sun, std::span<dvec3> coefficients) const;
-  /// Harmonics of radiance for one direction to the sun, without the sun's disc.
+  /// Returns radiance coefficients of the sky for a sun direction, without the sun's disc.
   [[nodiscard]] SphericalHarmonics project(const dvec3& sun) const;
 
-  [[nodiscard]] int directions() const noexcept;  ///< radiance evaluations an update
-  /// The view that is projected.
+  [[nodiscard]] int directions() const noexcept;  ///< returns the number of radiance evaluations per projection
+  /// Returns the view that is projected.
   [[nodiscard]] const SkyView& view() const noexcept;
-  /// Those that it was made with.
+  /// Returns the options of the quadrature.
   [[nodiscard]] const SkyHarmonicsOptions& options() const noexcept;
 
  private:
   struct WELKIN_HIDDEN Prepared;
-  friend struct SkyProjectorAccess;  ///< module/sky: coefficients before they are turned
+  friend struct SkyProjectorAccess;  ///< module/sky: coefficients before rotation
   std::shared_ptr<const Prepared> prepared_;
 };
 
-/// How many nodes a curve has, and how each is made.
+/// Options of `SkyCurve`.
 struct SkyCurveOptions {
-  int bands = 3;    ///< 1 to kMaximumBands; `projection.bands` is not read
-  int nodes = 256;  ///< sun elevations, closer together about the horizon: 8 to 4096
-  /// How each node is projected.
+  int bands = 3;    ///< 1 to kMaximumBands; `projection.bands` is ignored
+  int nodes = 256;  ///< number of sun elevations, denser near the horizon: 8 to 4096
+  /// Quadrature at each node.
   SkyHarmonicsOptions projection{.bands = 3, .quadrature = SkyQuadrature::gauss_split, .zeniths = 32, .azimuths = 32};
 
   friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
 };
 
-/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a turn
-/// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share it.
+/// Harmonics as a function of the sun's elevation at one altitude. For any sun they are an interpolation and a rotation
+/// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share the data.
 ///
-/// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to
-/// -9, 2e-2 to -12, 1e-1 to -18, where the tables' own interpolation between suns is no smoother than that. The direct
-/// sun agrees with the view's to 1e-3, also while its disc sets.
+/// Error relative to `SkyProjector`, with the default 256 nodes on the ground: 4e-4 for suns from 90 to -6 degrees,
+/// 6e-3 to -9, 2e-2 to -12, and 1e-1 to -18 degrees, where the interpolation of the tables is no smoother. Direct
+/// sunlight agrees with the view's to 1e-3, also while the disc sets.
 class SkyCurve {
  public:
-  /// Parallel over elevations; the same bits on any number of threads and instruction set.
-  /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+  /// Computes the curve, in parallel over elevations. Throws `Error`: invalid_argument, limit_exceeded.
   explicit SkyCurve(const SkyView& view, const SkyCurveOptions& options = {}, const Control& control = {});
 
-  /// Bands of the harmonics.
+  /// Returns the number of bands.
   [[nodiscard]] int bands() const noexcept;
-  /// Writes bands^2 triples; allocates nothing; under a microsecond for 3 bands. Throws `Error` (invalid_argument) for
-  /// too short a span, a direction that is not finite or has no length.
+  /// Computes radiance coefficients for a sun direction. Writes bands^2 triples. Does not allocate. Cost: below 1 us
+  /// for 3 bands. Throws `Error` (invalid_argument) if the span is too short or the direction is zero or not finite.
   void at(const dvec3& sun, std::span<dvec3> coefficients) const;
-  /// Harmonics of radiance for a direction to the sun. Cost: microseconds.
+  /// Returns radiance coefficients for a sun direction. Cost: microseconds.
   [[nodiscard]] SphericalHarmonics at(const dvec3& sun) const;
-  /// The direct sun's irradiance on a surface that faces it, from the same curve.
+  /// Returns the irradiance of direct sunlight on a surface facing the sun.
   [[nodiscard]] dvec3 sun_irradiance(const dvec3& sun) const;
 
-  /// Memory of the curve.
+  /// Returns the size of the curve in bytes.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 
  private:

@@ -1,16 +1,17 @@
-// Light off the main thread: requests are posted to a worker, results come back when they are ready.
+// Baking off the main thread: requests are posted to a worker, and results are polled or delivered by callback.
 //
-//   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
+//   welkin::Worker worker;                                     // own threads, at a lower priority than the engine's
 //   auto job = worker.post(welkin::Project{std::move(image)}, {.key = "probe 7"});
-//   ...                                                        // later, once a frame
-//   if (auto light = job.try_take()) use(light->radiance);     // never waits, and gives the result once
+//   ...                                                        // later, once per frame
+//   if (auto light = job.try_take()) use(light->radiance);     // never waits; returns the result once
 //
-// or, with callbacks that run when the engine says so:
+// or, with callbacks that run when the engine calls `drain`:
 //
 //   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
-//   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
+//   worker.drain(std::chrono::microseconds(500));              // once per frame, for at most half a millisecond
 //
-// docs/guides/worker.md says which thread runs what.
+// Members of `Worker` and `JobHandle` may be called from any thread at any time, including the worker's threads.
+// docs/guides/worker.md states which thread runs what.
 #pragma once
 
 #include <chrono>
@@ -31,9 +32,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// ---- Jobs: a posted job's result, and a handle on what becomes of it
-//
-//   if (auto light = job.try_take()) use(light->radiance);     // once a frame: never waits, and gives the result once
+// ---- Jobs: handles of posted requests, and their results
 
 namespace detail {
 
@@ -44,71 +43,72 @@ struct JobAccess;
 
 }  // namespace detail
 
-/// Why a job has no result.
+/// The error of a failed job.
 struct JobError {
-  std::optional<ErrorCode> code;  ///< none if the request threw something else than `Error`
-  std::string message;            ///< what the exception says
+  std::optional<ErrorCode> code;  ///< empty if the request threw something other than `Error`
+  std::string message;            ///< message of the exception
 };
 
-/// What can be asked and told of a posted job, by any number of copies from any thread, also after its worker is gone.
-/// A default-made handle belongs to no job: its id is 0, it is never ready, and what it is told does nothing.
+/// Handle of a posted job. Copyable; stays valid after the worker is destroyed. A default-constructed handle refers to
+/// no job: its id is 0, it is never ready, and its other members have no effect.
 class JobHandle {
  public:
   JobHandle() = default;
 
-  /// Unique in the process, and rising in the order of posting, from 1 on.
+  /// Returns the id of the job, from 1 on: unique in the process, and increasing in the order of posting.
   [[nodiscard]] std::uint64_t id() const noexcept { return record_ ? record_->id : 0; }
 
-  /// Whether the job has ended, with a result or with an error. `get()` does not wait then.
+  /// Returns whether the job has completed, with a result or an error. `get()` then does not wait.
   [[nodiscard]] bool ready() const noexcept { return record_ && record_->ready.load(std::memory_order_acquire); }
 
-  /// The share of the work that is done, 0 to 1. It never falls, and is 1 once there is a result.
+  /// Returns the fraction of the work that is done, 0 to 1. It never decreases, and is 1 once there is a result.
   [[nodiscard]] double progress() const noexcept {
     return record_ ? record_->computation->progress.load(std::memory_order_relaxed) : 0.0;
   }
 
-  /// Why the job failed; nothing while it runs and if it went well. It takes some microseconds for a job that failed.
+  /// Returns the error of a failed job, or nothing while it runs and if it succeeded. Takes microseconds for a failed
+  /// job.
   [[nodiscard]] std::optional<JobError> error() const;
 
-  /// Cancels the job, which ends with an `Error` (cancelled). A waiting job ends at once. A running one stops before
-  /// its next tile, and is ready when nothing reads the pixels any more. Cancelling a continuation cancels the job that
-  /// it follows. Returns true if this call did it, false if the job was done or cancelled before.
+  /// Cancels the job; it completes with ErrorCode::cancelled. A waiting job completes at once. A running one stops
+  /// before its next tile and completes when its pixels are no longer read. Cancelling a continuation also cancels the
+  /// job before it. Returns true if this call cancelled the job, false if it had completed or been cancelled before.
   bool cancel() const;
 
-  /// The job's priority; `normal` for no job.
+  /// Returns the job's priority, or `normal` for no job.
   [[nodiscard]] TaskPriority priority() const;
 
-  /// Changes the job's priority. A waiting job goes to the end of those of its new priority; if that is the old one, it
-  /// stays where it is. A running job goes on as it is.
+  /// Changes the job's priority. A waiting job moves to the end of the queue of its new priority; with its current
+  /// priority it keeps its position. A running job is not affected.
   void set_priority(TaskPriority priority) const;
 
  protected:
   friend struct detail::JobAccess;
 
-  /// Of a job that was made.
+  /// Creates the handle of a job.
   explicit JobHandle(std::shared_ptr<detail::JobRecord> record) : record_(std::move(record)) {}
 
-  std::shared_ptr<detail::JobRecord> record_;  ///< shared with the worker; null: no job
+  std::shared_ptr<detail::JobRecord> record_;  ///< shared with the worker; null for no job
 };
 
-/// A handle that also has the result. The result can be taken once, in one of five ways: `try_take()`, `get()`, `then`,
-/// `on_drain`, `co_await`. (`future_of` makes a `std::future` of a job.) A job is moved, not copied;
-/// the work of one that is let go of runs to its end.
+/// A job with its result. The result can be taken once, by one of `try_take()`, `get()`, `then`, `on_drain` and
+/// `co_await` (or `future_of`, which makes a `std::future`). Movable, not copyable. Destroying a job does not cancel
+/// its work.
 template <class Result>
 class Job : public JobHandle {
  public:
-  /// No job.
+  /// Creates no job.
   Job() = default;
-  /// Moves: the source is no job afterwards.
+  /// Moves a job; the source then refers to no job.
   Job(Job&&) noexcept = default;
-  /// As above. The job that it was before runs to its end.
+  /// Moves a job. The job that this object referred to before still runs to completion.
   Job& operator=(Job&&) noexcept = default;
 
-  /// Whether this is a job whose result can still be taken; also of one that failed.
+  /// Returns whether a result or an error can still be taken.
   [[nodiscard]] bool valid() const noexcept { return record_ != nullptr && !taken_; }
 
-  /// The result, moved out, if the job has ended well and the result was not taken before; else nothing, and `error()`
-  /// tells of a failure. Never waits. A job without a result says true, once.
+  /// Returns the result by moving it out, if the job has succeeded and the result was not taken before. Otherwise
+  /// returns nothing; `error()` reports a failure. Never waits. For a job without a result type, returns true once.
   [[nodiscard]] auto try_take() {
     using Taken = std::conditional_t<std::is_void_v<Result>, bool, std::optional<detail::Stored<Result>>>;
     if (!valid() || !ready() || record_->failed()) return Taken();
@@ -120,10 +120,10 @@ class Job : public JobHandle {
     }
   }
 
-  /// Waits and moves the result out, or throws the job's error. It looks for 0.15 ms before it sleeps. On a thread of
-  /// the worker it runs a job that has not started instead of waiting for another thread. A request must not wait for
-  /// itself, directly or through other jobs: that wait never ends. Throws `Error` (invalid_argument) if the result was
-  /// taken before, and if there is no job.
+  /// Waits and returns the result by moving it out, or throws the job's error. Spins for up to 0.15 ms, then blocks. On
+  /// a thread of the worker, it runs a job that has not started instead of waiting for another thread. A request that
+  /// waits for itself, directly or through other jobs, deadlocks. Throws `Error` (invalid_argument) if the result was
+  /// taken before or there is no job.
   Result get() {
     if (!valid()) detail::throw_taken();
     detail::wait(record_);
@@ -136,27 +136,27 @@ class Job : public JobHandle {
     }
   }
 
-  /// `follow_up(result)`, or `follow_up(result, control)`, runs on a thread of the worker once the result is there;
-  /// what it returns is the new job's result. If this job fails, the new one fails with the same error, and `follow_up`
-  /// is not called. Continuations keep the priority of the job that they follow, start before waiting jobs of that
-  /// priority, and do not count against the worker's limits. Throws std::bad_alloc.
+  /// Posts a continuation: `follow_up(result)` or `follow_up(result, control)` runs on a thread of the worker once the
+  /// result is available, and its return value is the result of the new job. If this job fails, the new one fails with
+  /// the same error and `follow_up` is not called. Continuations have the priority of the job before them, start before
+  /// waiting jobs of that priority, and do not count against the worker's limits. Throws std::bad_alloc.
   template <class FollowUp>
   [[nodiscard]] auto then(FollowUp follow_up) &&;
 
-  /// `callback(Job<Result>)` runs inside the worker's `drain()` once the job has ended. The job that it gets is ready:
-  /// `get()` gives the result or throws the error, and does not wait. The callback is not called if the worker is
-  /// destroyed first. Throws std::bad_alloc.
+  /// Registers a callback: `callback(Job<Result>)` runs inside the worker's `drain()` once the job has completed. The
+  /// job passed to it is ready, so its `get()` returns the result or throws the error without waiting. The callback is
+  /// not called if the worker is destroyed first. Throws std::bad_alloc.
   template <class Callback>
   void on_drain(Callback callback) &&;
 
-  /// `co_await std::move(job)` gives the result or throws the error. The coroutine goes on on a thread of the worker,
-  /// or in `terminate()` when that ends the job; it stays where it is if the job is ready. Post in a statement of its
-  /// own, not inside the `co_await` expression: GCC 12 destroys temporaries twice there (lambdas with captures, braced
+  /// Returns the result of `co_await std::move(job)`, or throws the error. The coroutine resumes on a thread of the
+  /// worker, or inside `terminate()` if that ends the job; if the job is ready, it does not suspend. Post the job in a
+  /// statement of its own: GCC 12 destroys temporaries of a `co_await` expression twice (lambdas with captures, braced
   /// aggregates).
   [[nodiscard]] auto operator co_await() && { return detail::Awaited<Result>(take_over(), detail::Place::worker); }
 
-  /// `co_await std::move(job).drained()`: the same, but the coroutine goes on inside `drain()`, or in the worker's
-  /// destructor if that is not called any more.
+  /// Returns an awaitable like that of `co_await`, except that the coroutine resumes inside `drain()`, or in the
+  /// worker's destructor if `drain()` is not called again.
   [[nodiscard]] auto drained() && { return detail::Awaited<Result>(take_over(), detail::Place::drain); }
 
  private:
@@ -169,7 +169,7 @@ class Job : public JobHandle {
     return static_cast<detail::TypedJobRecord<Result>&>(*record_);
   }
 
-  /// Another one with the result, which this one has no more.
+  /// Moves the right to take the result to another job object.
   [[nodiscard]] Job take_over() {
     if (!valid()) detail::throw_taken();
     taken_ = true;
@@ -185,9 +185,9 @@ using JobOf = Job<detail::ResultOf<std::decay_t<Request>>>;
 
 namespace detail {
 
-/// Makes and posts jobs.
+/// Creates and posts jobs.
 struct JobAccess {
-  /// A job for the request, not posted yet.
+  /// Creates a job for the request without posting it.
   template <class Request, class From>
   static Job<ResultOf<Request>> make(From&& request) {
     auto computation =
@@ -197,7 +197,7 @@ struct JobAccess {
     return Job<ResultOf<Request>>(std::move(record));
   }
 
-  /// Posts a job. `follower`, one computation or none, hangs on it from the beginning.
+  /// Posts a job. `follower`, at most one computation, is attached from the beginning.
   template <class Worker, class Result, class Options>
   static void submit(Worker& worker, const Job<Result>& job, const Options& options, std::uint64_t bytes,
                      ComputationList follower) {
@@ -212,7 +212,7 @@ struct JobAccess {
   }
 };
 
-/// The request of a continuation: the follow-up, called with the result of the job that it follows.
+/// Request of a continuation: calls the follow-up with the result of the job before it.
 template <class Result, class FollowUp>
 struct Continuation {
   Job<Result> parent;
@@ -233,7 +233,7 @@ struct Continuation {
   }
 };
 
-/// Goes on with a coroutine, whatever became of the job that it awaits.
+/// Resumes a coroutine after the job that it awaits, whether that succeeded or not.
 class Resumption final : public Computation {
  public:
   Resumption(std::coroutine_handle<> coroutine, Place its_place) : Computation(its_place), coroutine_(coroutine) {}
@@ -245,7 +245,7 @@ class Resumption final : public Computation {
   std::coroutine_handle<> coroutine_;
 };
 
-/// What `on_drain` hangs on a job.
+/// Computation that `on_drain` attaches to a job.
 template <class Result, class Callback>
 class DrainCallback final : public Computation {
  public:
@@ -259,7 +259,7 @@ class DrainCallback final : public Computation {
   Callback callback_;
 };
 
-/// What `co_await` on a job waits with.
+/// Awaitable of `co_await` on a job.
 template <class Result>
 class Awaited {
  public:
@@ -267,7 +267,7 @@ class Awaited {
 
   [[nodiscard]] bool await_ready() const noexcept { return place_ == Place::worker && job_.ready(); }
 
-  /// False: the coroutine just goes on.
+  /// Returns false if the coroutine need not suspend.
   bool await_suspend(std::coroutine_handle<> coroutine) {
     // The coroutine may go on, and this object be gone, before `attach` returns.
     const std::shared_ptr<JobRecord> record = job_.record_;
@@ -304,17 +304,18 @@ void Job<Result>::on_drain(Callback callback) && {
 
 // ---- Workers
 
-// ---- The threads of an engine, lent to a worker
+// ---- Threads of an engine, lent to a worker
 
-/// An engine's thread pool, job system or TBB arena, behind two functions that the engine writes. A worker that has one
-/// (`WorkerOptions::executor`) makes no threads. `examples/own_executor` is such a class over a plain thread pool.
+/// Adapter to an engine's thread pool, job system or TBB arena: two functions that the engine implements. A worker with
+/// an executor (`WorkerOptions::executor`) creates no threads. `examples/own_executor` implements one over a plain
+/// thread pool.
 ///
-/// A worker hands over at most `concurrency()` tasks at a time. Each runs one job; a further one is handed over when it
-/// ends. Parallel work inside a job is TBB's, and spreads over the arena of the thread that calls `run`. An engine that
-/// does not want oneTBB's pool beside its own threads calls `run` inside `welkin::run_with_threads(1, ...)`.
+/// A worker has at most `concurrency()` tasks enqueued at a time. Each task runs one job; when it ends, the next task
+/// is enqueued. Work inside a job is parallel in the TBB arena of the thread that calls `run`. To keep oneTBB from
+/// using threads of its own, call `run` inside `welkin::run_with_threads(1, ...)`.
 ///
-/// A worker uses its executor until `terminate()` or the worker's destructor returns. What was handed over may be
-/// called later; it does nothing then.
+/// A worker uses its executor until `terminate()` or the worker's destructor returns. Enqueued tasks may run later;
+/// they have no effect then.
 class Executor {
  public:
   Executor() = default;
@@ -322,105 +323,99 @@ class Executor {
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  /// How many jobs may run at the same time, from 1 on. The number must not change.
+  /// Returns the number of jobs that may run at the same time, at least 1. The number must not change.
   [[nodiscard]] virtual int concurrency() const noexcept = 0;
 
-  /// Has `run(job)` called once and soon, on a thread of the engine's choice. It comes from any thread, several at
-  /// once, from inside `Worker::post` too, and should return at once. `run` throws nothing. A task that is never called
-  /// is lost memory, and its job waits until the worker ends. What `enqueue` itself throws becomes the error of the
-  /// jobs that nobody else would start; `run` must not be called then.
+  /// Arranges for `run(job)` to be called once, soon, on a thread of the engine's choice. May be called concurrently
+  /// from any thread, including from within `Worker::post`; must return quickly. `run` does not throw. A task that is
+  /// never called leaks memory, and its job waits until the worker is destroyed. If `enqueue` throws, it must not call
+  /// `run`; the exception becomes the error of the jobs that would otherwise never start.
   virtual void enqueue(void (*run)(void* job), void* job) = 0;
 };
 
 // ---- The worker
 
-/// A worker's threads and limits.
+/// Threads and limits of a worker.
 struct WorkerOptions {
-  /// 0: one less than the process may use (`available_threads()`, which knows the container's CPU quota), so that one
-  /// processor is the frame's own; at least 1. Else 1 to 1024. They run on the processors that the thread which makes
-  /// the worker may run on.
+  /// Number of threads, 1 to 1024. 0 uses one less than `available_threads()`, at least 1, which leaves one processor
+  /// to the frame. Threads have the processor affinity of the thread that creates the worker.
   int threads = 0;
 
-  /// The rank of the worker's threads among all threads of the machine. `idle` disturbs frames least, and delivers
-  /// nothing while other programs keep all processors busy.
+  /// Priority of the worker's threads on this machine. `idle` disturbs frames least, but makes no progress while other
+  /// programs keep all processors busy.
   ThreadPriority thread_priority = ThreadPriority::below;
 
-  /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
+  /// Name of the threads in debuggers and profilers, followed by a number. Linux keeps 15 characters.
   std::string name = "welkin";
 
-  /// The engine's threads, lent to the worker. The worker then has no threads, priority and name of its own, and only
-  /// the thread that a job is run on counts as the worker's, not those that join in its tiles. Do not lend the TBB
-  /// arena in which frames are computed: a frame's thread that waits there would pick up a whole job. Null: own
-  /// threads.
+  /// Threads of the engine for the worker to use; null for threads of its own. With an executor, `threads`,
+  /// `thread_priority` and `name` are ignored, and only the thread that runs a job counts as the worker's, not those
+  /// that help with its tiles. Do not lend the TBB arena in which frames are computed, because a frame's thread that
+  /// waits there would start a whole job.
   std::shared_ptr<Executor> executor{};
 
-  /// Limit on jobs in flight: posted, and not yet ready. A job that is posted at a limit ends with an `Error`
-  /// (queue_full).
+  /// Limit on jobs in flight, that is posted and not ready. A job posted at the limit completes with
+  /// ErrorCode::queue_full.
   std::size_t max_jobs = 4096;
-  /// Limit on the bytes of their requests. (The memory itself comes back right after a job is ready.)
+  /// Limit on the bytes of requests in flight. Their memory is freed right after the job is ready.
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;
 };
 
-/// How a job is posted.
+/// Options of `Worker::post`.
 struct PostOptions {
-  TaskPriority priority = TaskPriority::normal;  ///< among the jobs that wait
+  TaskPriority priority = TaskPriority::normal;  ///< position among waiting jobs
 
-  /// Latest wins: a job with the same key that waits or runs is given up for this one, and ends with an `Error`
-  /// (replaced). If it ran, it reads its pixels until it is ready. Jobs that take longer than the time between two
-  /// posts of their key never end. Empty: no key. Copied by `post`.
+  /// Replaces older jobs with the same key, whether they wait or run: those complete with ErrorCode::replaced. A
+  /// replaced job that runs reads its pixels until it is ready. If every post replaces a job before it is done, none
+  /// ever completes. An empty key replaces nothing. The key is copied.
   std::string_view key{};
 
-  /// What the request counts against `WorkerOptions::max_bytes`; by default what its `bytes()` says, or 0.
+  /// Bytes to count against `WorkerOptions::max_bytes`. If empty: the request's `bytes()`, or 0 if it has none.
   std::optional<std::uint64_t> bytes{};
 };
 
-/// What is in a worker's hands.
+/// Load of a worker at one moment.
 struct WorkerLoad {
-  std::size_t waiting =
-      0;  ///< computations that no thread has started, continuations of unfinished jobs not among them
-  std::size_t running = 0;  ///< computations
-  /// The time for which the oldest waiting computation has waited for a thread; 0 if none waits. It rises to seconds if
-  /// the worker's threads get no processor, or long requests occupy them all.
+  std::size_t waiting = 0;  ///< computations not started yet, without continuations of unfinished jobs
+  std::size_t running = 0;  ///< computations that run
+  /// Time for which the oldest waiting computation has waited for a thread; 0 if none waits. It reaches seconds if the
+  /// worker's threads get no CPU time, or if long requests occupy all of them.
   std::chrono::nanoseconds oldest_wait{0};
   std::size_t undrained = 0;  ///< callbacks that the next `drain()` would call
-  std::size_t jobs = 0;       ///< in flight, as `max_jobs` counts them
-  std::uint64_t bytes = 0;    ///< in flight, as `max_bytes` counts them
+  std::size_t jobs = 0;       ///< jobs in flight, as counted by `max_jobs`
+  std::uint64_t bytes = 0;    ///< bytes in flight, as counted by `max_bytes`
 };
 
 /// Runs requests on threads of its own, or on those of an engine's `Executor`.
 ///
-/// A request is anything that can be called with a `const Control&`, from any thread, and returns a result or nothing:
-/// those of requests.h, or a callable of the engine's own over any of Welkin's calls. Its parallel work should use TBB,
-/// or nothing: it runs inside the worker's TBB arena, and all of Welkin's calls spread over that. (It should not open
-/// arenas of its own: threads that oneTBB makes for them may rank as low as the worker's, for good.) It should look at
-/// the control's stop token, and may report progress. Its results are the bits that a direct call gives.
+/// A request is any callable that takes a `const Control&` and returns a result or nothing: those of requests.h, or
+/// your own over Welkin's calls. It runs inside the worker's TBB arena and may be called on any of its threads. It
+/// should check the control's stop token and may report progress. It should not create arenas of its own, because
+/// threads that oneTBB creates for them may keep the worker's low priority for good. If it has a member `bytes()`, that
+/// counts against the worker's memory limit. Any exception that it throws, including std::bad_alloc, becomes the error
+/// of its job.
 ///
-/// If it has a member `bytes()`, that counts against the worker's memory limit.
-///
-/// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
-/// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
-/// leaves all as it is. A fork may make a worker of its own, unless its parent had one or a call of it computed when it
-/// forked: then the constructor throws (docs/guides/worker.md).
-///
-/// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
-/// of memory included, arrives through its job.
+/// After a fork, the worker's threads exist in the parent only. In the child, members that would need them throw
+/// `Error` (stopped) instead of waiting forever; `cancel` returns false and the destructor does nothing. The child may
+/// create its own worker, unless the parent had a worker or a running call when it forked: the constructor then throws
+/// (docs/guides/worker.md).
 class Worker {
  public:
-  /// Throws `Error` (invalid_argument) for options out of range, `Error` (stopped) in a fork that has locks which
-  /// nobody opens, std::system_error if no thread can be made.
+  /// Creates a worker. Throws `Error`: invalid_argument for options out of range, stopped in a forked child whose
+  /// inherited locks can never be released; and std::system_error if no thread can be created.
   explicit Worker(WorkerOptions options = {});
 
-  /// `terminate()`; callbacks that were not drained are dropped.
+  /// Calls `terminate()` and drops callbacks that were not drained.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Takes a request over and returns at once. As long as the worker is below its limits, `post` waits for no lock that
-  /// a thread of the worker holds: what a post does to other jobs (a replaced job's error) has happened when it
-  /// returns, or happens as soon as the thread that keeps the books goes on. At the limits the job ends with an `Error`
-  /// (queue_full), one larger than `max_bytes` with `limit_exceeded`, one that comes after `terminate()` with
-  /// `stopped`. Throws std::bad_alloc if there is no memory for the job itself, and what moving the request throws;
-  /// nothing is posted then.
+  /// Posts a request and returns at once. Below the worker's limits, `post` never waits for a lock that a thread of the
+  /// worker holds; effects on other jobs, such as the error of a replaced job, may become visible after it returns.
+  ///
+  /// The job completes with an `Error`: queue_full at the worker's limits, limit_exceeded for a request larger than
+  /// `max_bytes`, stopped after `terminate()`. Throws std::bad_alloc without memory for the job, and whatever moving
+  /// the request throws; nothing is posted then.
   template <class Request>
   auto post(Request&& request, const PostOptions& options = {}) -> JobOf<Request> {
     const std::uint64_t bytes = detail::bytes_of(request);
@@ -429,25 +424,27 @@ class Worker {
     return job;
   }
 
-  /// Calls the callbacks of jobs that were done before the call, in the order in which they finished, on this thread:
-  /// at least one if there is one, then until the budget is spent. The exception is a thread of the worker that holds
-  /// its books and is kept off the processors: after 0.1 ms, or the budget if that is longer, the call gives up waiting
-  /// for it. What a callback throws comes out here; the others wait for the next call. Returns how many were called.
+  /// Calls the callbacks of jobs that completed before this call, in the order of completion, on this thread: at least
+  /// one if there is any, then until the budget is spent. Returns the number of callbacks called. An exception thrown
+  /// by a callback leaves this function; the remaining callbacks run in the next call.
+  ///
+  /// Calls none if a thread of the worker holds the scheduler's lock while the system has suspended it: `drain` stops
+  /// waiting for that thread after 0.1 ms, or after the budget if that is longer.
   std::size_t drain(std::chrono::nanoseconds budget = std::chrono::nanoseconds::max());
 
-  /// Gives up all jobs (they end with an `Error` (stopped)), waits until none runs, and ends the threads.
-  /// Later posts are `stopped` too; callbacks can still be drained. On one of the worker's own threads (in a request, a
-  /// continuation, a coroutine) it cannot wait: it returns, and the threads end when their work does. So the
-  /// destructor.
+  /// Cancels all jobs, which complete with ErrorCode::stopped, waits until none runs, and ends the threads. Later posts
+  /// complete with ErrorCode::stopped; callbacks can still be drained. On a thread of the worker (in a request,
+  /// continuation or coroutine) it does not wait; the threads then end when their work does. The destructor behaves the
+  /// same way.
   void terminate();
 
-  /// Waits until nothing waits or runs; not for callbacks. Not on the worker's own threads: it returns at once.
+  /// Waits until no job waits or runs; callbacks may remain. Returns at once on a thread of the worker.
   void wait_until_idle();
 
-  /// Returns what the worker has in hand at this moment. Cost: proportional to the number of waiting computations.
+  /// Returns the current load. Cost: proportional to the number of waiting computations.
   [[nodiscard]] WorkerLoad load() const;
 
-  /// How many jobs it runs at once: its threads, or what its executor says.
+  /// Returns the number of jobs that run at once: the number of threads, or the executor's `concurrency()`.
   [[nodiscard]] int threads() const noexcept;
 
  private:
@@ -459,13 +456,13 @@ class Worker {
   std::shared_ptr<detail::Scheduler> scheduler_;
 };
 
-// ---- A std::future of a job, for code that waits for futures of several libraries. It needs exceptions.
+// ---- A std::future of a job, for code that waits for futures of several libraries
 //
 //   std::future<welkin::Projection> light = welkin::future_of(worker.post(welkin::Project{std::move(image)}));
 
 namespace detail {
 
-/// Fulfils a promise, on the thread that settles the job.
+/// Fulfils a promise on the thread that completes the job.
 template <class Result>
 class PromiseKeeper final : public Computation {
  public:
@@ -490,10 +487,10 @@ class PromiseKeeper final : public Computation {
 
 }  // namespace detail
 
-/// A `std::future` of the job's result or error. The job is taken: nobody else can take its result, and a copy of its
-/// handle, made before, still cancels it. The future must not be waited for inside a request of the same worker,
-/// because it does not help as `Job::get()` does (docs/guides/worker.md). Throws `Error` (invalid_argument) if the
-/// result was taken before, and std::bad_alloc.
+/// Returns a `std::future` of the job's result or error. The future takes the result; copies of the job's handle can
+/// still cancel it. Do not wait for the future inside a request of the same worker, because unlike `Job::get()` it does
+/// not help with waiting jobs (docs/guides/worker.md). Throws `Error` (invalid_argument) if the result was taken
+/// before, and std::bad_alloc.
 template <class Result>
 [[nodiscard]] std::future<Result> future_of(Job<Result> job) {
   const auto record = detail::JobAccess::record(job);

@@ -168,13 +168,12 @@ class Baking {
   }
 
   Outcome sanitize(const Control& control) {
-    if (!wants_sanitized()) return {PassAction::skip, "all that is made of the pixels was found"};
+    if (!wants_sanitized()) return {PassAction::skip, "every result of the pixels was found in the cache"};
     sanitized_.emplace(source_.pixels(), options_.pixels, control);
     // A projection tells as much of the pixels, and is kept itself.
     if (find_ != kSkipped && !plan_.runs(BakePass::project)) store_->keep(*sanitized_);
-    if (sanitized_->bytes() == 0)
-      return {PassAction::reuse, "the source's own pixels, looked through: they are clean RGB floats"};
-    return {PassAction::run, "a copy as RGB floats, clamped and replaced as asked for"};
+    if (sanitized_->bytes() == 0) return {PassAction::reuse, "source pixels are already valid RGB floats"};
+    return {PassAction::run, "a copy as RGB floats, with the pixel policy applied"};
   }
 
   /// What `work` makes of the sanitized pixels, a lat-long or a cubemap.
@@ -225,7 +224,7 @@ class Baking {
     if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
     fill_mips(*result_.background, options_.background->mip_filter, control);
     keep_background();
-    if (plan_.stored_background) return {PassAction::run, "those that came with the pixels are not all finite"};
+    if (plan_.stored_background) return {PassAction::run, "the source's own levels are not all finite"};
     return done(BakePass::background_mips);
   }
 
@@ -262,7 +261,7 @@ class Baking {
     Outcome outcome = found(found_.specular_where, found_.specular_milliseconds);
     if (found_.missing_specular) {
       outcome.action = PassAction::run;
-      outcome.reason += ", the others made";
+      outcome.reason += ", the others computed";
     }
     return outcome;
   }
@@ -348,7 +347,7 @@ class Baking {
     bool made = false;
     result_.brdf = reflections::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
-    return {PassAction::reuse, "made before: it depends on no scene"};
+    return {PassAction::reuse, "computed before; it does not depend on the environment"};
   }
 
   Outcome make_octahedral(const Control& control) {
@@ -448,7 +447,7 @@ class Baking {
     if (find_ != kSkipped) {
       double elsewhere = 0.0;
       for (const Step& step : steps_) elsewhere += step.outcome.saved_milliseconds;
-      records.push_back({"hash", PassAction::run, "of the source, to find what was made of it",
+      records.push_back({"hash", PassAction::run, "of the source, to look up earlier results",
                          std::max(0.0, milliseconds_of(find_) - elsewhere)});
     }
     for (std::size_t k = 0; k < steps_.size(); ++k) {
@@ -493,7 +492,8 @@ void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
 }
 
 [[noreturn]] void refuse(const char* what) {
-  throw Error(ErrorCode::invalid_argument, std::string("the source of a bake has no ") + what + " to give");
+  throw Error(ErrorCode::invalid_argument, std::string("the source of a bake provides no ") + what +
+                                               "; this is an error in Welkin, please report it");
 }
 
 }  // namespace

@@ -49,12 +49,13 @@ class ManyBakes {
         made_(probes.size()) {
     const std::size_t mips = plan_.mips.size();
     if (specular.size() != mips * probes.size()) {
-      refuse(std::to_string(specular.size()) + " targets; " + std::to_string(probes.size()) + " chains of " +
-             std::to_string(mips) + " mips have " + std::to_string(mips * probes.size()));
+      refuse("there are " + std::to_string(specular.size()) + " targets for " + std::to_string(probes.size()) +
+             " chains of " + std::to_string(mips) + " mips; pass " + std::to_string(mips * probes.size()));
     }
     if (coefficients.size() < functions_ * probes.size()) {
-      refuse("room for " + std::to_string(coefficients.size()) + " coefficients; " + std::to_string(probes.size()) +
-             " probes of " + std::to_string(bands) + " bands have " + std::to_string(functions_ * probes.size()));
+      refuse("coefficients has " + std::to_string(coefficients.size()) + " elements for " +
+             std::to_string(probes.size()) + " probes of " + std::to_string(bands) + " bands; pass " +
+             std::to_string(functions_ * probes.size()));
     }
     for (std::size_t k = 0; k < probes.size(); ++k) {
       jobs::naming_probe(k, [&] {

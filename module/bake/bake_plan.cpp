@@ -213,7 +213,7 @@ Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan&
 
 // What is said of it.
 
-constexpr const char* kNotAskedFor = "not asked for";
+constexpr const char* kNotAskedFor = "not requested";
 
 std::string edge(int size) { return std::to_string(size) + " x " + std::to_string(size); }
 
@@ -238,8 +238,8 @@ void check(const BakeOptions& options) {
   image::require_range("bands", options.bands, 0, kMaximumBands);
   if (options.irradiance && options.bands == 0 && options.irradiance->method == IrradianceMethod::harmonics) {
     throw Error(ErrorCode::invalid_argument,
-                "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, leave irradiance out, or set "
-                "its method to automatic");
+                "an irradiance cubemap by IrradianceMethod::harmonics needs bands, and bands is 0; pass 3, leave "
+                "irradiance empty, or choose automatic");
   }
   if (options.brdf) reflections::check_brdf(*options.brdf);
 }
@@ -322,13 +322,13 @@ class BakePlanner {
 
   void sanitize() {
     if (!plan_.prefilter && plan_.background_size == 0 && !convolves())
-      return skip(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
+      return skip(BakePass::sanitize, "only the projection reads pixels, and sanitizes them itself");
     // The memory is for a copy either way: the source's own pixels may turn out not to be clean.
     const Work work{0.3 * source_texels(), 0, kTexelBytes * source_.texels()};
     if (source_.format == PixelFormat::rgb32f && !options_.pixels.clamp && !options_.pixels.gamma) {
-      add(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean", work);
+      add(BakePass::sanitize, PassAction::reuse, "RGB floats are checked, and copied only if some are invalid", work);
     } else {
-      add(BakePass::sanitize, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for", work);
+      add(BakePass::sanitize, PassAction::run, "a copy as RGB floats, with the pixel policy applied", work);
     }
   }
 
@@ -339,7 +339,7 @@ class BakePlanner {
     } else if (plan_.stored_specular) {
       const std::uint64_t texels = chain_texels(stored_.specular_size, stored_.specular_mips);
       add(BakePass::specular, PassAction::reuse,
-          mips_from(stored_.specular_mips, stored_.specular_size) + " came with the pixels",
+          mips_from(stored_.specular_mips, stored_.specular_size) + " stored in the source",
           {0.25 * static_cast<double>(texels), kTexelBytes * texels, 0});
     } else {
       skip(BakePass::specular);
@@ -361,31 +361,29 @@ class BakePlanner {
 
   void background_mips() {
     const int size = plan_.background_size;
-    if (size == 0) return skip(BakePass::background_mips, "there is no background");
+    if (size == 0) return skip(BakePass::background_mips, "no background is made");
     const int levels = plan_.background_levels;
     if (levels == 1)
       return skip(BakePass::background_mips, options_.background->mips ? "level 0 is 1 texel" : kNotAskedFor);
     const std::uint64_t bytes = kTexelBytes * (chain_texels(size, levels) - chain_texels(size, 1));
     const std::string count = std::to_string(levels) + " levels";
     if (plan_.stored_background) {
-      add(BakePass::background_mips, PassAction::reuse, count + " came with the pixels",
+      add(BakePass::background_mips, PassAction::reuse, count + " stored in the source",
           {0.1 * cube_texels(size), bytes, 0}, {BakePass::background});
     } else {
       const bool box = options_.background->mip_filter == MipFilter::box;
       add(BakePass::background_mips, PassAction::run,
-          count + ", each from the one above, by " + (box ? "plain mean" : "solid angle"),
+          count + ", each from the one before, by " + (box ? "plain mean" : "solid angle"),
           {cube_texels(size), bytes, 0}, {BakePass::background});
     }
   }
 
   void project() {
-    if (plan_.stored_harmonics)
-      return add(BakePass::project, PassAction::reuse, "the harmonics that came with the pixels", {});
+    if (plan_.stored_harmonics) return add(BakePass::project, PassAction::reuse, "harmonics stored in the source", {});
     if (projected_bands_ == 0) return skip(BakePass::project);
-    std::string words = "1 band, for the total radiance: no coefficients were asked for";
+    std::string words = "1 band, for the total radiance only";
     if (options_.bands > 0) {
-      words =
-          std::to_string(options_.bands) + (options_.bands > 1 ? " bands" : " band") + " from the source's own texels";
+      words = std::to_string(options_.bands) + (options_.bands > 1 ? " bands" : " band") + " from the source's texels";
     }
     add(BakePass::project, PassAction::run, words,
         {source_texels() * (0.4 + 0.01 * projected_bands_ * projected_bands_), 0, 0});
@@ -399,7 +397,7 @@ class BakePlanner {
     const bool direct = plan_.irradiance == IrradianceMethod::direct;
     if (direct || (plan_.irradiance_plan && plan_.irradiance_plan->bands == 0)) {
       add(BakePass::irradiance, PassAction::run,
-          edge(size) + " by direct convolution in double" + (direct ? "" : ": no other method meets the bound"),
+          edge(size) + " by direct convolution in double" + (direct ? "" : ", because no other method meets the bound"),
           {4.0 * texels * source_texels(), bytes, 0}, {BakePass::sanitize});
     } else if (plan_.irradiance_plan) {
       convolve(*plan_.irradiance_plan, bytes);
@@ -413,10 +411,10 @@ class BakePlanner {
     const std::string words =
         edge(options_.irradiance->size) + " by " + std::to_string(how.irradiance->bands.bands()) + " bands";
     if (plan_.shares_harmonics) {
-      add(BakePass::irradiance, PassAction::run, words + " of the specular chain's harmonics",
+      add(BakePass::irradiance, PassAction::run, words + " from the specular chain's harmonics",
           {0.25 * cube_texels(how.irradiance->size), bytes, 0}, {BakePass::sanitize, BakePass::specular});
     } else {
-      add(BakePass::irradiance, PassAction::run, words + ", bright texels each by the cosine",
+      add(BakePass::irradiance, PassAction::run, words + ", bright texels one by one",
           {prefiltering(source_, how), bytes, prefilter_bytes(source_, how)}, {BakePass::sanitize});
     }
   }
@@ -434,8 +432,7 @@ class BakePlanner {
     if (!options_.octahedral) return;
     if (!options_.specular) {
       throw Error(ErrorCode::invalid_argument,
-                  "an octahedral map is made of the specular cubemap, and specular is not asked for; ask for it, or "
-                  "leave octahedral out");
+                  "octahedral requires specular, which is empty; set specular, or leave octahedral empty");
     }
     const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : stored_.specular_mips;
     const int size = plan_.prefilter ? plan_.prefilter->mips.front().size : stored_.specular_size;
@@ -464,7 +461,7 @@ class BakePlanner {
 
 const char* name(BakePass pass) noexcept {
   switch (pass) {
-    case BakePass::sanitize: return "clean";
+    case BakePass::sanitize: return "sanitize";
     case BakePass::specular: return "specular";
     case BakePass::background: return "background";
     case BakePass::background_mips: return "background mips";
@@ -502,11 +499,11 @@ PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::Pr
 void require_memory(const BakePlan& plan, const BakeOptions& options) {
   const std::uint64_t needed = plan.result_bytes + plan.working_bytes;
   if (needed <= options.memory_limit_bytes) return;
-  throw Error(ErrorCode::limit_exceeded, "the bake may need " + std::to_string(needed) + " bytes (results " +
-                                             std::to_string(plan.result_bytes) + ", working memory " +
-                                             std::to_string(plan.working_bytes) + ") and the limit is " +
-                                             std::to_string(options.memory_limit_bytes) +
-                                             "; pass smaller sizes, leave results out, or raise memory_limit_bytes");
+  throw Error(ErrorCode::limit_exceeded,
+              "the bake may need " + std::to_string(needed) + " bytes (results " + std::to_string(plan.result_bytes) +
+                  ", working memory " + std::to_string(plan.working_bytes) + ") and the limit is " +
+                  std::to_string(options.memory_limit_bytes) +
+                  "; pass smaller sizes, request fewer results, or raise memory_limit_bytes");
 }
 
 }  // namespace welkin::baking

@@ -13,7 +13,7 @@ namespace welkin::baking {
 /// The passes, in the order in which they are planned and recorded. The last is there only where it is asked for.
 enum class BakePass { sanitize, specular, background, background_mips, project, irradiance, brdf, octahedral };
 
-/// "clean", "specular", "background", "background mips", "project", "irradiance", "brdf", "octahedral"
+/// "sanitize", "specular", "background", "background mips", "project", "irradiance", "brdf", "octahedral"
 [[nodiscard]] const char* name(BakePass pass) noexcept;
 
 struct BakeStep {

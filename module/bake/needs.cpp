@@ -21,9 +21,9 @@ void check(const SceneNeeds& needs) {
   if (!needs.glossy) return;
   const RoughnessRange& range = *needs.glossy;
   if (range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0) return;
-  throw Error(ErrorCode::invalid_argument, "glossy materials' roughness is from " +
-                                               platform::number_text(range.minimum) + " to " +
-                                               platform::number_text(range.maximum) + "; it must rise, from 0 to 1");
+  throw Error(ErrorCode::invalid_argument,
+              "glossy materials' roughness is from " + platform::number_text(range.minimum) + " to " +
+                  platform::number_text(range.maximum) + "; pass 0 <= minimum <= maximum <= 1");
 }
 
 }  // namespace welkin
@@ -31,20 +31,20 @@ void check(const SceneNeeds& needs) {
 namespace welkin::baking {
 namespace {
 
-constexpr const char* kNotGlossy = "no glossy materials";
+constexpr const char* kNotGlossy = "the scene has no glossy materials";
 
 void need_diffuse(const SceneNeeds& needs, NeededOptions& needed) {
   BakeOptions& options = needed.options;
   if (needs.diffuse_bands == 0 && options.bands > 0) {
     options.total_radiance = false;
-    needed.left_out[BakePass::project] = "no diffuse light is used";
+    needed.left_out[BakePass::project] = "the scene uses no diffuse light";
   }
   options.bands = std::min(options.bands, needs.diffuse_bands);
   if (!options.irradiance || (needs.irradiance_cubemap && needs.diffuse_bands > 1)) return;
   options.irradiance.reset();
-  needed.left_out[BakePass::irradiance] = needs.diffuse_bands == 0   ? "no diffuse light is used"
-                                          : needs.diffuse_bands == 1 ? "ambient only: one colour is all of it"
-                                                                     : "diffuse light is read from coefficients";
+  needed.left_out[BakePass::irradiance] = needs.diffuse_bands == 0   ? "the scene uses no diffuse light"
+                                          : needs.diffuse_bands == 1 ? "the scene uses ambient light only"
+                                                                     : "the scene evaluates coefficients instead";
 }
 
 void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
@@ -63,7 +63,7 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
       options.octahedral->levels = std::min(options.octahedral->levels, *options.specular->mips);
   }
   if (!needs.brdf_table && options.brdf) {
-    needed.left_out[BakePass::brdf] = "the engine has a table of its own";
+    needed.left_out[BakePass::brdf] = "the engine has its own table";
     options.brdf.reset();
   }
 }
@@ -74,13 +74,13 @@ void need_background(const SourceShape& source, const SceneNeeds& needs, NeededO
   if (!background) return;
   if (!needs.background) {
     background.reset();
-    needed.left_out[BakePass::background] = "nothing shows it";
+    needed.left_out[BakePass::background] = "the scene does not show it";
     return;
   }
   background->size = background_size(source, needed.options);
   if (needs.background_mips || !background->mips) return;
   background->mips = false;
-  needed.left_out[BakePass::background_mips] = "it is shown at full size alone";
+  needed.left_out[BakePass::background_mips] = "the scene shows it at full size only";
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ std::string keep_used_mips(const RoughnessRange& range, PrefilterOptions& option
   keep(options.roughness);
   keep(options.lobe_roughness);
   keep(options.spectra);
-  return "; left out: " + std::to_string(used.first) + " sharper, " + std::to_string(rougher) + " rougher";
+  return "; omitted: " + std::to_string(used.first) + " sharper, " + std::to_string(rougher) + " rougher";
 }
 
 NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole) {

@@ -38,7 +38,8 @@ Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const S
 
 const PlannedPass& Plan::pass(const std::string& name) const {
   const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
-  if (found == passes.end()) throw Error(ErrorCode::invalid_argument, "the plan has no pass called " + name);
+  if (found == passes.end())
+    throw Error(ErrorCode::invalid_argument, "the plan has no pass \"" + name + "\"; `passes` lists them");
   return *found;
 }
 

@@ -88,14 +88,12 @@ class SkyPlanner {
       const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
       add(SkyPass::brdf, "by quadrature", static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
     } else {
-      skip(SkyPass::brdf, !whole_.brdf    ? "not asked for"
-                          : needs_.glossy ? "the engine has a table of its own"
-                                          : kNotGlossy);
+      skip(SkyPass::brdf, !whole_.brdf ? "not requested" : needs_.glossy ? "the engine has its own table" : kNotGlossy);
     }
   }
 
  private:
-  static constexpr const char* kNotGlossy = "no glossy materials";
+  static constexpr const char* kNotGlossy = "the scene has no glossy materials";
 
   void add(SkyPass pass, std::string reason, std::uint64_t bytes) {
     plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes});
@@ -116,21 +114,21 @@ class SkyPlanner {
   void plan_tables() {
     if (!plan_.tables) {
       for (const SkyPass pass : {SkyPass::transmittance, SkyPass::sun_paths, SkyPass::orders, SkyPass::scattering}) {
-        skip(pass, "nothing looks into the sky's tables");
+        skip(pass, "no pass uses the scattering tables");
       }
       return;
     }
     const SkyTableOptions& tables = options_.tables;
     const std::uint64_t floats = sky::transmittance_floats(tables);
-    add(SkyPass::transmittance, "along every ray to the top", sizeof(float) * floats);
-    add(SkyPass::sun_paths, "lengths to the sun, of no wavelength", 0);
+    add(SkyPass::transmittance, "along rays to the top of the air", sizeof(float) * floats);
+    add(SkyPass::sun_paths, "path lengths to the sun, for all wavelengths", 0);
     add(SkyPass::orders,
         tables.orders > 1
             ? "orders 2 to " + std::to_string(tables.orders) +
-                  (tables.exact_orders ? "" : ", an estimate of further ones") + ", and what reaches the ground"
-            : "of one order only what reaches the ground: multiple scattering falls away",
+                  (tables.exact_orders ? "" : ", estimate of further ones") + ", and irradiance of the ground"
+            : "irradiance of the ground only, because one order has no multiple scattering",
         sizeof(float) * sky::irradiance_floats(tables));
-    add(SkyPass::scattering, tables.orders > 1 ? "sunlight scattered once, and more often" : "sunlight scattered once",
+    add(SkyPass::scattering, tables.orders > 1 ? "single and multiple scattering" : "single scattering",
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
 
@@ -138,29 +136,29 @@ class SkyPlanner {
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     if (!sky::scatters(air.aerosol)) {
-      skip(SkyPass::aerosol, "the planet has none that scatters: no table of single Mie scattering");
+      skip(SkyPass::aerosol, "the planet has none that scatters, so there is no table of single Mie scattering");
     } else if (plan_.tables) {
       add(SkyPass::aerosol, "in the tables", 0);
     } else {
-      skip(SkyPass::aerosol, "nothing looks into the sky's tables");
+      skip(SkyPass::aerosol, "no pass uses the scattering tables");
     }
     const auto absorbers = platform::ranges::count_if(air.absorbers, any_matter);
     if (absorbers == 0) {
-      skip(SkyPass::absorbers, "the planet has none: no ozone");
+      skip(SkyPass::absorbers, "the planet has none, such as ozone");
     } else if (plan_.tables) {
       add(SkyPass::absorbers, std::to_string(absorbers) + " of them, in the tables", 0);
     } else {
-      skip(SkyPass::absorbers, "nothing looks into the sky's tables");
+      skip(SkyPass::absorbers, "no pass uses the scattering tables");
     }
   }
 
   void plan_light() {
     if (!plan_.tables) {
-      skip(SkyPass::view, "nothing looks into the sky's tables");
+      skip(SkyPass::view, "no pass uses the scattering tables");
     } else {
       const SkyTableOptions& tables = options_.tables;
       const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
-      add(SkyPass::view, "the tables' slice at the altitude", 8 * sizeof(float) * static_cast<std::uint64_t>(texels));
+      add(SkyPass::view, "slice of the tables at the altitude", 8 * sizeof(float) * static_cast<std::uint64_t>(texels));
     }
     const std::string bands = std::to_string(options_.bands) + " bands";
     if (plan_.curve) {
@@ -173,27 +171,27 @@ class SkyPlanner {
       skip(SkyPass::curve, options_.bands == 0 ? no_light() : "the sun does not move");
     }
     if (options_.bands > 0 && !plan_.curve) {
-      add(SkyPass::project, bands + " for the one sun", 0);
+      add(SkyPass::project, bands + " for one sun", 0);
     } else {
-      skip(SkyPass::project, options_.bands == 0 ? no_light() : "the curve has it for every sun");
+      skip(SkyPass::project, options_.bands == 0 ? no_light() : "the curve covers every sun");
     }
   }
   [[nodiscard]] const char* no_light() const {
-    return whole_.bands == 0 ? "not asked for" : "no diffuse light is used";
+    return whole_.bands == 0 ? "not requested" : "the scene uses no diffuse light";
   }
 
   void plan_reflections() {
-    if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not asked for");
+    if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not requested");
     const int size = plan_.specular_source;
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
     const PlannedPass pass = baking::plan_prefilter_pass(source, reflections::plan_prefilter(*options_.specular));
-    add(SkyPass::specular, pass.reason + unused_mips_ + ", for one sun; a turn about the vertical is the shader's",
+    add(SkyPass::specular, pass.reason + unused_mips_ + ", for one sun; the shader rotates it about the vertical",
         pass.bytes);
   }
 
   void plan_background() {
     if (!options_.background_size)
-      return skip(SkyPass::background, whole_.background_size ? "nothing shows it" : "not asked for");
+      return skip(SkyPass::background, whole_.background_size ? "the scene does not show it" : "not requested");
     const std::uint64_t texels = baking::chain_texels(*options_.background_size, 1);
     add(SkyPass::background, "a cubemap of the sky for one sun", kTexelBytes * texels);
   }
@@ -223,7 +221,8 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
 
 const PlannedPass& SkyPlan::pass(const std::string& name) const {
   const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
-  if (found == passes.end()) throw Error(ErrorCode::invalid_argument, "the plan has no pass called " + name);
+  if (found == passes.end())
+    throw Error(ErrorCode::invalid_argument, "the plan has no pass \"" + name + "\"; `passes` lists them");
   return *found;
 }
 

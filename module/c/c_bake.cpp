@@ -177,7 +177,7 @@ void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& want
   require_enumerator("schedule", given.schedule, WELKIN_ROUGHNESS_UNREAL);
   const bool fitted = flag("fitted", given.fitted);
   if (given.schedule == WELKIN_ROUGHNESS_DEFAULT && !fitted) return;
-  if (given.roughness_count > 0) refuse("schedule or fitted are given beside roughness; pass either");
+  if (given.roughness_count > 0) refuse("schedule or fitted is set together with roughness; pass one of them");
   const RoughnessSchedule schedule = schedules[static_cast<std::size_t>(given.schedule)];
   if (!wanted.mips) wanted.mips = mips_of_chain(schedule, wanted.size);
   wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
@@ -443,7 +443,7 @@ const welkin_chain* welkin_bake_result_chain(const welkin_bake_result* result, w
 welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result, welkin_projection* projection) {
   return guarded([&] {
     const welkin::BakeResult& light = result_of(result);
-    if (!light.radiance) refuse("the bake was asked for no harmonics");
+    if (!light.radiance) refuse("the bake has no harmonics; request WELKIN_PART_HARMONICS");
     write_projection(projection, *light.radiance, light.diagnostics);
   });
 }
@@ -452,7 +452,7 @@ welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* resul
                                                  const welkin_target* target, uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::BakeResult& light = result_of(result);
-    if (!light.octahedral) refuse("the bake was asked for no octahedral map");
+    if (!light.octahedral) refuse("the bake has no octahedral map; set octahedral_size");
     const welkin::OctahedralMap& map = *light.octahedral;
     if (level < 0 || static_cast<std::size_t>(level) >= map.levels.size()) {
       refuse("level is " + std::to_string(level) + "; the map has " + std::to_string(map.levels.size()) +
@@ -468,7 +468,7 @@ welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, con
                                            uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::BakeResult& light = result_of(result);
-    if (!light.brdf) refuse("the bake was asked for no BRDF table");
+    if (!light.brdf) refuse("the bake has no BRDF table; request WELKIN_PART_BRDF");
     tell(write_table(flat_target(target), *light.brdf), values_clamped);
   });
 }

@@ -187,7 +187,7 @@ EnvironmentView view_of(const welkin_environment& given) {
   const std::ptrdiff_t row_bytes = stride(given.row_stride_bytes);
   if (given.size == 0) return LatLongView{given.faces[0], given.width, given.height, row_bytes, format};
   if (given.width != 0 || given.height != 0)
-    refuse("width and height are given beside size; set those of a lat-long alone");
+    refuse("width and height are set together with size; set them for a lat-long only");
   CubemapView view{{}, face_size(given.size), row_bytes, format};
   std::copy(std::begin(given.faces), std::end(given.faces), view.faces.begin());
   return view;

@@ -96,11 +96,11 @@ Projection changed(const Projection& projection, const LightChange& change) {
     result.radiance = scale(result.radiance, glm::dvec3(change.exposure));
     result.diagnostics.total_radiance *= change.exposure;
     result.diagnostics.total_radiance_before_clamp *= change.exposure;
-    result.diagnostics.passes.push_back({"exposure", PassAction::run, "a factor to the coefficients"});
+    result.diagnostics.passes.push_back({"exposure", PassAction::run, "scales the coefficients"});
   }
   if (change.turn != dmat3(1.0)) {
     result.radiance = turned(result.radiance, change.turn);
-    result.diagnostics.passes.push_back({"turn", PassAction::run, "of the coefficients"});
+    result.diagnostics.passes.push_back({"turn", PassAction::run, "rotates the coefficients"});
   }
   return result;
 }

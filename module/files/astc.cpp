@@ -33,7 +33,8 @@ using Context = std::unique_ptr<astcenc_context, FreeContext>;
 void require_success(astcenc_error error) {
   if (error == ASTCENC_SUCCESS) return;
   if (error == ASTCENC_ERR_OUT_OF_MEM) throw std::bad_alloc();
-  throw Error(ErrorCode::unsupported_file, std::string("astcenc refuses to work: ") + astcenc_get_error_string(error));
+  throw Error(ErrorCode::unsupported_file, std::string("astcenc cannot encode: ") + astcenc_get_error_string(error) +
+                                               "; choose another texel format");
 }
 
 Context context_for(astcenc_profile profile, TexelKind kind, float quality, unsigned flags) {

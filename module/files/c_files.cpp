@@ -140,7 +140,8 @@ std::string roughness_text(std::span<const MipRecord> mips) {
 const float* packed_floats(const LatLongView& picture) {
   const std::ptrdiff_t packed = std::ptrdiff_t{12} * picture.width;
   const bool is_packed = picture.row_stride_bytes == 0 || picture.row_stride_bytes == packed;
-  if (picture.format != PixelFormat::rgb32f || !is_packed) refuse("mips is a flat picture that is not packed RGB_F32");
+  if (picture.format != PixelFormat::rgb32f || !is_packed)
+    refuse("mips is a flat image that is not packed RGB_F32; convert it");
   require(picture.pixels, "mips->faces[0]");
   return static_cast<const float*>(picture.pixels);
 }

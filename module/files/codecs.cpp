@@ -83,7 +83,7 @@ void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, con
 
 #if !WELKIN_WEBP
 void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/) {
-  require_codec(Codec::webp, picture.path, "have it made anew with PNG pictures");
+  require_codec(Codec::webp, picture.path, "export it again with PNG images");
 }
 #endif
 

@@ -41,7 +41,7 @@ constexpr std::size_t kHeaderSize = 1, kHeight = 3, kWidth = 4, kLevels = 7, kPi
 
 void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if (fields[kHeaderSize] != kDdsHeaderBytes || fields[kPixelFormatSize] != kDdsPixelFormatBytes) {
-    refuse(file, ErrorCode::corrupt_file, "its DDS header has not the sizes that it must have");
+    refuse(file, ErrorCode::corrupt_file, "its DDS header states wrong sizes");
   }
   if ((fields[kPixelFormatFlags] & kDdsHasFourCc) == 0 || fields[kFourCc] != kFourCcDx10) {
     refuse(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
@@ -53,7 +53,7 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
                "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
   }
   if (fields[kDimension] != kDdsTexture2d) {
-    refuse(file, ErrorCode::unsupported_file, "is a line or a volume; cubemaps and pictures are read");
+    refuse(file, ErrorCode::unsupported_file, "is a 1D or 3D texture; pass a cubemap or a 2D texture");
   }
 }
 

@@ -202,7 +202,7 @@ class EnvSource final : public RowSource {
     for (const EnvPicture& picture : manifest_.specular) longest = std::max(longest, picture.length);
     return rgb_bytes(info().width, info().width) + env_reader_bytes(info().width, longest);
   }
-  [[nodiscard]] const char* smaller_reader() const override { return "make it anew with smaller faces"; }
+  [[nodiscard]] const char* smaller_reader() const override { return "export it again with smaller faces"; }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
     return std::make_unique<EnvRowReader>(input(), manifest_, level_, info().width);
   }
@@ -227,10 +227,10 @@ std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions&
   info.storage = "version " + std::to_string(manifest.version);
   for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, ChannelType::rgbd});
   settle_cube(info, manifest.width, manifest.levels(), options);
-  info.notes.emplace_back("x is mirrored on the way in: Babylon.js's axes are left-handed");
-  info.notes.emplace_back("RGBD ends at 255: what was brighter was clipped when the file was made");
-  if (manifest.polynomial) info.notes.emplace_back("it stores a polynomial of its diffuse light");
-  info.notes.emplace_back("its levels are prefiltered for reflections: level 0 is the sharp one");
+  info.notes.emplace_back("converted from Babylon.js's left-handed axes: x is mirrored");
+  info.notes.emplace_back("RGBD ends at 255: brighter values were clamped when the file was written");
+  if (manifest.polynomial) info.notes.emplace_back("stores its diffuse light as a polynomial");
+  info.notes.emplace_back("levels are prefiltered for reflections; level 0 is the sharpest");
   return std::make_unique<EnvSource>(std::move(info), input_of(file), std::move(manifest), options.level);
 }
 

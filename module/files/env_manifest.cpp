@@ -49,19 +49,19 @@ const Json* find(const Json& object, const char* key) {
 
 const Json& require(const Json& object, const char* key) {
   const Json* found = find(object, key);
-  if (found == nullptr) refuse(std::string("has no \"") + key + "\" where one is needed");
+  if (found == nullptr) refuse(std::string("has no \"") + key + "\", which is required");
   return *found;
 }
 
 double number(const Json& value, const char* what) {
-  if (!value.is_number()) refuse(std::string("has a \"") + what + "\" that is no number");
+  if (!value.is_number()) refuse(std::string("has a \"") + what + "\" that is not a number");
   return value.get<double>();
 }
 
 std::uint64_t whole_number(const Json& value, const char* what) {
   const double found = number(value, what);
   if (!(found >= 0.0 && found <= kLargestExact) || found != std::floor(found)) {
-    refuse(std::string("has a \"") + what + "\" that is no whole number from 0 up");
+    refuse(std::string("has a \"") + what + "\" that is not an integer from 0 up");
   }
   return static_cast<std::uint64_t>(found);
 }
@@ -138,7 +138,7 @@ EnvManifest read_manifest(const Json& json, const platform::ByteFile& file, std:
   }
   manifest.version = version == kNewestVersion ? 2 : 1;
   if (const Json* type = find(json, "imageType"); type != nullptr && manifest.version == 2) {
-    if (!type->is_string()) refuse("has an \"imageType\" that is no text");
+    if (!type->is_string()) refuse("has an \"imageType\" that is not a string");
     manifest.image_type = type->get<std::string>();
   }
   manifest.width = edge(require(json, "width"), "width", true);
@@ -161,7 +161,7 @@ std::string read_text(platform::ByteFile& file) {
   const std::size_t end = text.find('\0');
   if (end == std::string::npos) {
     throw Flaw{most > kLongestText ? ErrorCode::limit_exceeded : ErrorCode::corrupt_file,
-               "its manifest does not end within " + std::to_string(most) + " bytes"};
+               "its manifest does not end within " + std::to_string(most) + " bytes; export it again"};
   }
   text.resize(end);
   return text;
@@ -200,7 +200,8 @@ bool is_env(platform::ByteFile& file) {
 
 EnvManifest read_env_manifest(platform::ByteFile& file) {
   if (!is_env(file)) {
-    throw platform::file_error(ErrorCode::unsupported_file, file.path(), "is no Babylon.js .env by its first bytes");
+    throw platform::file_error(ErrorCode::unsupported_file, file.path(),
+                               "is not a Babylon.js .env (wrong signature); pass one, or read it as an environment");
   }
   file.seek(kEnvSignature.size());
   try {

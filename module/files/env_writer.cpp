@@ -48,7 +48,7 @@ void encode(Picture& picture, const RgbdEncoder& encoder, const stop_token& stop
 
 void require_finite(const glm::dvec3& value, const char* what) {
   if (std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z)) return;
-  throw Error(ErrorCode::invalid_argument, std::string("the .env's ") + what + " is not finite");
+  throw Error(ErrorCode::invalid_argument, std::string("the .env's ") + what + " is not finite; pass finite values");
 }
 
 void check_polynomial(const BabylonPolynomial& polynomial) {
@@ -62,12 +62,12 @@ void check_irradiance(const BabylonEnvironment& environment) {
   const bool has_texture = environment.irradiance.levels() != 0 || environment.dominant_direction;
   if (has_texture && !environment.polynomial) {
     throw Error(ErrorCode::invalid_argument,
-                "an .env with an irradiance texture has a polynomial too, which Babylon.js reads first; pass one "
+                "the .env has an irradiance texture and no polynomial, which Babylon.js reads first; pass one "
                 "(babylon_polynomial)");
   }
   if (environment.dominant_direction && environment.irradiance.levels() == 0) {
     throw Error(ErrorCode::invalid_argument,
-                "an .env keeps a dominant direction with its irradiance texture alone; pass one, or leave it out");
+                "the .env has a dominant direction and no irradiance texture; pass both, or neither");
   }
 }
 
@@ -75,16 +75,16 @@ void check(const BabylonEnvironment& environment) {
   const Cubemap& chain = environment.specular;
   const int size = chain.size();
   if (size < 1 || !std::has_single_bit(static_cast<unsigned>(size)) || chain.levels() != full_chain_levels(size)) {
-    throw Error(ErrorCode::invalid_argument,
-                "an .env holds a chain whose size is a power of two, down to 1 texel; this one has " +
-                    std::to_string(chain.levels()) + " levels from " + std::to_string(size));
+    throw Error(ErrorCode::invalid_argument, "the chain has " + std::to_string(chain.levels()) + " levels from size " +
+                                                 std::to_string(size) +
+                                                 "; an .env needs a power of two with all levels down to 1 texel");
   }
   if (environment.polynomial) check_polynomial(*environment.polynomial);
   if (environment.dominant_direction) require_finite(*environment.dominant_direction, "dominant direction");
   if (!std::isfinite(environment.lod_generation_scale) || environment.lod_generation_scale < 0.0) {
     throw Error(ErrorCode::invalid_argument, "the .env's lodGenerationScale is " +
                                                  platform::number_text(environment.lod_generation_scale) +
-                                                 "; it is not below 0, and Babylon.js's own is 0.8");
+                                                 "; pass a finite value from 0 up (Babylon.js uses 0.8)");
   }
   check_irradiance(environment);
 }

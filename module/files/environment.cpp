@@ -235,8 +235,8 @@ namespace {
 
 [[noreturn]] void refuse_view(const EnvironmentInfo& info, const char* wanted) {
   throw platform::file_error(ErrorCode::invalid_argument, info.path,
-                             std::string("is held as a ") + name(info.layout) + " (" + info.layout_reason +
-                                 "), and a view of a " + wanted + " was asked for; read it with that layout");
+                             std::string("is a ") + name(info.layout) + " (" + info.layout_reason + "), not a " +
+                                 wanted + "; read it with the layout of a " + wanted);
 }
 
 }  // namespace

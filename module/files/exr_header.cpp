@@ -230,7 +230,7 @@ std::size_t find_part(const ExrParts& parts, const std::filesystem::path& path, 
   }
   if (!parts.multi_part) {
     refuse(path,
-           "has a single part, and part \"" + platform::printable(asked_for) + "\" was asked for; leave --part out");
+           "has a single part, and part \"" + platform::printable(asked_for) + "\" was requested; leave --part out");
   }
   refuse(path, "has no part \"" + platform::printable(asked_for) + "\"; its parts are " + part_list(parts) +
                    ": pass one's name or number with --part");

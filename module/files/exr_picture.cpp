@@ -404,11 +404,11 @@ void require_substance(const EnvironmentInfo& info, const Extent& display, const
 
 void note_windows(EnvironmentInfo& info, const Extent& data, const Extent& display, const Extent& stored) {
   if (stored.texels() < data.texels()) {
-    info.notes.push_back("overscan cut off: the data window of " + text(data) + " reaches over the display window of " +
-                         text(display));
+    info.notes.push_back("overscan cut off: the data window of " + text(data) +
+                         " extends beyond the display window of " + text(display));
   }
   if (stored.texels() < display.texels()) {
-    info.notes.push_back("black where nothing is stored: the data window of " + text(data) +
+    info.notes.push_back("padded with black: the data window of " + text(data) +
                          " does not fill the display window of " + text(display));
   }
 }
@@ -431,7 +431,7 @@ ExrWindows choose_exr_windows(EnvironmentInfo& info, const Imf::Header& header, 
   }
   if (!display_window_is_picture(data, display, asked_for)) {
     info.notes.push_back("the data window of " + text(data_size) +
-                         " is the picture; the display window is not of its size and left out");
+                         " is the image; the display window has another size and is ignored");
     return {data, data};
   }
   const Extent stored = overlap(data, display);

@@ -90,7 +90,8 @@ class Candidates {
       if (is_picture(file, extension) && !entry->is_directory(ignored)) add(file);
     }
     if (failure) {
-      throw platform::file_error(ErrorCode::file_access, place, "cannot be searched for faces: " + failure.message());
+      throw platform::file_error(ErrorCode::file_access, place,
+                                 "cannot be searched for faces (" + failure.message() + "); check its permissions");
     }
     for (auto& [set, faces] : sets_) {
       for (auto& files : faces) std::sort(files.begin(), files.end());
@@ -162,8 +163,8 @@ std::size_t files_in(const SixPaths& paths) {
     missing += (missing.empty() ? "" : ", ") + std::string(kFaceNames[face]) + " (" + wanted + ")";
   }
   throw platform::file_error(ErrorCode::file_access, path,
-                             "is one of six faces of which others are missing beside it: " + missing +
-                                 "; put them there, or see that the six names differ at their ends alone");
+                             "is one of six faces, and others are missing in its folder: " + missing +
+                                 "; put them there, or rename the six so that they differ only at their ends");
 }
 
 SixPaths faces_beside(const Path& path) {
@@ -171,7 +172,7 @@ SixPaths faces_beside(const Path& path) {
   std::error_code ignored;
   const Path directory = path.has_parent_path() ? path.parent_path() : Path(".");
   if (!std::filesystem::exists(sets.empty() ? path : directory, ignored)) {
-    throw platform::file_error(ErrorCode::file_access, path, "there is no such file");
+    throw platform::file_error(ErrorCode::file_access, path, "there is no such file; check the path");
   }
   if (sets.empty()) {
     throw platform::file_error(ErrorCode::unsupported_file, path,
@@ -211,7 +212,7 @@ SixPaths faces_in(const Path& directory) {
   if (whole_sets.empty()) {
     throw platform::file_error(ErrorCode::file_access, directory,
                                std::string("is a directory without six faces of a cube, whose names would end in ") +
-                                   kEnds + "; name a picture in it");
+                                   kEnds + "; name an image in it");
   }
   if (whole_sets.size() > 1) {
     throw platform::file_error(ErrorCode::unsupported_file, directory,
@@ -248,7 +249,7 @@ void require_fitting_faces(const Faces& faces) {
       throw platform::file_error(
           ErrorCode::unsupported_file, info.path,
           "is " + shape(info) +
-              ", and the six faces of a cube are square; if it is no face, pass --layout to say what it "
+              ", and the six faces of a cube are square; if it is not a face, pass --layout to say what it "
               "is");
     }
     if (info.width != first.width) {

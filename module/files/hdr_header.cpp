@@ -136,7 +136,8 @@ int read_extent(const platform::ByteFile& file, std::string_view line, const cha
   long long value = 0;
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure == std::errc::invalid_argument || (failure == std::errc{} && value < 1)) {
-    fail(file, std::string("its Radiance ") + what + " is no positive number, in the resolution line " + quoted(line));
+    fail(file,
+         std::string("its Radiance ") + what + " is not a positive number, in the resolution line " + quoted(line));
   }
   if (failure != std::errc{} || value > maximum) {
     throw platform::file_error(ErrorCode::unsupported_file, file.path(),

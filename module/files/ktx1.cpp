@@ -41,7 +41,7 @@ Header read_header(platform::ByteFile& file) {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
   file.read(bytes.data(), bytes.size());
   if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
-    refuse(file, ErrorCode::corrupt_file, "begins as a KTX file does, and then does not; fetch or export it again");
+    refuse(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
   const auto field = [&bytes](std::size_t index) {
     return platform::read_little_endian<std::uint32_t>(bytes.data() + kIdentifier.size() + 4 * index);
   };
@@ -75,8 +75,8 @@ std::optional<TexelKind> kind_of(const Header& header) {
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
   if (header.order != kOwnOrder)
-    refuse(file, ErrorCode::unsupported_file, "is a KTX file in the other order of bytes; convert it (ktx2ktx2)");
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a volume; cubemaps and pictures are read");
+    refuse(file, ErrorCode::unsupported_file, "is a big-endian KTX file; convert it (ktx2ktx2)");
+  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_of(header)) {
     refuse(file, ErrorCode::unsupported_file,
            "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
@@ -115,9 +115,9 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
     file.read(stated.data(), stated.size());
     if (platform::read_little_endian<std::uint32_t>(stated.data()) != wanted) {
       refuse(file, ErrorCode::corrupt_file,
-             "its level " + std::to_string(level) + " says " +
-                 std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) +
-                 " bytes; its size and format take " + std::to_string(wanted));
+             "its level " + std::to_string(level) + " states " +
+                 std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) + " bytes instead of " +
+                 std::to_string(wanted));
     }
     place += 4;
     TextureLayout::Level found;

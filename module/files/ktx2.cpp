@@ -180,7 +180,7 @@ Header read_header(platform::ByteFile& file) {
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(kKtx2Identifier.size(), file.size()));
   file.read(bytes.data(), known);
   if (std::memcmp(bytes.data(), kKtx2Identifier.data(), known) != 0) {
-    refuse(file, ErrorCode::unsupported_file, "is a KTX texture, but neither of version 1 nor of 2.0");
+    refuse(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
   }
   file.read(bytes.data() + known, bytes.size() - known);
   const auto field = [&bytes](std::size_t index) {
@@ -191,7 +191,7 @@ Header read_header(platform::ByteFile& file) {
 }
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a volume; cubemaps and pictures are read");
+  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_of(kVulkanFormats, header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
@@ -212,7 +212,7 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   const std::uint32_t type_size = ktx2_type_size(*kind_of(kVulkanFormats, header.format));
   if (header.type_size != type_size) {
     refuse(file, ErrorCode::corrupt_file,
-           "its type size is " + std::to_string(header.type_size) + "; its format's is " + std::to_string(type_size));
+           "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
   }
 }
 
@@ -235,12 +235,12 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
   const std::uint64_t wanted = layout.whole_bytes(level);
   if (unpacked != wanted || (!packed && bytes != wanted)) {
     refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes; its size and format take " +
+           "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes instead of " +
                std::to_string(wanted));
   }
   if (packed && most_unpacked(layout.supercompression, bytes) < wanted) {
     refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(bytes) + " packed bytes, which cannot stand for " +
+           "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
                std::to_string(wanted));
   }
   if (packed) {

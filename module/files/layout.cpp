@@ -67,7 +67,7 @@ void require_faces(const EnvironmentInfo& info) {
   for (const CubeShape& cube : kCubeShapes) {
     if (cube.layout == info.layout && face_size(info.layout, info.width, info.height) == 0) {
       refuse(info, shape(info) + " is not a " + cube.ratio + " " + cube.description + " (" + info.layout_reason +
-                       "); pass --layout lat-long if it is one, or export the faces anew");
+                       "); pass --layout lat-long if it is one, or export the faces again");
     }
   }
 }
@@ -98,7 +98,7 @@ void refuse_square(const EnvironmentInfo& info, const std::string& reason) {
 
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header) {
   if (asked_for != Layout::automatic) {
-    settle(info, asked_for, std::string(name(asked_for)) + " was asked for");
+    settle(info, asked_for, std::string(name(asked_for)) + " was requested");
   } else if (stated_by_header) {
     const char* word = *stated_by_header == Layout::lat_long ? "latlong" : "cube";
     settle(info, *stated_by_header, std::string("the header's envmap attribute says ") + word);
@@ -144,7 +144,7 @@ const CubePlacement& cube_placement(Layout layout) {
     case Layout::lat_long: break;
   }
   throw Error(ErrorCode::invalid_argument,
-              std::string("the layout ") + name(layout) + " has no faces; strips, crosses and six files have them");
+              std::string("the layout ") + name(layout) + " has no faces; pass a strip, a cross or six files");
 }
 
 const CubePlacement& openexr_cube_placement() noexcept { return kOpenExrCube; }
@@ -188,7 +188,7 @@ void require_element(const std::filesystem::path& path, int elements, int elemen
   if (element >= 0 && element < elements) return;
   throw platform::file_error(ErrorCode::unsupported_file, path,
                              "has no element " + std::to_string(element) +
-                                 (elements == 1 ? ": it is no array; leave --element out"
+                                 (elements == 1 ? ": it is not an array; leave --element out"
                                                 : "; it has " + std::to_string(elements) + ": pass --element 0 to " +
                                                       std::to_string(elements - 1)));
 }
@@ -196,7 +196,7 @@ void require_element(const std::filesystem::path& path, int elements, int elemen
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options) {
   if (options.layout != Layout::automatic && options.layout != Layout::vertical_strip) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                               std::string("was asked for as a ") + name(options.layout) + ", and " +
+                               std::string("was requested as a ") + name(options.layout) + ", and " +
                                    name(info.format) +
                                    " holds six faces, read as a vertical strip; leave --layout out");
   }

@@ -27,13 +27,13 @@ void check_map(const std::filesystem::path& path, const OctahedralMap& map) {
   const auto refuse = [&path](const std::string& what) {
     throw platform::file_error(ErrorCode::invalid_argument, path, what);
   };
-  if (map.levels.empty()) refuse("cannot be written: the octahedral map has no levels");
+  if (map.levels.empty()) refuse("cannot be written: the octahedral map has no levels; pass a map of to_octahedral");
   for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) {
     const auto edge = static_cast<std::size_t>(std::max(0, map.level_size(level)));
     if (edge == 0 || map.levels[static_cast<std::size_t>(level)].size() != 3 * edge * edge)
       refuse("cannot be written: level " + std::to_string(level) + " of the octahedral map has " +
-             std::to_string(map.levels[static_cast<std::size_t>(level)].size()) + " values; its size takes " +
-             std::to_string(3 * edge * edge));
+             std::to_string(map.levels[static_cast<std::size_t>(level)].size()) + " values instead of " +
+             std::to_string(3 * edge * edge) + "; pass a map of to_octahedral");
   }
 }
 

@@ -47,7 +47,7 @@ std::string read_token(platform::ByteFile& file, const char* what) {
     if (token.size() > kLongestToken) {
       throw platform::file_error(
           ErrorCode::corrupt_file, file.path(),
-          std::string("its PFM header's ") + what + " is no number: \"" + platform::printable(token) + "...\"");
+          std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "...\"");
     }
   }
   return token;
@@ -63,7 +63,7 @@ Number read_number(platform::ByteFile& file, const char* what) {
   if (failure != std::errc{} || stop != end) {
     throw platform::file_error(
         ErrorCode::corrupt_file, file.path(),
-        std::string("its PFM header's ") + what + " is no number: \"" + platform::printable(token) + "\"");
+        std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "\"");
   }
   return value;
 }

@@ -151,7 +151,7 @@ void list_channels(EnvironmentInfo& info, const PngHeader& header) {
   }
   if (header.alpha) {
     info.channels.push_back({"A", type});
-    info.notes.emplace_back("alpha is ignored: colours are taken as they are");
+    info.notes.emplace_back("alpha is ignored");
   }
 }
 
@@ -168,22 +168,22 @@ Transfer decide_transfer(const PngHeader& header, Transfer asked_for, Environmen
     info.notes.emplace_back("its ICC profile is not applied");
   }
   if (asked_for != Transfer::automatic) {
-    info.notes.emplace_back(asked_for == Transfer::linear ? "samples are taken as linear, as was asked for"
-                                                          : "samples are taken as sRGB, as was asked for");
+    info.notes.emplace_back(asked_for == Transfer::linear ? "samples are read as linear, as requested"
+                                                          : "samples are read as sRGB, as requested");
     return asked_for;
   }
   if (says_linear(header)) {
-    info.notes.emplace_back("samples are taken as linear: the gAMA chunk says 1");
+    info.notes.emplace_back("samples are read as linear, because the gAMA chunk is 1");
     return Transfer::linear;
   }
-  std::string reason = header.says_srgb ? ": the sRGB chunk says so" : ": nothing in the file says otherwise";
+  std::string reason = header.says_srgb ? ", as the sRGB chunk states" : ", the default";
   if (header.gamma && !header.says_srgb) {
     const bool close_to_srgb = std::abs(*header.gamma - 1.0 / 2.2) < 0.01;
-    reason = close_to_srgb ? ": the gAMA chunk says nearly so"
+    reason = close_to_srgb ? ", as the gAMA chunk nearly states"
                            : "; its gAMA of " + platform::number_text(*header.gamma) +
                                  " is not applied: convert it if it is right";
   }
-  info.notes.push_back("samples are taken as sRGB" + reason);
+  info.notes.push_back("samples are read as sRGB" + reason);
   return Transfer::srgb;
 }
 

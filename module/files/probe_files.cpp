@@ -97,7 +97,7 @@ void require_files(const ProbeGrid& grid, std::span<const FileInput> cubes, std:
   if (cubes.size() == grid.size() && (depths.empty() || depths.size() == grid.size())) return;
   throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(cubes.size()) + " files of cubemaps and " +
                                                std::to_string(depths.size()) + " of depths for " +
-                                               std::to_string(grid.size()) + " probes");
+                                               std::to_string(grid.size()) + " probes; pass one per probe");
 }
 
 // ---- To files
@@ -237,7 +237,7 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
   const platform::FloatingPointScope floating_point;
   if (path.extension() != ".json") {
     throw platform::file_error(ErrorCode::unsupported_file, path,
-                               "is no name for the description of probes; it must end in .json");
+                               "is not a name for the description of probes; pass one that ends in .json");
   }
   Output output;
   std::uint64_t clamped = 0;

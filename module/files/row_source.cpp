@@ -50,7 +50,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
                                    [&](const Signature& other) { return start.starts_with(other.bytes); });
   const std::string found = start.empty()                ? "is empty"
                             : known != kOtherKinds.end() ? std::string("is ") + known->kind
-                                                         : "is no picture or texture that Welkin reads";
+                                                         : "is not an image or texture that Welkin reads";
   throw platform::file_error(
       ErrorCode::unsupported_file, path,
       found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, KTX, DDS and .env are read: convert it");
@@ -101,10 +101,9 @@ void refuse_other_selections(const EnvironmentInfo& info, const ReadOptions& opt
 
 platform::ByteFile open_file(const FileInput& input) {
   if (!input.faces().empty()) {
-    throw platform::file_error(
-        ErrorCode::invalid_argument, input.path(),
-        "was given with five others as the faces of a cubemap, and one file is wanted here; read "
-        "them with read_environment");
+    throw platform::file_error(ErrorCode::invalid_argument, input.path(),
+                               "is one of six faces of a cubemap, and a single file is needed here; read "
+                               "them with read_environment");
   }
   return platform::ByteFile(input.path(), input.bytes());
 }
@@ -123,15 +122,14 @@ std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOption
 std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options) {
   if (!input.faces().empty()) {
     if (options.layout != Layout::automatic && options.layout != Layout::six_files) {
-      throw platform::file_error(
-          ErrorCode::invalid_argument, input.path(),
-          std::string("was given with five others as the faces of a cubemap, and asked for as a ") +
-              name(options.layout) + "; leave the layout out");
+      throw platform::file_error(ErrorCode::invalid_argument, input.path(),
+                                 std::string("is one of six faces of a cubemap, and was requested as a ") +
+                                     name(options.layout) + "; leave the layout out");
     }
     return open_six_files(input, six_inputs(input), options, "six faces were given");
   }
   if (options.layout == Layout::six_files) {
-    return open_six_files(input, six_inputs(input), options, "six-files was asked for");
+    return open_six_files(input, six_inputs(input), options, "six-files was requested");
   }
   std::error_code ignored;
   if (options.layout == Layout::automatic && !input.bytes() && std::filesystem::is_directory(input.path(), ignored)) {

@@ -27,7 +27,9 @@ using platform::ByteFile;
 using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
-constexpr std::uint32_t kVersion = 7;
+// Tables are results, whose bits may change with every minor version of the library; the last two digits count changes
+// of the form.
+constexpr std::uint32_t kVersion = 10'000 * WELKIN_VERSION_MAJOR + 100 * WELKIN_VERSION_MINOR + 7;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;
@@ -111,7 +113,7 @@ class Reader {
     if (value > most) {
       throw file_error(
           ErrorCode::corrupt_file, path_,
-          "states " + std::to_string(value) + " " + what + ", at most " + std::to_string(most) + " are there");
+          "states " + std::to_string(value) + " " + what + ", more than the limit of " + std::to_string(most));
     }
     return value;
   }
@@ -172,7 +174,7 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
   tables.options.layout = static_cast<ScatteringLayout>(layout);
   tables.options.colour = static_cast<SkyColour>(colour);
   tables.options.exact_orders = exact_orders != 0;
-  if (!reader.at_end()) throw file_error(ErrorCode::corrupt_file, path, "its parameters go on after their end");
+  if (!reader.at_end()) throw file_error(ErrorCode::corrupt_file, path, "has bytes after its parameters");
   try {
     check(tables.atmosphere);
     sky::check_options(tables.options);
@@ -180,7 +182,7 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
     throw file_error(ErrorCode::corrupt_file, path, error.what());
   }
   if (tables.orders < 1 || tables.orders > tables.options.orders || !std::isfinite(tables.last_change)) {
-    throw file_error(ErrorCode::corrupt_file, path, "states orders that were never computed");
+    throw file_error(ErrorCode::corrupt_file, path, "states more orders than were computed");
   }
   return tables;
 }
@@ -220,7 +222,8 @@ void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
   std::uint64_t following = sizeof(std::uint32_t) + stated.size();
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t count) {
     if (values.size() != count) {
-      throw Error(ErrorCode::invalid_argument, "sky tables whose sizes are not those of their options cannot be saved");
+      throw Error(ErrorCode::invalid_argument,
+                  "the sizes of the sky tables differ from their options; pass tables of precompute_sky");
     }
     following += values.size() * sizeof(float);
   });
@@ -262,7 +265,7 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   if (version != kVersion) {
     throw file_error(ErrorCode::unsupported_file, path,
                      "has version " + std::to_string(version) + " of the format, this library reads version " +
-                         std::to_string(kVersion) + "; compute it anew");
+                         std::to_string(kVersion) + "; compute it again");
   }
   const auto wanted = platform::read_little_endian<std::uint32_t>(start.data() + 12);
   const auto following = platform::read_little_endian<std::uint64_t>(start.data() + 16);
@@ -270,7 +273,7 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   if (following != file.size() - kHeaderBytes) {
     throw file_error(ErrorCode::corrupt_file, path,
                      "states " + std::to_string(following) + " bytes after its header, " +
-                         std::to_string(file.size() - kHeaderBytes) + " are there: cut off, or grown");
+                         std::to_string(file.size() - kHeaderBytes) + " are there");
   }
   if (stated > kMostParameterBytes || stated > following - sizeof stated) {
     throw file_error(ErrorCode::corrupt_file, path, "states more bytes of parameters than there are");
@@ -282,7 +285,7 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   SkyTables tables = read_parameters(bytes, path);
   const std::uint64_t size = sky::result_bytes(tables.atmosphere, tables.options);
   if (size != following - sizeof stated - stated) {
-    throw file_error(ErrorCode::corrupt_file, path, "its tables are not of the size that its options give");
+    throw file_error(ErrorCode::corrupt_file, path, "its tables do not have the size of its options");
   }
   if (size > memory_limit_bytes) {
     throw file_error(ErrorCode::limit_exceeded, path,
@@ -291,10 +294,10 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   }
   for_each_table(tables,
                  [&](std::vector<float>& values, std::uint64_t count) { read_table(file, values, count, sum); });
-  if (sum != wanted) throw file_error(ErrorCode::corrupt_file, path, "its checksum differs: it was damaged");
+  if (sum != wanted) throw file_error(ErrorCode::corrupt_file, path, "its checksum differs");
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
     if (!sound(values)) {
-      throw file_error(ErrorCode::corrupt_file, path, "holds values that are negative or no numbers");
+      throw file_error(ErrorCode::corrupt_file, path, "holds values that are negative or not finite");
     }
   });
   tables.passes = {{"scattering", PassAction::reuse, "read from a file", 0.0}};

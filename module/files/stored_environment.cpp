@@ -119,7 +119,7 @@ StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& r
     look_into_texture(stored);
   if (content != LevelContent::automatic && stored.levels > 1) {
     if (content != LevelContent::reflections && !stored.roughness.empty()) {
-      stored.info.notes.emplace_back("its roughness is not used: its levels are to be taken for no reflections");
+      stored.info.notes.emplace_back("its roughness is not used, because its levels are read as radiance");
     }
     stored.content = content;
   }
@@ -171,18 +171,17 @@ baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds
 
 bool wants_pixels(const Plan& plan) {
   if (plan.take_specular) return true;  // of the chain itself
-  return plan.pass("clean").action != PassAction::skip || plan.pass("project").action == PassAction::run;
+  return plan.pass("sanitize").action != PassAction::skip || plan.pass("project").action == PassAction::run;
 }
 
 /// Nothing but a projection, or less. (What reads a file for its light alone takes a stored polynomial, asked or not.)
 bool streams(const StoredEnvironment& file, const Plan& plan) {
-  if (plan.pass("clean").action != PassAction::skip || plan.take_specular) return false;
+  if (plan.pass("sanitize").action != PassAction::skip || plan.take_specular) return false;
   return plan.take_light || !file.has_polynomial || plan.pass("project").action == PassAction::skip;
 }
 
 PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan) {
-  if (!wants_pixels(plan))
-    return {kRead, PassAction::skip, "no pass wants pixels; the header has all that is needed", 0};
+  if (!wants_pixels(plan)) return {kRead, PassAction::skip, "no pass needs pixels; the header suffices", 0};
   auto texels = static_cast<double>(file.shape.texels());
   if (plan.take_specular || plan.take_levels) texels *= 4.0 / 3.0;
   if (plan.streams) return {kRead, PassAction::run, "projected while it is read", 0};

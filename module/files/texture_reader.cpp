@@ -153,7 +153,7 @@ TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
   if (is_ktx(start)) return read_ktx2_layout(file, element);
   if (is_dds(start)) return read_dds_layout(file, element);
   throw platform::file_error(ErrorCode::unsupported_file, file.path(),
-                             "is no KTX2, KTX or DDS texture by its first bytes");
+                             "is not a KTX2, KTX or DDS texture (unknown signature); pass one of those");
 }
 
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
@@ -182,7 +182,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
     }
     const int most = full_chain_levels(static_cast<int>(std::max(width, height)));
     if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
-      refuse(ErrorCode::corrupt_file, "says that it has " + std::to_string(levels) + " levels; from " + shape +
+      refuse(ErrorCode::corrupt_file, "states " + std::to_string(levels) + " levels; from " + shape +
                                           " texels down there can be 1 to " + std::to_string(most));
     }
     layout.height = static_cast<int>(height);
@@ -207,7 +207,7 @@ void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, st
   }
   const int most = full_chain_levels(static_cast<int>(width));
   if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
-    refuse(ErrorCode::corrupt_file, "says that it has " + std::to_string(levels) + " levels; from " + shape +
+    refuse(ErrorCode::corrupt_file, "states " + std::to_string(levels) + " levels; from " + shape +
                                         " texels down there can be 1 to " + std::to_string(most));
   }
 }
@@ -432,12 +432,12 @@ TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& inf
   if (!with_alpha && kind != TexelKind::rgb8 && kind != TexelKind::rgb8_srgb) return kind;
   if (asked_for == Transfer::automatic) {
     info.notes.emplace_back(kind == TexelKind::rgba8 || kind == TexelKind::rgb8
-                                ? "samples are taken as linear: the format says so"
-                                : "samples are taken as sRGB: the format says so");
+                                ? "samples are read as linear, as the format states"
+                                : "samples are read as sRGB, as the format states");
     return kind;
   }
-  info.notes.emplace_back(asked_for == Transfer::linear ? "samples are taken as linear, as was asked for"
-                                                        : "samples are taken as sRGB, as was asked for");
+  info.notes.emplace_back(asked_for == Transfer::linear ? "samples are read as linear, as requested"
+                                                        : "samples are read as sRGB, as requested");
   if (with_alpha) return asked_for == Transfer::linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
   return asked_for == Transfer::linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
 }
@@ -478,7 +478,7 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
                      orientation->second.starts_with("S=r,T=d");  // of the first version
   if (!usual) {
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
-                         "\" is not applied: rows are taken from the top");
+                         "\" is not applied: rows are read from the top");
   }
   auto source = std::make_unique<TextureSource>(std::move(info), input_of(file), std::move(layout), options.level);
   return source;
@@ -495,7 +495,7 @@ CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_b
   if (layout.faces() != 6 || layout.elements > 1) {
     throw platform::file_error(ErrorCode::unsupported_file, input.path(),
                                layout.faces() != 6
-                                   ? "is no cubemap, but a picture; read it as an environment (read_environment)"
+                                   ? "is not a cubemap; read it as an environment (read_environment)"
                                    : "is an array of " + std::to_string(layout.elements) +
                                          " cubemaps; read one as an environment (ReadOptions::element)");
   }

@@ -65,7 +65,7 @@ void check_options(const std::filesystem::path& path, const Container& container
   // A number from elsewhere that was cast.
   if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::astc_6x6_hdr ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
-    refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
+    refuse("cannot be written in an unknown format or supercompression; pass one of the enumerators");
   }
   const TexelKind kind = kind_of(options.format);
   if (is_astc(kind) && !container.astc) {
@@ -80,7 +80,7 @@ void check_options(const std::filesystem::path& path, const Container& container
     refuse(std::string("cannot hold ") + name(kind) + "; pass rgba16f or rgba32f, or write .ktx2");
   }
   if (options.supercompression != Supercompression::none && !container.supercompression) {
-    refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
+    refuse("cannot be supercompressed; pass none, or write .ktx2");
   }
   if (options.supercompression != Supercompression::none) {
     require_codec(codec_of(options.supercompression), path, "leave the supercompression out");

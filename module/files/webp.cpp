@@ -10,7 +10,8 @@ void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba) {
   if (WebPGetFeatures(picture.bytes.data(), picture.bytes.size(), &features) != VP8_STATUS_OK) {
     picture.refuse(ErrorCode::corrupt_file, "is a damaged WebP; fetch or export the file again");
   }
-  if (features.has_animation != 0) picture.refuse(ErrorCode::unsupported_file, "is an animated WebP");
+  if (features.has_animation != 0)
+    picture.refuse(ErrorCode::unsupported_file, "is an animated WebP; export it as a still image");
   picture.require_size(static_cast<std::uint64_t>(features.width), static_cast<std::uint64_t>(features.height));
   const std::size_t row_bytes = std::size_t{4} * static_cast<std::size_t>(picture.size);
   const std::size_t bytes = row_bytes * static_cast<std::size_t>(picture.size);

@@ -73,7 +73,7 @@ SampleType type_for(const Format& format, SampleType asked_for, const std::files
   if (asked_for == SampleType::automatic) return format.types.front();
   const bool known = std::find(format.types.begin(), format.types.end(), asked_for) != format.types.end();
   if (!known) {
-    throw file_error(ErrorCode::invalid_argument, path, std::string("cannot hold that type: ") + format.types_in_words);
+    throw file_error(ErrorCode::invalid_argument, path, std::string("cannot hold that type; ") + format.types_in_words);
   }
   return asked_for;
 }

@@ -79,8 +79,8 @@ void octahedral::check_options(const OctahedralOptions& options, int most_levels
            "; both must be multiples of " + std::to_string(step));
   }
   if (options.size <= 2 * border) {
-    refuse("an octahedral map of " + std::to_string(options.size) + " texels has no room inside borders of " +
-           std::to_string(border));
+    refuse("an octahedral map of " + std::to_string(options.size) + " texels is all border (" + std::to_string(border) +
+           " on each side); pass a larger size or a smaller border");
   }
 }
 

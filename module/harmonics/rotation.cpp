@@ -77,7 +77,8 @@ SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn
   if (!(off <= kOrthogonalWithin)) {
     throw Error(ErrorCode::invalid_argument,
                 "the matrix is not orthogonal: its columns' products are off those of unit axes by up to " +
-                    platform::number_text(off) + " (1e-6 is allowed); scaling and shearing are no turns of light");
+                    platform::number_text(off) +
+                    " (1e-6 is allowed); pass a rotation or mirror without scale and shear");
   }
   // What is off would grow with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
   // (Bjorck and Bowie 1971); twice is enough from 1e-6, and an exact matrix stays as it is.

@@ -48,8 +48,8 @@ void evaluate_basis(const glm::dvec3& direction, int bands, std::span<double> va
   const platform::FloatingPointScope floating_point;
   const std::size_t count = checked_coefficient_count(bands);
   if (values.size() < count) {
-    throw Error(ErrorCode::invalid_argument, "room for " + std::to_string(values.size()) + " basis values; " +
-                                                 std::to_string(bands) + " bands have " + std::to_string(count));
+    throw Error(ErrorCode::invalid_argument, "values has " + std::to_string(values.size()) + " elements; " +
+                                                 std::to_string(bands) + " bands need " + std::to_string(count));
   }
   const glm::dvec3 unit = math::as_unit_direction(direction, "direction");
   math::evaluate_basis(unit.x, unit.y, unit.z, bands, values.data());

@@ -390,7 +390,8 @@ std::vector<double> bc6h_errors(const Bc6hCubemap& cubemap, std::span<const Cube
   image::check_chain(mips);
   check(cubemap);
   if (mips.size() != cubemap.levels.size() || mips.front().size != cubemap.levels.front().size) {
-    throw Error(ErrorCode::invalid_argument, "the chain and the BC6H cubemap are not of the same size and levels");
+    throw Error(ErrorCode::invalid_argument,
+                "the chain and the BC6H cubemap differ in size or levels; pass the chain that was encoded");
   }
   const Cubemap decoded = decode_bc6h(cubemap, {control.stop, {}});
   std::vector<double> squares(6 * mips.size());

@@ -260,7 +260,7 @@ double texels_of_level(const Cubemap& chain, int level) {
 
 void fill_mips(Cubemap& chain, MipFilter filter, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  if (chain.levels() == 0) throw Error(ErrorCode::invalid_argument, "the chain has no levels to fill");
+  if (chain.levels() == 0) throw Error(ErrorCode::invalid_argument, "the chain has no levels; pass one with a size");
   double total = 0.0;
   for (int level = 0; level + 1 < chain.levels(); ++level) total += texels_of_level(chain, level);
   double done = 0.0;

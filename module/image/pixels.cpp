@@ -274,7 +274,7 @@ std::size_t channel_bytes(PixelFormat format) {
 }
 
 void require_pixels(const std::string& what, const void* pixels, PixelFormat format) {
-  if (pixels == nullptr) refuse(what + " has no pixels: its pointer is null");
+  if (pixels == nullptr) refuse(what + " has no pixels: its pointer is null; pass the address of its first texel");
   if (reinterpret_cast<std::uintptr_t>(pixels) % channel_bytes(format) != 0) {
     refuse(what + " is not aligned to its channels, which take " + std::to_string(channel_bytes(format)) +
            " bytes each");
@@ -284,10 +284,12 @@ void require_pixels(const std::string& what, const void* pixels, PixelFormat for
 void require_stride(std::ptrdiff_t stride, int width, PixelFormat format) {
   const auto row = static_cast<std::ptrdiff_t>(bytes_per_texel(format)) * width;
   if (row == 0)
-    refuse("the pixel format " + std::to_string(static_cast<int>(format)) + " is not one that Welkin knows");
+    refuse("the pixel format " + std::to_string(static_cast<int>(format)) +
+           " is unknown; pass an enumerator of PixelFormat");
   if (stride == 0) return;
   if (std::abs(stride) < row) {
-    refuse("row_stride_bytes is " + std::to_string(stride) + ", less than a row of " + std::to_string(row) + " bytes");
+    refuse("row_stride_bytes is " + std::to_string(stride) + ", less than a row of " + std::to_string(row) +
+           " bytes; pass 0 for packed rows, or at least that");
   }
   if (stride % static_cast<std::ptrdiff_t>(channel_bytes(format)) != 0) {
     refuse("row_stride_bytes is " + std::to_string(stride) + ", which leaves rows unaligned to their channels of " +

@@ -147,24 +147,24 @@ std::uint64_t rounded_up(std::uint64_t value, std::uint64_t alignment) {
 void check(int size, const CubemapTarget& to) {
   const std::uint64_t texel = bytes_of_texel(to.format);
   if (texel == 0) {
-    throw Error(ErrorCode::invalid_argument,
-                "the texel format " + std::to_string(static_cast<int>(to.format)) + " is not one that Welkin knows");
+    throw Error(ErrorCode::invalid_argument, "the texel format " + std::to_string(static_cast<int>(to.format)) +
+                                                 " is unknown; pass an enumerator of TexelFormat");
   }
   if (to.size != size) {
     throw Error(ErrorCode::invalid_argument, "the target's faces have " + std::to_string(to.size) +
-                                                 " texels along an edge, and the cubemap's have " +
-                                                 std::to_string(size));
+                                                 " texels per edge; the cubemap needs " + std::to_string(size));
   }
   for (std::size_t face = 0; face < to.faces.size(); ++face) {
     if (to.faces[face] == nullptr)
-      throw Error(ErrorCode::invalid_argument, "face " + std::to_string(face) + " of the target is a null pointer");
+      throw Error(ErrorCode::invalid_argument,
+                  "face " + std::to_string(face) + " of the target is null; pass its memory");
   }
   const std::uint64_t row = texel * static_cast<std::uint64_t>(to.size);
   const auto stride = static_cast<std::uint64_t>(to.row_stride_bytes);
   const std::uint64_t pitch = to.row_stride_bytes < 0 ? 0 - stride : stride;
   if (pitch != 0 && pitch < row) {
     throw Error(ErrorCode::invalid_argument, "the target's rows are " + std::to_string(pitch) +
-                                                 " bytes apart, and a row takes " + std::to_string(row));
+                                                 " bytes apart; pass at least " + std::to_string(row));
   }
 }
 
@@ -266,7 +266,7 @@ void image::check_chain_targets(const char* what, int size, int levels, std::spa
   if (static_cast<std::size_t>(levels) != targets.size()) {
     throw Error(ErrorCode::invalid_argument, "the " + std::string(what) + " has " + std::to_string(levels) +
                                                  (levels == 1 ? " level" : " levels") + ", and there are " +
-                                                 std::to_string(targets.size()) + " targets");
+                                                 std::to_string(targets.size()) + " targets; pass one per level");
   }
   for (std::size_t level = 0; level < targets.size(); ++level) check(std::max(1, size >> level), targets[level]);
 }
@@ -304,7 +304,8 @@ std::vector<CubemapTarget> upload_targets(const UploadLayout& layout, std::span<
   const std::uint64_t bytes = upload_bytes(layout);
   if (memory.size() < bytes) {
     throw Error(ErrorCode::invalid_argument, "the layout takes " + std::to_string(bytes) +
-                                                 " bytes, and the memory has " + std::to_string(memory.size()));
+                                                 " bytes, and the memory has " + std::to_string(memory.size()) +
+                                                 "; pass upload_bytes(layout)");
   }
   std::vector<CubemapTarget> targets(static_cast<std::size_t>(layout.levels));
   lay_out(layout, [&](int level, int face, const Placement& placement) {

@@ -15,16 +15,17 @@ void require_regular_file(const std::filesystem::path& path) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(reachable(path), failure);
   if (status.type() == std::filesystem::file_type::not_found) {
-    throw file_error(ErrorCode::file_access, path, "there is no such file");
+    throw file_error(ErrorCode::file_access, path, "there is no such file; check the path");
   }
   if (failure) {
-    throw file_error(ErrorCode::file_access, path, "cannot be looked at: " + failure.message());
+    throw file_error(ErrorCode::file_access, path,
+                     "cannot be accessed (" + failure.message() + "); check its permissions");
   }
   if (status.type() == std::filesystem::file_type::directory) {
-    throw file_error(ErrorCode::file_access, path, "is a directory; name a picture in it");
+    throw file_error(ErrorCode::file_access, path, "is a directory; name an image in it");
   }
   if (status.type() != std::filesystem::file_type::regular) {
-    throw file_error(ErrorCode::file_access, path, "is not a regular file; copy what it yields to a file first");
+    throw file_error(ErrorCode::file_access, path, "is not a regular file; copy its contents to a file first");
   }
 }
 
@@ -36,12 +37,13 @@ class Stream final : public DiskFile {
     stream_.open(reachable(path), std::ios::binary);
     if (!stream_) {
       const std::string reason = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
-      throw file_error(ErrorCode::file_access, path, "cannot be opened: " + reason);
+      throw file_error(ErrorCode::file_access, path, "cannot be opened (" + reason + "); check its permissions");
     }
     std::error_code failure;
     size_ = std::filesystem::file_size(reachable(path), failure);
     if (failure) {
-      throw file_error(ErrorCode::file_access, path, "its size cannot be found: " + failure.message());
+      throw file_error(ErrorCode::file_access, path,
+                       "its size cannot be determined (" + failure.message() + "); check its permissions");
     }
   }
 

@@ -22,7 +22,7 @@ ByteFile::ByteFile(std::filesystem::path path, std::optional<std::span<const std
 void ByteFile::read(void* bytes, std::size_t count) {
   if (count > remaining()) {
     throw file_error(ErrorCode::corrupt_file, path_,
-                     "ends too early: " + std::to_string(count) + " bytes are wanted at " + std::to_string(position_) +
+                     "ends too early: " + std::to_string(count) + " bytes are needed at " + std::to_string(position_) +
                          ", the file has " + std::to_string(size_) + " in all; fetch or export it again");
   }
   if (!memory_) {
@@ -94,7 +94,8 @@ std::filesystem::path path_of(std::string_view utf8) {
 }
 
 Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message) {
-  return {code, without_controls(utf8(path)) + ": " + message};
+  const bool lacks_remedy = code == ErrorCode::corrupt_file && message.find("; ") == std::string::npos;
+  return {code, without_controls(utf8(path)) + ": " + message + (lacks_remedy ? "; fetch or export it again" : "")};
 }
 
 std::string printable(const std::string& text) {

@@ -83,7 +83,8 @@ class ByteFile {
 /// U+009F), those that turn the direction of text, and bytes that are no UTF-8.
 [[nodiscard]] std::string without_controls(std::string_view text);
 
-/// An `Error` whose message begins with the file's name, without control characters.
+/// Returns an `Error` whose message begins with the file's name, without control characters. A message about a corrupt
+/// file that names no remedy (after "; ") is given one.
 [[nodiscard]] Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message);
 
 /// Text out of a file, fit for a message: control and non-ASCII characters become '?', at most 200 characters.

@@ -43,7 +43,8 @@ void check_depths(std::span<const DepthView> depths) {
                std::to_string(depths[0].size) + "; all must have as many");
       }
       for (std::size_t face = 0; face < 6; ++face) {
-        if (depths[k].faces[face] == nullptr) refuse("face " + std::to_string(face) + " of its depths is null");
+        if (depths[k].faces[face] == nullptr)
+          refuse("face " + std::to_string(face) + " of its depths is null; pass the address of its first texel");
       }
       const std::ptrdiff_t stride = std::abs(depths[k].row_stride_bytes);
       const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * depths[k].size;
@@ -57,7 +58,8 @@ void check_depths(std::span<const DepthView> depths) {
 
 void require_count(const char* name, std::size_t is, std::size_t must_be) {
   if (is == must_be) return;
-  refuse(std::string(name) + ": there are " + std::to_string(is) + " for " + std::to_string(must_be) + " probes");
+  refuse(std::string(name) + ": there are " + std::to_string(is) + " for " + std::to_string(must_be) +
+         " probes; pass one per probe");
 }
 
 double smallest_spacing(const ProbeGrid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
@@ -119,7 +121,9 @@ class Capture {
                     });
     for (std::size_t k = 0; k < depths_.size(); ++k) {
       if (into_.validity[k] < 0.0F) {
-        throw Error(ErrorCode::rejected_pixel, "probe " + std::to_string(k) + ": a depth is NaN");
+        throw Error(
+            ErrorCode::rejected_pixel,
+            "probe " + std::to_string(k) + ": a depth is NaN; pass infinity where only the environment is visible");
       }
       into_.passes[k] = static_cast<double>(into_.validity[k]) < options_.valid_share ? probes::kUnfilled : 0;
     }

@@ -32,7 +32,7 @@ class Stopwatch {
 };
 
 void check_chain(std::span<const CubemapView> mips) {
-  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain is empty; pass at least the full size");
   for (std::size_t level = 0; level < mips.size(); ++level) {
     image::check_view(mips[level]);
     if (level == 0) continue;

@@ -179,9 +179,9 @@ class ManyProjections {
         functions_(static_cast<std::size_t>(options.bands) * static_cast<std::size_t>(options.bands)),
         small_(options, probes.size() >= kMany) {
     if (coefficients.size() / functions_ < probes.size()) {
-      throw Error(ErrorCode::invalid_argument, "room for " + std::to_string(coefficients.size()) + " coefficients; " +
-                                                   std::to_string(probes.size()) + " probes of " +
-                                                   std::to_string(options.bands) + " bands have " +
+      throw Error(ErrorCode::invalid_argument, "coefficients has " + std::to_string(coefficients.size()) +
+                                                   " elements; " + std::to_string(probes.size()) + " probes of " +
+                                                   std::to_string(options.bands) + " bands need " +
                                                    std::to_string(functions_ * probes.size()));
     }
     for (std::size_t k = 0; k < probes.size(); ++k) {

@@ -92,7 +92,7 @@ class BrightLights {
 
   struct Node {
     std::array<double, 3> centre{};
-    double radius = 0.0;  ///< of a ball about the centre with all of its light in it
+    double radius = 0.0;  ///< of a sphere around the centre that holds all of its light
     double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
     std::array<int, 2> children{-1, -1};
     LobeRun smooth{};

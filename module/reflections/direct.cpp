@@ -202,7 +202,8 @@ std::vector<glm::dvec3> reference_specular(const EnvironmentView& source, double
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   if (!(roughness >= 0.0 && roughness <= 1.0)) {
-    throw Error(ErrorCode::invalid_argument, "roughness " + platform::number_text(roughness) + " is not from 0 to 1");
+    throw Error(ErrorCode::invalid_argument,
+                "roughness " + platform::number_text(roughness) + " is out of range; pass 0 to 1");
   }
   const std::vector<glm::dvec3> units = reflections::unit_directions(directions);
   const projection::SanitizedSource texels(source, {}, {control.stop, {}});

@@ -41,7 +41,7 @@ void check_error_bound(const char* what, double value, double least, PrefilterMe
 void check_lobe(const PrefilterOptions& options) {
   if (static_cast<int>(options.lobe) < 0 || options.lobe > LobeFamily::spectra) {
     refuse(ErrorCode::invalid_argument,
-           "the lobe " + std::to_string(static_cast<int>(options.lobe)) + " is not one that Welkin knows");
+           "the lobe " + std::to_string(static_cast<int>(options.lobe)) + " is unknown; pass one of the enumerators");
   }
   if ((options.lobe == LobeFamily::spectra) == !options.spectra.empty()) return;
   refuse(ErrorCode::invalid_argument, options.spectra.empty()
@@ -457,8 +457,8 @@ void plan_family(const PrefilterOptions& options, const std::vector<double>& rou
 PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
   if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
-    refuse(ErrorCode::invalid_argument,
-           "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
+    refuse(ErrorCode::invalid_argument, "the method " + std::to_string(static_cast<int>(options.method)) +
+                                            " is unknown; pass one of the enumerators");
   }
   check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
   if (options.maximum_error)
@@ -520,8 +520,8 @@ const char* name(Quality quality) noexcept {
 
 PrefilterOptions PrefilterOptions::at(Quality quality) {
   if (static_cast<int>(quality) < 0 || quality > Quality::reference) {
-    reflections::refuse(ErrorCode::invalid_argument,
-                        "the quality " + std::to_string(static_cast<int>(quality)) + " is not one that Welkin knows");
+    reflections::refuse(ErrorCode::invalid_argument, "the quality " + std::to_string(static_cast<int>(quality)) +
+                                                         " is unknown; pass one of the enumerators");
   }
   PrefilterOptions options;
   if (quality == Quality::fast) options.rms_error = 1e-2;

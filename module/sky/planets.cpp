@@ -147,8 +147,8 @@ AerosolModel aerosol_model(AerosolKind kind) {
       return {.optical_depth = 0.5, .angstrom_exponent = 0.2, .single_scattering_albedo = 0.944, .asymmetry = 0.752};
     case AerosolKind::polluted: return {.optical_depth = 0.327, .single_scattering_albedo = 0.8925};
   }
-  throw Error(ErrorCode::invalid_argument,
-              "the kind of aerosol " + std::to_string(static_cast<int>(kind)) + " is not one that Welkin knows");
+  throw Error(ErrorCode::invalid_argument, "the kind of aerosol " + std::to_string(static_cast<int>(kind)) +
+                                               " is unknown; pass an enumerator of AerosolKind");
 }
 
 Atmosphere with_aerosol(Atmosphere atmosphere, const AerosolModel& aerosol) {

@@ -513,8 +513,8 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
 void check_room(std::size_t room, int bands) {
   const auto needed = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
   if (room >= needed) return;
-  throw Error(ErrorCode::invalid_argument, "sky harmonics: room for " + std::to_string(room) + " coefficients; " +
-                                               std::to_string(bands) + " bands have " + std::to_string(needed));
+  throw Error(ErrorCode::invalid_argument, "sky harmonics: coefficients has " + std::to_string(room) + " elements; " +
+                                               std::to_string(bands) + " bands need " + std::to_string(needed));
 }
 
 }  // namespace welkin::sky

@@ -52,7 +52,7 @@ void check_tables(const SkyTables& tables) {
 }
 
 const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
-  if (!tables) refuse("there are no tables; precompute_sky or load_sky_tables makes them");
+  if (!tables) refuse("tables is null; pass those of precompute_sky or load_sky_tables");
   if (!(altitude_m >= 0.0 && altitude_m <= kHighest)) {
     refuse("the altitude is " + platform::number_text(altitude_m) + " m; it must be from 0 to 1e9");
   }
@@ -95,7 +95,7 @@ glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun)
 
 void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& sun, std::span<glm::vec3> rgb) const {
   if (rgb.size() < directions.size()) {
-    refuse("there is room for " + std::to_string(rgb.size()) + " radiances of " + std::to_string(directions.size()) +
+    refuse("rgb has " + std::to_string(rgb.size()) + " elements for " + std::to_string(directions.size()) +
            " directions");
   }
   const sky::ViewKernels& kernels = sky::view_kernels();

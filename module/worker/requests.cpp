@@ -41,7 +41,8 @@ const std::shared_ptr<const Type>& checked(const std::shared_ptr<const Type>& po
 }
 
 const CubemapView& first_of(const std::vector<CubemapView>& mips) {
-  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "a source's mip chain is empty");
+  if (mips.empty())
+    throw Error(ErrorCode::invalid_argument, "a source's mip chain is empty; pass at least the full size");
   return mips.front();
 }
 

@@ -51,10 +51,10 @@ std::atomic<std::int64_t> sound_process{platform::process_number()};
 void require_no_lost_locks() {
   if (sound_process == platform::process_number()) return;
   if (jobs::activities != 0) {
-    throw Error(
-        ErrorCode::stopped,
-        "this process was forked while its parent had a worker or a call of it computed, whose locks nobody opens "
-        "here; fork before workers are made or after they are gone, or run another program (exec)");
+    throw Error(ErrorCode::stopped,
+                "this process was forked while its parent had a worker or a call of it computed, whose locks are "
+                "never released here; fork before workers are created or after they are destroyed, or run another "
+                "program (exec)");
   }
   sound_process = platform::process_number();
 }

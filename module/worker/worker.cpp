@@ -22,7 +22,7 @@ const char* what_happened(ErrorCode reason) noexcept {
     case ErrorCode::queue_full: return "the worker is at its limit of jobs or bytes in flight (WorkerOptions)";
     case ErrorCode::stopped: return "the worker was terminated";
     case ErrorCode::limit_exceeded: return "the request alone takes more than the worker's max_bytes (WorkerOptions)";
-    default: return "given up";
+    default: return "cancelled";
   }
 }
 
@@ -63,7 +63,8 @@ void throw_error_of(const JobRecord& job) {
 }
 
 void throw_taken() {
-  throw Error(ErrorCode::invalid_argument, "the job's result was taken before, or there is no job");
+  throw Error(ErrorCode::invalid_argument,
+              "the job's result was taken before, or there is no job; check valid() first");
 }
 
 }  // namespace detail

@@ -13,7 +13,7 @@ from conan.tools.files import copy
 
 class WelkinConan(ConanFile):
     name = "welkin"
-    version = "0.1.0"
+    version = "0.2.0"
     license = "MIT"
     description = "Environments to light, on the CPU"
     topics = ("graphics", "image-based-lighting", "spherical-harmonics", "sky")

@@ -47,10 +47,10 @@ namespace {
 
 double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
 
-/// "normal, 1.00 bytes a texel"
+/// "normal, 1.00 bytes per texel"
 std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubemap& chain) {
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%s, %.2f bytes a texel", way.effort,
+  std::snprintf(text.data(), text.size(), "%s, %.2f bytes per texel", way.effort,
                 static_cast<double>(file_bytes) / texels_of(chain));
   return text.data();
 }
@@ -92,12 +92,13 @@ std::vector<Measurement> measure(const PassContext& context) {
 }  // namespace
 
 std::vector<PassRunner> block_passes() {
-  return {{{"blocks", "A chain of reflections in few bytes",
-            "A prefiltered chain is written to a KTX2 in memory, by formats of 4 bytes a texel, 1, and 4/9 (ASTC 6x6).",
-            "Of each channel value the difference over the value, over 2^-14 where that is more. rms and the largest, "
-            "over all levels."},
-           2.0,
-           measure}};
+  return {
+      {{"blocks", "Compressed specular chains",
+        "A prefiltered chain is written to a KTX2 in memory, in formats of 4, 1 and 4/9 (ASTC 6x6) bytes per texel.",
+        "Of each channel value the difference over the value, over 2^-14 where that is more. rms and the largest, "
+        "over all levels."},
+       2.0,
+       measure}};
 }
 
 }  // namespace welkin::report

@@ -100,9 +100,10 @@ std::vector<Measurement> by_size(const PassContext& context, BrdfModel model) {
 PassRunner runner(const char* id, const char* title, const char* holds, BrdfModel model) {
   return {{id, title,
            std::string("A table of ") + holds +
-               ", without sheen, made anew. Its error is that of looking it up with linear interpolation. Of cmgen the "
-               "whole process counts.",
-           "rms: of the difference over that of the truth. Maximum: the largest difference."},
+               ", without sheen and without a cache. The error is that of linear lookups. For cmgen, the time is that "
+               "of the "
+               "whole process.",
+           "rms: rms of the difference over that of the reference. Maximum: largest difference."},
           1.0,
           [model](const PassContext& context) { return by_size(context, model); }};
 }

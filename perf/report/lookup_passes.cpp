@@ -67,7 +67,8 @@ std::vector<PassRunner> lookup_passes() {
   return {{{"lookups", "Reflections as a shader reads them",
             "A specular chain from a Radiance .hdr file, reading included, that is read as the engine's shader does: "
             "bilinearly within a mip, across the edges of faces, linearly between two mips by the engine's formula.",
-            "rms: of the difference over that of the truth, by solid angle, over roughnesses 1/32, 3/32, ..., 31/32. "
+            "rms: rms of the difference over that of the reference, by solid angle, over roughnesses 1/32, 3/32, ..., "
+            "31/32. "
             "Maximum: the rms error of the worst of these roughnesses."},
            5.0,
            from_file}};

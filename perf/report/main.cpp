@@ -159,7 +159,7 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
                    .list = List::commas_or_spaces});
   table.push_back({.names = "--environment",
                    .target = &options.environment,
-                   .text = "Measure on this picture instead of the built-in light",
+                   .text = "Measure on this image instead of the built-in light",
                    .type = "FILE"});
   table.push_back({.names = "--threads",
                    .target = &options.run.threads,

@@ -264,7 +264,7 @@ std::vector<Measurement> from_cube(const PassContext& context) {
 }
 
 constexpr const char* kErrors =
-    "rms: of the difference over that of the truth, by solid angle. Maximum: the largest |value - truth| / truth of a "
+    "rms: rms of the difference over that of the reference, by solid angle. Maximum: largest relative error of a "
     "texel.";
 constexpr const char* kOverMips = " Over the blurred mips: root mean square, largest.";
 constexpr const char* kOfReference =

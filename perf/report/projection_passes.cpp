@@ -243,8 +243,8 @@ std::vector<Measurement> by_bands(const PassContext& context) {
 
 std::vector<PassRunner> irradiance_passes() {
   return {{{"irradiance", "Irradiance by bands",
-            "Harmonics of a lat-long in memory, as diffuse light: few bands leave some of it out. Where the sun is "
-            "extracted, it is found, taken out of a copy and given to a directional light first.",
+            "Harmonics of a lat-long in memory, as diffuse light: few bands omit part of it. Where the sun is "
+            "extracted, it is first moved from a copy to a directional light.",
             "Over normals: root mean square of the difference over that of the true irradiance; the largest difference "
             "over the same."},
            2.0,

@@ -127,7 +127,7 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
   CHECK(!nothing.radiance);
   CHECK(!nothing.brdf);
   CHECK(nothing.diagnostics.texels == 6 * 12 * 12);
-  for (const char* name : {"background", "background mips", "specular", "irradiance", "brdf", "clean"}) {
+  for (const char* name : {"background", "background mips", "specular", "irradiance", "brdf", "sanitize"}) {
     const PassRecord& pass = pass_named(nothing, name);
     INFO(name);
     CHECK(pass.action == PassAction::skip);
@@ -204,7 +204,7 @@ TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
     for (std::size_t k = 0; k < clean.irradiance->pixels().size(); ++k) {
       CHECK(found.irradiance->pixels()[k] == Approx(clean.irradiance->pixels()[k]).epsilon(1e-5));
     }
-    CHECK(pass_named(found, "clean").action == PassAction::run);
+    CHECK(pass_named(found, "sanitize").action == PassAction::run);
   }
 }
 
@@ -316,7 +316,7 @@ TEST_CASE("Options that no bake can have are refused", "[bake]") {
                o.bands = 0;
                o.irradiance->method = IrradianceMethod::harmonics;
              }),
-             Contains("leave irradiance out"));
+             Contains("leave irradiance empty"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.background->size = 0; }), Contains("background.size"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.irradiance->size = 0; }), Contains("irradiance.size"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.specular->mips = 0; }), Contains("0 mips"));

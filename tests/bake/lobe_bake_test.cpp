@@ -210,7 +210,7 @@ TEST_CASE("lobes: what does not go together is refused, and the message says wha
     INFO(error.message);
     CHECK(error.says(words));
   };
-  refused({.size = 4, .lobe = static_cast<LobeFamily>(6)}, "the lobe 6 is not one");
+  refused({.size = 4, .lobe = static_cast<LobeFamily>(6)}, "the lobe 6 is unknown");
   refused({.size = 4, .lobe = LobeFamily::spectra}, "pass one for each mip");
   refused({.size = 4, .lobe = LobeFamily::charlie, .spectra = {{1.0}}}, "the lobe is charlie; set it to spectra");
   refused({.size = 4, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0}}}, "each mip needs one");

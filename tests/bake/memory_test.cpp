@@ -122,7 +122,7 @@ TEST_CASE("targets: those that do not fit are refused before anything is written
   CHECK(specular.memory == std::vector<std::byte>(specular.memory.size()));
 
   Block large(TexelFormat::rgba16f, 16, 3);
-  CHECK(refused({.specular = large.targets}, small_bake()).says("16 texels along an edge"));
+  CHECK(refused({.specular = large.targets}, small_bake()).says("have 16 texels per edge"));
   BakeOptions without = small_bake();
   without.irradiance.reset();
   CHECK(refused({.irradiance = specular.targets.front()}, without).says("the irradiance cubemap has 0 levels"));

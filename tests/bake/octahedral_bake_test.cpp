@@ -132,10 +132,10 @@ TEST_CASE("octahedral: what does not go together is refused before anything is b
   refused(bake_of({.size = 0}), "size of an octahedral map");
   refused(bake_of({.size = 64, .levels = 5}), "levels of an octahedral map");
   refused(bake_of({.size = 30, .levels = 3}), "multiples of 4");
-  refused(bake_of({.size = 8, .border = 4}), "no room");
+  refused(bake_of({.size = 8, .border = 4}), "all border");
   BakeOptions alone = bake_of({.size = 8});
   alone.specular.reset();
-  refused(alone, "specular is not asked for");
+  refused(alone, "octahedral requires specular");
 }
 
 }  // namespace welkin::test

@@ -156,12 +156,12 @@ TEST_CASE("A scene that needs everything leaves nothing out", "[plan]") {
 
 TEST_CASE("Where coefficients are all, there is no cubemap", "[plan]") {
   const Plan light = plan(kPanorama, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
-  check_skipped(light, "background", "nothing shows it");
-  check_skipped(light, "background mips", "there is no background");
-  check_skipped(light, "specular", "no glossy materials");
-  check_skipped(light, "brdf", "no glossy materials");
-  check_skipped(light, "irradiance", "diffuse light is read from coefficients");
-  CHECK(light.pass("clean").action == PassAction::skip);
+  check_skipped(light, "background", "the scene does not show it");
+  check_skipped(light, "background mips", "no background is made");
+  check_skipped(light, "specular", "the scene has no glossy materials");
+  check_skipped(light, "brdf", "the scene has no glossy materials");
+  check_skipped(light, "irradiance", "the scene evaluates coefficients instead");
+  CHECK(light.pass("sanitize").action == PassAction::skip);
   CHECK(light.pass("project").action == PassAction::run);
   CHECK(light.result_bytes == 0);
 }
@@ -169,10 +169,10 @@ TEST_CASE("Where coefficients are all, there is no cubemap", "[plan]") {
 TEST_CASE("Ambient light is one colour, and of no diffuse light nothing is projected", "[plan]") {
   const Plan ambient = plan(kPanorama, {.diffuse_bands = 1});
   CHECK(ambient.options.bands == 1);
-  check_skipped(ambient, "irradiance", "ambient only: one colour is all of it");
+  check_skipped(ambient, "irradiance", "the scene uses ambient light only");
   const Plan none = plan(kPanorama, {.diffuse_bands = 0});
-  check_skipped(none, "project", "no diffuse light is used");
-  check_skipped(none, "irradiance", "no diffuse light is used");
+  check_skipped(none, "project", "the scene uses no diffuse light");
+  check_skipped(none, "irradiance", "the scene uses no diffuse light");
 }
 
 TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
@@ -191,7 +191,7 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
     CHECK(planned.options.specular->roughness ==
           std::vector<double>(whole.begin() + each.sharp, whole.end() - each.rough));
     const std::string left_out =
-        "; left out: " + std::to_string(each.sharp) + " sharper, " + std::to_string(each.rough) + " rougher";
+        "; omitted: " + std::to_string(each.sharp) + " sharper, " + std::to_string(each.rough) + " rougher";
     const bool says = planned.pass("specular").reason.find(left_out) != std::string::npos;
     CHECK(says == (each.sharp + each.rough > 0));
   }
@@ -213,7 +213,7 @@ TEST_CASE("A plan reads as a table", "[plan]") {
   CHECK(text.find("no glossy materials") != std::string::npos);
   CHECK(text.find("measured") == std::string::npos);
   const std::string after =
-      plan_text(planned, {{"project", PassAction::run, "", 123.0}, {"clean", PassAction::run, "a copy", 1.0}});
+      plan_text(planned, {{"project", PassAction::run, "", 123.0}, {"sanitize", PassAction::run, "a copy", 1.0}});
   CHECK(after.find("measured") != std::string::npos);
   CHECK(after.find("123") != std::string::npos);
   CHECK(after.find("run: a copy") != std::string::npos);  // another action than was planned

@@ -1,4 +1,4 @@
-// What a user of our files writes for Babylon.js: load one, light some balls with it. Bundled by client.mjs, which drives
+// What a user of our files writes for Babylon.js: load one, light some spheres with it. Bundled by client.mjs, which drives
 // it through `window.client`.
 import {
   AppendSceneAsync, ArcRotateCamera, Color3, Color4, Constants, CubeTexture, Engine, HDRCubeTexture, MeshBuilder,
@@ -7,7 +7,7 @@ import {
 import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
 import "@babylonjs/loaders/glTF/glTFFileLoader.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/EXT_lights_image_based.js";
-import { BALLS, HALF, centre, figure } from "./balls.js";
+import { SPHERES, HALF, centre, figure } from "./spheres.js";
 
 const canvas = document.getElementById("canvas");
 const engine = new Engine(canvas, true, { preserveDrawingBuffer: true });
@@ -53,7 +53,7 @@ async function harmonicsOf(texture) {
   if (!texture.sphericalPolynomial) throw new Error("Babylon.js made no harmonics");
 }
 
-/** A cubemap whose sharpest mip has the roughness of one ball, and one of diffuse light in place of harmonics. */
+/** A cubemap whose sharpest mip has the roughness of one sphere, and one of diffuse light in place of harmonics. */
 async function exact(scene, url, irradiance) {
   const texture = await environment(scene, url);
   texture.lodGenerationScale = 0; // every roughness is looked up in mip 0
@@ -61,7 +61,7 @@ async function exact(scene, url, irradiance) {
   return texture;
 }
 
-/** The texture of each ball, the same for all of them unless they are the truth; and where the picture's centre lies. */
+/** The texture of each sphere, the same for all of them unless they are the truth; and where the picture's centre lies. */
 async function open(scene, source) {
   if (source.kind === "truth") {
     const irradiance = await environment(scene, source.irradiance);
@@ -69,12 +69,12 @@ async function open(scene, source) {
   }
   if (source.kind === "gltf") {
     const { texture, ahead } = await gltfLight(scene, source.url);
-    return { textures: BALLS.map(() => texture), ahead };
+    return { textures: SPHERES.map(() => texture), ahead };
   }
   const texture = await (source.kind === "picture" ? panorama(scene, source.url, source.size)
                                                    : environment(scene, source.url));
   await harmonicsOf(texture);
-  return { textures: BALLS.map(() => texture), ahead: AHEAD };
+  return { textures: SPHERES.map(() => texture), ahead: AHEAD };
 }
 
 function material(scene, texture, { roughness, metallic, albedo, matte }) {
@@ -89,18 +89,18 @@ function material(scene, texture, { roughness, metallic, albedo, matte }) {
   return made;
 }
 
-/** The balls in a row, ball 0 on the viewer's left. */
+/** The spheres in a row, sphere 0 on the viewer's left. */
 function row(scene, { textures, ahead }) {
-  BALLS.forEach((look, index) => {
-    const ball = MeshBuilder.CreateSphere("ball", { diameter: 2, segments: 64 }, scene);
+  SPHERES.forEach((look, index) => {
+    const sphere = MeshBuilder.CreateSphere("sphere", { diameter: 2, segments: 64 }, scene);
     // Left-handed: seen from +z, +x is on the left.
-    ball.position = new Vector3(-ahead.z, 0, ahead.x).scale(centre(index));
-    ball.material = material(scene, textures[index], look);
+    sphere.position = new Vector3(-ahead.z, 0, ahead.x).scale(centre(index));
+    sphere.material = material(scene, textures[index], look);
   });
 }
 
 /**
- * Orthographic, so that a pixel's normal does not depend on the ball. The shader takes the view from the camera's place
+ * Orthographic, so that a pixel's normal does not depend on the sphere. The shader takes the view from the camera's place
  * all the same, so that this is far away. From the picture's centre, because our sunny picture's sun is reflected there.
  */
 function view(scene, { ahead }) {
@@ -113,14 +113,14 @@ function view(scene, { ahead }) {
 const frame = (scene) =>
   new Promise((resolve) => scene.executeWhenReady(() => { scene.render(); resolve(); }));
 
-/** Linear light of the row, `pixels` of them to a ball's square: floats, red green blue alpha, row 0 below. */
+/** Linear light of the row, `pixels` of them to a sphere's square: floats, red green blue alpha, row 0 below. */
 async function measure(source, pixels) {
   const scene = new Scene(engine);
   scene.clearColor = new Color4(0, 0, 0, 0);
-  scene.imageProcessingConfiguration.applyByPostProcess = true; // which there is none of: the balls' light as it is
+  scene.imageProcessingConfiguration.applyByPostProcess = true; // which there is none of: the spheres' light as it is
   const light = await open(scene, source);
   row(scene, light);
-  const size = { width: BALLS.length * pixels, height: pixels };
+  const size = { width: SPHERES.length * pixels, height: pixels };
   const target = new RenderTargetTexture("target", size, scene, false, true, Constants.TEXTURETYPE_FLOAT);
   target.renderList = scene.meshes;
   target.activeCamera = view(scene, light);

@@ -4,8 +4,8 @@
 //                   [--shared HDR_DIR] [--most PICTURES] [--all-wrong] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
 //                   [--spheres FOLDER [--figure-of PICTURE.hdr]]
 //
-// For every picture: `welkin bake PICTURE.hdr -o DIR ...`, balls lit by what that wrote, the same balls lit by the engine's
-// own prefilter of the picture, and the same by cubemaps that hold each ball's own roughness (the truth). How far they are
+// For every picture: `welkin bake PICTURE.hdr -o DIR ...`, spheres lit by what that wrote, the same spheres lit by the engine's
+// own prefilter of the picture, and the same by cubemaps that hold each sphere's own roughness (the truth). How far they are
 // apart, and whether that is allowed. A file that is mirrored must be seen to be; with --all-wrong, of the first picture also
 // those that are turned or have other mips. three.js must not prefilter what we have. Exit code 1 if anything is not as it should be.
 import { execFileSync } from "node:child_process";
@@ -14,7 +14,7 @@ import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node
 import { createRequire } from "node:module";
 import { join, normalize, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { BALLS } from "./balls.js";
+import { SPHERES } from "./spheres.js";
 import { compare, percent, tableRow, within } from "./compare.mjs";
 import { errorOfTruth } from "./direct.mjs";
 import { ENGINES, PICTURE, SIZE, TRUTH } from "./engines.mjs";
@@ -31,7 +31,7 @@ const { chromium } = (await load("playwright-core")).default;
 const { build } = (await load("esbuild")).default;
 const ktx = await load("ktx-parse");
 
-const PIXELS = 64; // to the square that a ball stands in
+const PIXELS = 64; // to the square that a sphere stands in
 const FIGURE_PIXELS = 104;
 const FIGURE_GAIN = 4; // of the differences in the figure's last row
 const BOUNDS_GAIN = 64; // the same of two error bounds
@@ -82,13 +82,13 @@ const ours = (picture, { name, kind, of, options }, ...more) =>
   ({ kind, url: bake(picture, name, of, ...options, ...more) });
 
 /**
- * For each ball a cubemap of floats whose mip 0 has the ball's own roughness. Mip 1 has roughness 1, whose lobe is the
+ * For each sphere a cubemap of floats whose mip 0 has the sphere's own roughness. Mip 1 has roughness 1, whose lobe is the
  * cosine's: diffuse light, for three.js. Babylon.js is given that as a cubemap of its own.
  */
 function truth(picture) {
   const { of, options } = engine.truth;
   const exact = [...options, "--ktx2-format", "rgba32f", "--size", `${TRUTH}`, "--roughness"];
-  const wanted = BALLS.map(({ roughness }) => engine.roughness(roughness));
+  const wanted = SPHERES.map(({ roughness }) => engine.roughness(roughness));
   const chainOf = (roughness) =>
     bake(picture, `truth-${roughness}`, of, ...exact, roughness < 1 ? `${roughness},1` : "1");
   const chains = new Map([...new Set(wanted)].map((roughness) => [roughness, chainOf(roughness)]));
@@ -132,12 +132,12 @@ const measured = existsSync(RECORD) ? JSON.parse(readFileSync(RECORD, "utf8")) :
 const found = {};
 const allowed = (picture, name) => measured[flag("--engine")]?.[picture]?.[name]?.map((error) => 1.5 * error + 0.001);
 
-function checkRow(picture, name, balls) {
-  console.log(tableRow(`${picture}, ${name}`, balls));
-  (found[picture] ??= {})[name] = balls.map((error) => Number(error.toPrecision(3)));
+function checkRow(picture, name, spheres) {
+  console.log(tableRow(`${picture}, ${name}`, spheres));
+  (found[picture] ??= {})[name] = spheres.map((error) => Number(error.toPrecision(3)));
   if (flags.includes("--record")) return;
   const bounds = allowed(picture, name);
-  check(bounds && within(balls, bounds), `${picture}, ${name}: more than ${bounds?.map(percent).join("  ")}`);
+  check(bounds && within(spheres, bounds), `${picture}, ${name}: more than ${bounds?.map(percent).join("  ")}`);
 }
 
 function checkFrame(name, { frame }, isOurs) {
@@ -192,7 +192,7 @@ const server = await serve([work, here, files]);
 const { browser, ask } = await openPage(`http://127.0.0.1:${server.address().port}`);
 try {
   console.log(`${await ask("about")}, in Chromium ${browser.version()}`);
-  console.log(`| | ${BALLS.map(({ name }) => name).join(" | ")} |`);
+  console.log(`| | ${SPHERES.map(({ name }) => name).join(" | ")} |`);
   for (const picture of flags.includes("--spheres") ? [] : list) await judge(ask, picture, picture === list[0]);
   if (flag("--spheres")) await drawSpheres(ask, flag("--figure-of") ?? list[list.length - 1]);
   if (flag("--figure")) {

@@ -1,6 +1,6 @@
-// What is asked of each engine: which of our files it loads, what is baked wrongly on purpose, and how far off the balls
+// What is asked of each engine: which of our files it loads, what is baked wrongly on purpose, and how far off the spheres
 // may be.
-import { BALLS } from "./balls.js";
+import { SPHERES } from "./spheres.js";
 
 /** Texels along an edge of a cubemap's face: ours and the engine's own. three.js makes none that is smaller. */
 export const SIZE = 256;
@@ -42,8 +42,8 @@ export const ENGINES = {
     roughness: (given) => Math.max(given, 0.045),
     /** Passes, draws and shaders of a first frame with a file of ours, and with the picture. */
     checkFrame({ passes, draws, prefilters }, ours) {
-      if (ours) return passes === 1 && draws === BALLS.length && prefilters.length === 0;
-      return passes > 1 && draws > BALLS.length && prefilters.length > 0;
+      if (ours) return passes === 1 && draws === SPHERES.length && prefilters.length === 0;
+      return passes > 1 && draws > SPHERES.length && prefilters.length > 0;
     },
     /** The truth is summed once more where lobes are much wider than a pixel; it may be off by this. */
     direct: { roughness: [0.375, 0.75], allowed: 0.001 },

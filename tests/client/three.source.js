@@ -1,11 +1,11 @@
-// What a user of our files writes for three.js: load one, light some balls with it. Bundled by client.mjs, which drives
+// What a user of our files writes for three.js: load one, light some spheres with it. Bundled by client.mjs, which drives
 // it through `window.client`.
 import * as THREE from "three";
 import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { read } from "ktx-parse";
-import { BALLS, HALF, centre, figure } from "./balls.js";
+import { SPHERES, HALF, centre, figure } from "./spheres.js";
 import { pixelsOf, prefiltered, readPfm } from "./integral.js";
 
 const bytesOf = async (url) => (await fetch(url)).arrayBuffer();
@@ -55,7 +55,7 @@ const END = "gl_FragColor = vec4( outgoingLight, diffuseColor.a );";
 
 /**
  * What a shader is changed to, by chunk: to look everything up in mip 0, whatever the roughness (`exact`, the truth for one
- * ball); to show where it looks instead (`directions`, `normals`); or to take light from a picture, pixel by pixel, where it
+ * sphere); to show where it looks instead (`directions`, `normals`); or to take light from a picture, pixel by pixel, where it
  * would look up reflections and the light that falls on it (`given`).
  */
 const CHANGES = {
@@ -69,7 +69,7 @@ const CHANGES = {
           ["envmap_physical_pars_fragment", IRRADIANCE, "texelFetch( irradianceGiven, ivec2( gl_FragCoord.xy ), 0 )"]],
 };
 
-/** Takes out of the shader that a ball's roughness grows with its curvature from pixel to pixel, and makes the changes. */
+/** Takes out of the shader that a sphere's roughness grows with its curvature from pixel to pixel, and makes the changes. */
 function settle(material, kind, uniforms = {}) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
@@ -89,27 +89,27 @@ function settle(material, kind, uniforms = {}) {
 
 function row(scene, kind, uniforms) {
   const shape = new THREE.SphereGeometry(1, 128, 64);
-  return BALLS.map(({ roughness, metallic, albedo }, index) => {
+  return SPHERES.map(({ roughness, metallic, albedo }, index) => {
     const color = new THREE.Color().setRGB(albedo, albedo, albedo, THREE.LinearSRGBColorSpace);
     const material = new THREE.MeshStandardMaterial({ color, roughness, metalness: metallic });
-    const ball = new THREE.Mesh(shape, settle(material, kind, uniforms));
-    ball.position.x = centre(index);
-    scene.add(ball);
-    return ball;
+    const sphere = new THREE.Mesh(shape, settle(material, kind, uniforms));
+    sphere.position.x = centre(index);
+    scene.add(sphere);
+    return sphere;
   });
 }
 
-/** Orthographic: every ball sees the same, a pixel's normal does not depend on the ball. */
+/** Orthographic: every sphere sees the same, a pixel's normal does not depend on the sphere. */
 function view() {
   const camera = new THREE.OrthographicCamera(-HALF.x, HALF.x, HALF.y, -HALF.y, 0.1, 20);
   camera.position.z = 10;
   return camera;
 }
 
-async function light(scene, balls, source, renderer) {
+async function light(scene, spheres, source, renderer) {
   if (source.kind === "truth") {
     const textures = await Promise.all(source.urls.map(texels));
-    balls.forEach((ball, index) => (ball.material.envMap = textures[index]));
+    spheres.forEach((sphere, index) => (sphere.material.envMap = textures[index]));
   } else {
     scene.environment = await OPEN[source.kind](source.url, renderer);
   }
@@ -129,13 +129,13 @@ function watch(renderer) {
   });
 }
 
-/** Draws a row into floats, red green blue alpha, row 0 below: `pixels` of them to a ball's square. */
+/** Draws a row into floats, red green blue alpha, row 0 below: `pixels` of them to a sphere's square. */
 async function draw(source, pixels, kind, uniforms) {
   const renderer = new THREE.WebGLRenderer();
   const scene = new THREE.Scene();
-  const balls = row(scene, kind, uniforms);
-  await light(scene, balls, source, renderer);
-  const size = { width: BALLS.length * pixels, height: pixels };
+  const spheres = row(scene, kind, uniforms);
+  await light(scene, spheres, source, renderer);
+  const size = { width: SPHERES.length * pixels, height: pixels };
   const target = new THREE.WebGLRenderTarget(size.width, size.height, { type: THREE.FloatType });
   renderer.setClearColor(0, 0);
   renderer.setRenderTarget(target);
@@ -163,7 +163,7 @@ async function measure(source, pixels) {
 async function direct({ picture, like }, pixels) {
   const [looked, normals] = [await draw(like, pixels, "directions"), await draw(like, pixels, "normals")];
   const image = pixelsOf(readPfm(new Uint8Array(await bytesOf(picture))));
-  const sums = new Map(); // balls of the same roughness look in the same directions
+  const sums = new Map(); // spheres of the same roughness look in the same directions
   const sum = ({ light, width }, column, row, roughness) => {
     const at = 4 * (row * width + column);
     if (light[at + 3] === 0) return [0, 0, 0];
@@ -184,7 +184,7 @@ async function direct({ picture, like }, pixels) {
     const made = new THREE.DataTexture(values, drawn.width, drawn.height, THREE.RGBAFormat, THREE.FloatType);
     return { value: Object.assign(made, { needsUpdate: true }) };
   };
-  const uniforms = { radianceGiven: texture(looked, (ball) => Math.max(BALLS[ball].roughness, 0.045)),
+  const uniforms = { radianceGiven: texture(looked, (sphere) => Math.max(SPHERES[sphere].roughness, 0.045)),
                      irradianceGiven: texture(normals, () => 1) }; // whose lobe is the cosine's
   return draw(like, pixels, "given", uniforms);
 }

@@ -4,8 +4,10 @@
 CHECK is one of
   links   every link leads to a file that is there, and to a heading that it has; every page under docs/ is in
           mkdocs.yml and can be reached from docs/index.md; docs/... paths that sources name exist
-  words   no page, public header and help of the command uses a word of FORBIDDEN, outside of code and of EXCEPTIONS
+  words   no page, public header, text of the command and message of the library uses a word of FORBIDDEN, outside of
+          code and of EXCEPTIONS
   size    pages for users have at most 45 000 words, README.md 100 lines, CONTRIBUTING.md two screens
+  version everything that states Welkin's version states that of CMakeLists.txt
 """
 import pathlib
 import re
@@ -46,9 +48,8 @@ FORBIDDEN = {
 
 # Where a word above means something else: path (or folder), word, why.
 EXCEPTIONS = [
-    ("include/", None, "public headers are not rewritten yet (issue 40, item 1)"),
     ("docs/notes/stability_table.md", None, "a test of tests/stability writes it"),
-    ("docs/notes/speed", "beside", "a column of the tables that welkin_perf --page writes"),
+    ("docs/notes/doc_comments.md", None, "quotes comments from before"),
 ]
 
 USER_FOLDERS = ("tutorials", "guides", "reference", "explanation")
@@ -94,6 +95,15 @@ def comments(text):
             inside = "*/" not in kept[-1]
         else:
             kept.append(line[line.index("//"):] if "//" in line else "")
+    return re.sub(r"`[^`\n]*`", "`", "\n".join(kept))
+
+
+def strings(text):
+    """The string literals of a source; the same number of lines."""
+    kept = []
+    for line in text.split("\n"):
+        code = "" if line.lstrip().startswith(("//", "#include", "*")) else line
+        kept.append(" ".join(re.findall(r'"((?:[^"\\]|\\.)*)"', code)))
     return re.sub(r"`[^`\n]*`", "`", "\n".join(kept))
 
 
@@ -169,8 +179,11 @@ def check_links(source):
 def check_words(source):
     faults = []
     readers = [(path, prose) for path in pages(source)]
-    readers += [(path, comments) for path in tracked(source, "include/*.h", "include/*.hpp")]
-    readers += [(path, str) for path in tracked(source, "tools/help/*.txt")]
+    readers += [(path, comments) for path in tracked(source, "include/*.h", "include/*.hpp",
+                                                     "bindings/wasm/package/*.d.ts", "examples/**/main.*")]
+    readers += [(path, str) for path in tracked(source, "tools/help/*.txt", "tools/engines/*.md")]
+    readers += [(path, strings) for path in tracked(source, "tools/*.cpp", "module/*.cpp", "module/*.h",
+                                                    "bindings/python/source/*.cpp")]
     for path, words_of in readers:
         name = path.relative_to(source).as_posix()
         for number, line in enumerate(words_of(path.read_text(encoding="utf-8")).split("\n"), 1):
@@ -202,11 +215,44 @@ def check_size(source):
     return faults
 
 
+def check_version(source):
+    version = re.search(r"project\(welkin VERSION ([0-9.]+)", (source / "CMakeLists.txt").read_text()).group(1)
+    major, minor, patch = version.split(".")
+    statements = [
+        ("include/welkin/core.h", r"#define WELKIN_VERSION_MAJOR (\d+)", major),
+        ("include/welkin/core.h", r"#define WELKIN_VERSION_MINOR (\d+)", minor),
+        ("include/welkin/core.h", r"#define WELKIN_VERSION_PATCH (\d+)", patch),
+        ("include/welkin/core.h", r'#define WELKIN_VERSION_STRING "(.*)"', version),
+        ("vcpkg.json", r'"version-semver": "(.*)"', version),
+        ("packaging/vcpkg/welkin/vcpkg.json", r'"version-semver": "(.*)"', version),
+        ("packaging/conan/conanfile.py", r'version = "(.*)"', version),
+        ("bindings/wasm/package/package.json", r'"version": "(.*)"', version),
+        ("docs/guides/farm.md", r'"welkin": "(.*?)"', version),
+        ("CHANGELOG.md", r"## ([0-9.]+)", version),
+        ("examples/consumer/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
+        ("examples/sky_in_c/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
+        ("tests/install/c_alone/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
+        ("tests/install/core_only/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
+        ("scripts/test-packages", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
+        # Those that read it from the places above.
+        ("bindings/python/setup.py", r"project\\\(welkin (VERSION)", "VERSION"),
+        ("bindings/python/source/module.cpp", r'"__version__"\) = (\w+)', "WELKIN_VERSION_STRING"),
+        ("cmake/welkin.pc.in", r"Version: (.*)", "@PROJECT_VERSION@"),
+        ("cmake/welkin-core.pc.in", r"Version: (.*)", "@PROJECT_VERSION@"),
+    ]
+    faults = []
+    for name, pattern, wanted in statements:
+        found = re.search(pattern, (source / name).read_text(encoding="utf-8"))
+        if not found or found.group(1) != wanted:
+            faults.append(f"{name}: states {found.group(1) if found else 'no version'}, and CMakeLists.txt {version}")
+    return faults
+
+
 def main():
     source = pathlib.Path(sys.argv[1]).resolve()
     if not (source / ".git").exists():
         sys.exit(77)  # an unpacked archive: nothing says which files are the project's
-    faults = {"links": check_links, "words": check_words, "size": check_size}[sys.argv[2]](source)
+    faults = {"links": check_links, "words": check_words, "size": check_size, "version": check_version}[sys.argv[2]](source)
     for fault in faults:
         print(fault)
     if faults:

@@ -50,7 +50,7 @@ double elevation_degrees, double azimuth_degrees, double seconds_since_last_fram
 # Page: parameters of its blocks beyond EVERYWHERE, and numbers of the blocks that later ones go on from.
 PAGES = {
     "README.md": ("", ()),
-    "docs/tutorials/cpp_engine.md": ("const welkin::CubemapView& view, welkin::BakeOptions options", (1,)),
+    "docs/tutorials/cpp_engine.md": ("const welkin::CubemapView& view", (1,)),
     "docs/guides/runtime_probes.md": (
         "std::ptrdiff_t row_stride_bytes, welkin::SphericalHarmonics radiance, std::shared_ptr<Slot> slot,"
         "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 1, 3)),

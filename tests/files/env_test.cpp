@@ -276,7 +276,7 @@ TEST_CASE("what an .env cannot hold is refused before anything is written", "[co
   environment = some_environment(4);
   environment.irradiance = some_irradiance(4);
   environment.polynomial.reset();
-  CHECK(refusal(environment).says("has a polynomial too"));
+  CHECK(refusal(environment).says("no polynomial"));
   environment = some_environment(4);
   environment.dominant_direction = glm::dvec3(0.0, 1.0, 0.0);
   CHECK(refusal(environment).says("dominant direction"));

@@ -325,7 +325,7 @@ ExrRecipe small_recipe(const std::vector<ExrChannel>& channels) {
 TEST_CASE("what is no readable file is refused", "[codec][posix]") {
   const TemporaryDirectory directory;
   check_refusal(directory.file("none.exr"), ErrorCode::file_access, "no such file", "");
-  check_refusal(directory.file("."), ErrorCode::file_access, "is a directory", "name a picture in it");
+  check_refusal(directory.file("."), ErrorCode::file_access, "is a directory", "name an image in it");
   check_refusal("/dev/null", ErrorCode::file_access, "not a regular file", "copy");
 }
 
@@ -338,9 +338,9 @@ TEST_CASE("other formats are refused by their names", "[codec]") {
   check_text(path, "", code, "is empty", remedy);
   check_text(path, "\xff\xd8\xff\xe0 JFIF", code, "a JPEG", remedy);
   check_text(path, "RIFF1234WEBP", code, "a WebP", remedy);
-  check_text(path, "\xabKTX 11\xbb\r\n\x1a\n", ErrorCode::corrupt_file, "ends too early", "64 bytes are wanted");
-  check_text(path, "\xabKTX 13\xbb\r\n\x1a\n", code, "is a KTX texture", "neither of version 1 nor of 2.0");
-  check_text(path, "good morning", code, "is no picture or texture that Welkin reads", remedy);
+  check_text(path, "\xabKTX 11\xbb\r\n\x1a\n", ErrorCode::corrupt_file, "ends too early", "64 bytes are needed");
+  check_text(path, "\xabKTX 13\xbb\r\n\x1a\n", code, "is a KTX texture", "of an unknown version; export it");
+  check_text(path, "good morning", code, "is not an image or texture that Welkin reads", remedy);
 }
 
 TEST_CASE("channels that make no colour are refused by their names", "[codec]") {
@@ -403,13 +403,13 @@ TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]
   check_text(path, "PF\n2 1\n-1\n12345678", code, "ends too early: 2 x 1 texels take 24 bytes, 8 follow", "");
   check_text(path, "PF\n0 1\n-1\n", code, "width is 0", "");
   check_text(path, "PF\n2 -1\n-1\n", code, "height is -1", "");
-  check_text(path, "PF\n2x 1\n-1\n", code, "width is no number: \"2x\"", "");
-  check_text(path, "PF\n99999999999999999999 1\n-1\n", code, "width is no number", "");
+  check_text(path, "PF\n2x 1\n-1\n", code, "width is not a number: \"2x\"", "");
+  check_text(path, "PF\n99999999999999999999 1\n-1\n", code, "width is not a number", "");
   check_text(path, "PF\n2 1\n0\n", code, "scale is 0", "");
   check_text(path, "PF\n2 1\nnan\n", code, "scale is 0 or not finite", "");
-  check_text(path, "PF\n2 1\nbig\n", code, "scale is no number", "");
+  check_text(path, "PF\n2 1\nbig\n", code, "scale is not a number", "");
   check_text(path, "PF" + std::string(5000, ' '), code, "has no width", "");
-  check_text(path, "PF\n" + std::string(5000, '1'), code, "width is no number", "");
+  check_text(path, "PF\n" + std::string(5000, '1'), code, "width is not a number", "");
   check_text(path, "PFX\n2 1\n-1\n", ErrorCode::unsupported_file, "starts with \"PFX\"", "PF (colour) or Pf (grey)");
 }
 

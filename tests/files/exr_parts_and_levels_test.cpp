@@ -118,7 +118,7 @@ TEST_CASE("a part that is not there is an error that names those that are", "[co
   CHECK(message({}).find("none of its parts (0 \"depth\", 1 \"alpha\") is a flat picture with R, G and B or Y; "
                          "pass the part with --part") != std::string::npos);
   write_exr(path, parts[0].recipe, parts[0].rgb);
-  CHECK(message(with_part("sky")).find("has a single part, and part \"sky\" was asked for; leave --part out") !=
+  CHECK(message(with_part("sky")).find("has a single part, and part \"sky\" was requested; leave --part out") !=
         std::string::npos);
 }
 

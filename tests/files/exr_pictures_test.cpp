@@ -309,7 +309,7 @@ TEST_CASE("overscan is cut off and crops are put back, in any rows", "[codec]") 
     const bool lacking = data.left > display.left || data.top > display.top ||
                          data.left + data.width < display.left + 80 || data.top + data.height < display.top + 40;
     REQUIRE(says(read.info, "overscan cut off") == cut);
-    REQUIRE(says(read.info, "black where nothing is stored") == lacking);
+    REQUIRE(says(read.info, "padded with black") == lacking);
     const int first = between(0, 40);
     const int count = between(1, 41 - first);
     std::vector<float> rows(static_cast<std::size_t>(count) * 240);
@@ -346,7 +346,7 @@ TEST_CASE("the data window is the picture where the display window is no frame",
   as_lat_long.layout = Layout::lat_long;
   CHECK(size_read(recipe_of({-5, 0, 60, 45}, {0, 0, 80, 40}), as_lat_long) == Size{80, 40});
   CHECK(size_read(recipe_of({-5, 0, 61, 45}, {0, 0, 80, 60}), as_lat_long) == Size{61, 45});
-  CHECK(says(inspect_environment(path, as_lat_long), "the data window of 61 x 45 is the picture"));
+  CHECK(says(inspect_environment(path, as_lat_long), "the data window of 61 x 45 is the image"));
 }
 
 // Promises: every OpenEXR compression is read, half and float, scanline and tiled, to the values that the OpenEXR

@@ -321,9 +321,9 @@ TEST_CASE("Radiance resolution lines out of bounds are refused", "[codec][hdr]")
   }
   check_refusal(with_resolution("-Y 1 +X 2 3"), corrupt, "with something behind the two numbers", "");
   check_refusal(with_resolution("-Y 1 +X 2x"), corrupt, "with something behind the two numbers", "");
-  check_refusal(with_resolution("-Y 0 +X 2"), corrupt, "height is no positive number", "\"-Y 0 +X 2\"");
-  check_refusal(with_resolution("-Y 1 +X -2"), corrupt, "width is no positive number", "");
-  check_refusal(with_resolution("-Y 1 +X"), corrupt, "width is no positive number", "");
+  check_refusal(with_resolution("-Y 0 +X 2"), corrupt, "height is not a positive number", "\"-Y 0 +X 2\"");
+  check_refusal(with_resolution("-Y 1 +X -2"), corrupt, "width is not a positive number", "");
+  check_refusal(with_resolution("-Y 1 +X"), corrupt, "width is not a positive number", "");
   check_refusal(with_resolution("-Y 1.5 +X 2"), corrupt, "resolution line", "");
   check_refusal(with_resolution("-Y 1 +X 65537"), unsupported, "width is above 65536", "reduce the picture first");
   check_refusal(with_resolution("-Y 98305 +X 1"), unsupported, "height is above 98304", "reduce the picture first");

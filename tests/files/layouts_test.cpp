@@ -88,7 +88,7 @@ TEST_CASE("a square that is none of six files is refused, saying why it is not",
   std::filesystem::rename(path, face);
   const ThrownError alone = thrown_by([&] { (void)inspect_environment(face); });
   CHECK(alone.code == ErrorCode::unsupported_file);
-  CHECK(alone.says("is one of six faces of which others are missing beside it: -X (sky_nx.exr), +Y (sky_py.exr)"));
+  CHECK(alone.says("is one of six faces, and others are missing in its folder: -X (sky_nx.exr), +Y (sky_py.exr)"));
   CHECK(inspect_environment(face, as(Layout::lat_long)).layout == Layout::lat_long);
   const ThrownError asked = thrown_by([&] { (void)inspect_environment(face, as(Layout::six_files)); });
   CHECK(asked.code == ErrorCode::file_access);
@@ -115,7 +115,7 @@ TEST_CASE("what is asked for comes before header and shape", "[codec]") {
   const std::filesystem::path path = write_picture(directory, 8, 48, Imf::ENVMAP_CUBE);
   const EnvironmentInfo info = inspect_environment(path, as(Layout::lat_long));
   CHECK(info.layout == Layout::lat_long);
-  CHECK(info.layout_reason == "lat-long was asked for");
+  CHECK(info.layout_reason == "lat-long was requested");
   CHECK(inspect_environment(path, as(Layout::vertical_strip)).layout == Layout::vertical_strip);
   const std::filesystem::path wide = write_picture(directory, 100, 31);
   CHECK(inspect_environment(wide, as(Layout::lat_long)).layout == Layout::lat_long);
@@ -132,7 +132,7 @@ TEST_CASE("an environment gives the view of its own layout and no other", "[code
   CHECK(sky.lat_long().height == 32);
   const ThrownError no_cube = thrown_by([&] { (void)sky.cubemap(); });
   CHECK(no_cube.code == ErrorCode::invalid_argument);
-  CHECK(no_cube.says("is held as a lat-long (64 x 32 is 2:1), and a view of a cubemap was asked for"));
+  CHECK(no_cube.says("is a lat-long (64 x 32 is 2:1), not a cubemap"));
   CHECK(sky.face_size() == 0);
   const Environment strip = read_environment(write_picture(directory, 8, 48));
   CHECK(strip.cubemap().size == 8);

@@ -151,25 +151,25 @@ TEST_CASE("samples are sRGB unless the file's gamma is 1 or the caller knows bet
 
   const Environment silent = read_grey(directory, plain);
   CHECK(is_srgb(silent));
-  CHECK(notes_say(silent.info, "taken as sRGB: nothing in the file says otherwise"));
+  CHECK(notes_say(silent.info, "read as sRGB, the default"));
   const Environment told = read_grey(directory, plain, Transfer::linear);
   CHECK(is_linear(told));
-  CHECK(notes_say(told.info, "taken as linear, as was asked for"));
+  CHECK(notes_say(told.info, "read as linear, as requested"));
 
   PngRecipe recipe = plain;
   recipe.gamma = 100000;
   const Environment linear = read_grey(directory, recipe);
   CHECK(is_linear(linear));
-  CHECK(notes_say(linear.info, "taken as linear: the gAMA chunk says 1"));
+  CHECK(notes_say(linear.info, "read as linear, because the gAMA chunk is 1"));
   CHECK(is_srgb(read_grey(directory, recipe, Transfer::srgb)));
   recipe.srgb = true;
   const Environment both = read_grey(directory, recipe);
   CHECK(is_srgb(both));
-  CHECK(notes_say(both.info, "taken as sRGB: the sRGB chunk says so"));
+  CHECK(notes_say(both.info, "read as sRGB, as the sRGB chunk states"));
 
   recipe.srgb = false;
   recipe.gamma = 45455;
-  CHECK(notes_say(read_grey(directory, recipe).info, "taken as sRGB: the gAMA chunk says nearly so"));
+  CHECK(notes_say(read_grey(directory, recipe).info, "read as sRGB, as the gAMA chunk nearly states"));
   recipe.gamma = 55556;
   const Environment odd = read_grey(directory, recipe);
   CHECK(is_srgb(odd));

@@ -122,9 +122,10 @@ TEST_CASE("missing faces are named, in the family that is the most complete", "[
   for (const char* name : {"sky_right.exr", "sky_up.exr", "sky_down.exr", "sky_front.exr", "sky_back.exr"}) {
     touch(directory.file(name));
   }
-  check_refusal(directory.file("sky_right.exr"), ErrorCode::file_access,
-                "is one of six faces of which others are missing beside it: -X (sky_left.exr); put them there, or see "
-                "that the six names differ at their ends alone");
+  check_refusal(
+      directory.file("sky_right.exr"), ErrorCode::file_access,
+      "is one of six faces, and others are missing in its folder: -X (sky_left.exr); put them there, or rename the six "
+      "so that they differ only at their ends");
   check_refusal(directory.file("sky_left.exr"), ErrorCode::file_access, "-X (sky_left.exr)");
   check_refusal(directory.file("night_px.exr"), ErrorCode::file_access,
                 "+X (night_px.exr), -X (night_nx.exr), +Y (night_py.exr), -Y (night_ny.exr), +Z (night_pz.exr), -Z "
@@ -163,7 +164,7 @@ TEST_CASE("a layout that is asked for keeps a face from being taken for a sixth"
   CHECK(inspect_environment(paths[0], options).faces[0].empty());
   const ThrownError error = thrown_by([&] { (void)inspect_environment(paths[0].parent_path(), options); });
   CHECK(error.code == ErrorCode::file_access);
-  CHECK(error.says("is a directory; name a picture in it"));
+  CHECK(error.says("is a directory; name an image in it"));
 }
 
 TEST_CASE("faces that are not square or not of one size are named", "[codec][layout]") {
@@ -181,7 +182,7 @@ TEST_CASE("faces that are not square or not of one size are named", "[codec][lay
   CHECK(oblong.code == ErrorCode::unsupported_file);
   CHECK(oblong.message ==
         paths[1].string() +
-            ": is 4 x 2, and the six faces of a cube are square; if it is no face, pass --layout to say "
+            ": is 4 x 2, and the six faces of a cube are square; if it is not a face, pass --layout to say "
             "what it is");
 }
 

@@ -337,14 +337,15 @@ TEST_CASE("Refused sky tables say why", "[sky][codec]") {
   };
   CHECK(load(100).code == ErrorCode::limit_exceeded);
   std::vector<char> bytes = bytes_of(path);
-  for (const int version : {6, 8}) {  // older and newer ones
+  const char own = bytes[8];
+  for (const int version : {7, 107}) {  // of other minor versions of the library
     bytes[8] = static_cast<char>(version);
     write(path, bytes);
     CHECK(load().code == ErrorCode::unsupported_file);
     CHECK(load().says("version " + std::to_string(version)));
-    CHECK(load().says("reads version 7; compute it anew"));
+    CHECK(load().says("; compute it again"));
   }
-  bytes[8] = 7;
+  bytes[8] = own;
   bytes.back() = static_cast<char>(bytes.back() ^ 1);
   write(path, bytes);
   CHECK(load().code == ErrorCode::corrupt_file);

@@ -166,7 +166,7 @@ TEST_CASE("Probes and room are looked at before anything is written", "[projecti
   found.pop_back();
   const ThrownError short_room = thrown_by([&] { project_many(views, found); });
   CHECK(short_room.code == ErrorCode::invalid_argument);
-  CHECK(short_room.says("179 coefficients"));
+  CHECK(short_room.says("179 elements"));
   CHECK(thrown_by([&] { project_many(views, found, {.bands = 17}); }).code == ErrorCode::invalid_argument);
   CHECK(std::ranges::all_of(found, [](const dvec3& value) { return value == dvec3(7.0); }));
 }

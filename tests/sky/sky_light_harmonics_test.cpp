@@ -200,7 +200,7 @@ TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics]") {
   std::vector<glm::dvec3> eight(8);
   const ThrownError room = thrown_by([&] { projector.project(glm::dvec3(0, 1, 0), eight); });
   CHECK(room.code == ErrorCode::invalid_argument);
-  CHECK(room.says("room for 8"));
+  CHECK(room.says("coefficients has 8"));
   for (const glm::dvec3& sun : {glm::dvec3(0.0), glm::dvec3(NAN, 0, 1), glm::dvec3(0, INFINITY, 0)}) {
     CHECK(thrown_by([&] { (void)projector.project(sun); }).code == ErrorCode::invalid_argument);
   }

@@ -329,8 +329,8 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
   CHECK(file_of(manifest, "background.ktx2").at("values_clamped") == 1);
   CHECK(file_of(manifest, "environment.env").at("values_clamped").get<int>() >= 2);
   const std::string notes = manifest.at("notes").dump();
-  CHECK(contains(notes, "background.ktx2: 1 value beyond +-65504 clamped: halves end there"));
-  CHECK(contains(notes, "above 255 or below 0 clamped: RGBD ends there"));
+  CHECK(contains(notes, "background.ktx2: 1 value beyond +-65504, the range of half floats, clamped"));
+  CHECK(contains(notes, "above 255 or below 0, the range of RGBD, clamped"));
 
   const auto clamped = bake_into(folder, quoted(in) + " --clamp 200 --formats ktx2,env" + kSmall);
   CHECK(clamped.at("notes").dump() == "[\"the input: 2 texels clamped at 200\"]");

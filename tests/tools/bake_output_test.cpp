@@ -59,13 +59,14 @@ std::filesystem::path write_directions(const std::filesystem::path& folder) {
 }
 
 constexpr int kHeight = 512;  // of the panorama
-constexpr int kBall = 256;    // and of what lies around it:
+constexpr int kSphere = 256;  // and of what lies around it:
 constexpr int kPitch = 288;
 constexpr int kRow = 320;
 
-/// Of a preview of balls: at a place of the ball in that column and row, whose middle is (0, 0) and whose rim 1 away.
-std::array<float, 3> on_ball(const Preview& balls, int column, int row, double u, double v) {
-  return balls.at(32.0 + (column + 0.5) * kPitch + 0.5 * kBall * u, row * kRow + 0.5 * kPitch - 0.5 * kBall * v);
+/// Of a preview of spheres: at a place of the sphere in that column and row, whose middle is (0, 0) and whose rim 1
+/// away.
+std::array<float, 3> on_sphere(const Preview& spheres, int column, int row, double u, double v) {
+  return spheres.at(32.0 + (column + 0.5) * kPitch + 0.5 * kSphere * u, row * kRow + 0.5 * kPitch - 0.5 * kSphere * v);
 }
 
 }  // namespace
@@ -89,17 +90,17 @@ TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]"
   }
 }
 
-TEST_CASE("bake: the balls mirror what is behind the viewer, and are lit from above by the sky", "[tools][bake]") {
+TEST_CASE("bake: the spheres mirror what is behind the viewer, and are lit from above by the sky", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
-  const Preview balls(scratch.path() / "out" / "preview_spheres.png");
-  REQUIRE(balls.height() == 2 * kRow);
-  REQUIRE(balls.width() == 6 * kPitch + 64);
+  const Preview spheres(scratch.path() / "out" / "preview_spheres.png");
+  REQUIRE(spheres.height() == 2 * kRow);
+  REQUIRE(spheres.width() == 6 * kPitch + 64);
   for (int row = 0; row < 2; ++row) {
-    for (int ball = 0; ball < 6; ++ball) {
-      INFO("row " << row << ", ball " << ball);
-      const auto at = [&](double u, double v) { return on_ball(balls, ball, row, u, v); };
+    for (int sphere = 0; sphere < 6; ++sphere) {
+      INFO("row " << row << ", sphere " << sphere);
+      const auto at = [&](double u, double v) { return on_sphere(spheres, sphere, row, u, v); };
       CHECK(at(0.55, 0.0)[0] > 1.05F * at(-0.55, 0.0)[0]);  // +x is to the right
       CHECK(at(0.0, 0.55)[1] > 1.05F * at(0.0, -0.55)[1]);  // +y is up
       CHECK(at(0.0, 0.0)[2] > 1.05F * at(0.9, 0.0)[2]);     // +z is behind the viewer

@@ -105,7 +105,7 @@ TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
   CHECK(refused(R"({"glossy": {"minimum": 0.9, "maximum": 0.1}})", "needs.glossy"));
   CHECK(refused(R"({"glossy": {"smallest": 0.1}})", "smallest"));
   CHECK(refused(R"({"error_budget": 0.01})", "error_budget"));
-  CHECK(refused("[1]", "braces"));
+  CHECK(refused("[1]", "not a JSON object"));
   CHECK(refused("{", "JSON"));
 }
 

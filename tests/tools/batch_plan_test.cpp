@@ -128,7 +128,7 @@ TEST_CASE("A list is read to its end, or there is no plan", "[command][batch]") 
     std::ofstream stream(list);
     stream << R"({"input": "in/picture100.pfm"})" << '\n' << std::string((1U << 20U) + 1, 'x');
   }
-  CHECK(contains(failure(list), "list.jsonl: line 2: has more than a megabyte"));
+  CHECK(contains(failure(list), "list.jsonl: line 2: is longer than a megabyte"));
   CHECK(contains(failure(batch.path() / "nothing.jsonl"), "nothing.jsonl: cannot be read"));
   CHECK(contains(failure(batch.path()), "neither a regular file nor a pipe"));
 }

@@ -150,7 +150,7 @@ TEST_CASE("Merging looks at every byte", "[command][batch]") {
   std::filesystem::remove_all(result);
   const CommandResult missing = batch.run("merge", merge);
   CHECK(missing.exit_code == 1);
-  CHECK(contains(missing.errors, "no result " + result.filename().string()));
+  CHECK(contains(missing.errors, "missing result " + result.filename().string()));
 }
 
 TEST_CASE("The index has a page of previews", "[command][batch]") {

@@ -96,7 +96,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   std::fill_n(pixels.begin(), 3 * 64 * 8, 400.0F);  // a quarter of the rows, less of the sphere
   write_pfm(in, 64, 32, pixels);
   const std::string plain = succeed("convert " + quoted(in) + " " + quoted(out));
-  CHECK(contains(plain, "clamped to it; --tone-map makes a picture to look at"));
+  CHECK(contains(plain, "range, clamped; --tone-map makes an image for viewing"));
   const auto shown = [&](double exposure, double radiance) {
     const double x = exposure * radiance;
     return std::min(1.0, x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14));
@@ -117,7 +117,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
         Approx(0.36 / 20.0).epsilon(1e-3));
   const CommandResult refused = run_welkin("convert " + quoted(in) + " x.exr --tone-map");
   CHECK(refused.exit_code == 2);
-  CHECK(contains(refused.errors, "--tone-map is for a .png"));
+  CHECK(contains(refused.errors, "--tone-map is for .png"));
   CHECK(run_welkin("convert " + quoted(in) + " x.png --exposure 1").exit_code == 2);
 }
 

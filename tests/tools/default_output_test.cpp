@@ -62,7 +62,7 @@ TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][b
   const std::string message = here.refusal(std::string("bake hdr/city.pfm") + kSmall, 1);
   CHECK(contains(message, "city: is there and was not written by 'welkin bake'"));
   std::ofstream(here.folder.path() / "city" / "manifest.json") << "{\"name\": \"somebody\'s app\"}";
-  CHECK(contains(here.refusal(std::string("bake hdr/city.pfm") + kSmall, 1), "name another folder by -o"));
+  CHECK(contains(here.refusal(std::string("bake hdr/city.pfm") + kSmall, 1), "pass another folder to -o"));
   CHECK(file_text(here.folder.path() / "city" / "manifest.json") == "{\"name\": \"somebody\'s app\"}");
   std::ofstream(here.folder.path() / "sky") << "a file";
   CHECK(contains(here.refusal(std::string("bake --sky") + kSmall, 1), "sky: is there"));

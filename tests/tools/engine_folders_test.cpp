@@ -41,7 +41,7 @@ const std::map<std::string, Names>& folders() {
   return all;
 }
 
-/// With a lat-long alone there are no mips and no balls to show.
+/// With a lat-long alone there are no mips and no spheres to show.
 Names with_common_files(const std::string& engine, Names names) {
   const bool is_lat_long = std::all_of(names.begin(), names.end(), [](const std::string& name) {
     return name == "environment.exr" || name == "environment.hdr" || name == "environment.usda";

@@ -124,12 +124,13 @@ TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if
   INFO(result.output << result.errors);
   REQUIRE(result.exit_code == 0);
   CHECK(names_in(folder) == names_of(manifest_of(folder)));
-  CHECK(contains(result.output, "note: removed, as an earlier 'bake' wrote it and this one does not: background.ktx2"));
+  CHECK(contains(result.output,
+                 "note: removed, because an earlier 'bake' wrote it and this one does not: background.ktx2"));
   // What has changed since stays, and is named.
   write_text(folder / "specular.dds", "somebody's now");
   const CommandResult other = run_welkin(bake_line(folder, "--for unreal"));
   CHECK(contains(other.output,
-                 "left beside the new files, as it is read or has changed since an earlier 'bake' wrote it: "
+                 "kept next to the new files, because it is read or has changed since an earlier 'bake' wrote it: "
                  "specular.dds"));
   CHECK(file_text(folder / "specular.dds") == "somebody's now");
   // What is read stays, too.

@@ -145,7 +145,7 @@ TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tool
   CHECK(result.errors.empty());
   for (const char* part : {"built-in sky: 1024 x 512 lat-long", "without Condon-Shortley phase", "3zz - 1", "xx - yy",
                            "radiance r, g, b", "irradiance r, g, b", "in GLSL", "Average colour", "524,288 texels",
-                           "no pixel value had to be replaced", "no clamp was asked for", "relative error"}) {
+                           "no pixel value had to be replaced", "no clamp was requested", "relative error"}) {
     INFO(part);
     CHECK(contains(result.output, part));
   }
@@ -321,7 +321,7 @@ TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by
       triple(whole.at("diagnostics").at("total_radiance")) - triple(json.at("diagnostics").at("total_radiance"));
   const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
   CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("total_radiance"))));
-  CHECK(contains(run_welkin("sh --sky --take-out-sun").output, "Sun, taken out"));
+  CHECK(contains(run_welkin("sh --sky --take-out-sun").output, "Sun, extracted"));
 }
 
 TEST_CASE("convert: the map without its sun, plus the sun that is reported, is the map", "[tools][convert]") {
@@ -337,7 +337,7 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
       run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --take-out-sun --sun-radius 10");
   INFO(result.errors);
   REQUIRE(result.exit_code == 0);
-  CHECK(contains(result.output, "Sun, taken out"));
+  CHECK(contains(result.output, "Sun, extracted"));
   const nlohmann::json whole = run_sh_json(quoted(sky) + " --take-out-sun --sun-radius 10");
   REQUIRE(whole.at("sun").is_object());
   const glm::dvec3 total_radiance = triple(run_sh_json(quoted(sky)).at("diagnostics").at("total_radiance"));

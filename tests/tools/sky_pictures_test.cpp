@@ -196,13 +196,13 @@ TEST_CASE("sky: files that hold no air are refused", "[tools][sky][posix]") {
     CHECK(contains(said, "air.json: "));
     CHECK(contains(said, message));
   };
-  refused("", "is no JSON");
-  refused("{\"name\": ", "is no JSON");
-  refused("{\"bottom_radius_m\": NaN}", "is no JSON");
+  refused("", "is not JSON");
+  refused("{\"name\": ", "is not JSON");
+  refused("{\"bottom_radius_m\": NaN}", "is not JSON");
   refused("{\"bottom_radius_m\": 1e999}", "");
-  refused("[]", "no object");
-  refused("\xff\xfe", "is no JSON");
-  refused(std::string(100000, '['), "nests deeper");
+  refused("[]", "not a JSON object");
+  refused("\xff\xfe", "is not JSON");
+  refused(std::string(100000, '['), "nested too deeply");
   refused("{\"ground_albedo\": [" + std::string(20000, '0') + "]}", "");
   refused(
       "{\"ground_albedo\": [0" +

@@ -316,7 +316,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   CHECK(contains(header.errors, "which no float holds"));
   // A bake has the same light as JSON, and all its other files.
   const nlohmann::json bake = bake_into(folder.path() / "bright", quoted(bright) + " --size 16 --no-previews");
-  CHECK(contains(bake.at("notes").dump(), "sh.h is left out"));
+  CHECK(contains(bake.at("notes").dump(), "sh.h is omitted"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "bright" / "sh.h"));
   CHECK(file_of(bake, "sh.json").at("bands") == 3);
 

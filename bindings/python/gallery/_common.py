@@ -47,8 +47,8 @@ def show(axes, pixels, title="", height=128, exposure=0.0):
     axes.set_axis_off()
 
 
-def ball(pixels):
-    """Normals (pixels, pixels, 3) of a ball seen along -z, and where it is."""
+def sphere(pixels):
+    """Normals (pixels, pixels, 3) of a sphere seen along -z, and where it is."""
     at = (2 * np.arange(pixels) + 1) / pixels - 1
     y, x = np.meshgrid(-at, at, indexing="ij")
     inside = x**2 + y**2 < 1

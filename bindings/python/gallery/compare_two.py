@@ -1,15 +1,15 @@
-"""Two environments side by side: exposure, light on matte balls, reflections, and where they differ.
+"""Two environments side by side: exposure, light on matte spheres, reflections, and where they differ.
 
     python compare_two.py [FOLDER] [--first a.hdr] [--second b.hdr]
 """
 import numpy as np
-from _common import arguments, ball, light_of, number, plt, save, show, srgb
+from _common import arguments, sphere, light_of, number, plt, save, show, srgb
 
 import welkin
 
 
 def matte(light, level):
-    normals, inside = ball(192)
+    normals, inside = sphere(192)
     return np.dstack([srgb(0.25 * light.radiance.irradiance()(normals) / np.pi / level), inside])
 
 
@@ -25,7 +25,7 @@ def main():
     for row, light, pixels, name, level in zip(rows, lights, pictures, names, levels):
         show(row[0], pixels, f"{name}: mean {number(level)}", 192)
         row[1].imshow(matte(light, level))
-        row[1].set_title("a matte ball", fontsize=8)
+        row[1].set_title("a matte sphere", fontsize=8)
         row[1].set_axis_off()
         for axes, mip in zip(row[2:], (2, 3)):
             show(axes, light.specular[mip], f"roughness {light.specular.mips[mip].roughness:.2f}", 192)

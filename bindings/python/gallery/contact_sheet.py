@@ -1,4 +1,4 @@
-"""A contact sheet of a folder: each environment with its matte ball, its size and its mean; broken ones named.
+"""A contact sheet of a folder: each environment with its matte sphere, its size and its mean; broken ones named.
 
     python contact_sheet.py [FOLDER] [--environments pictures/]
 """
@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from _common import arguments, ball, number, plt, save, show, small_sky, srgb
+from _common import arguments, sphere, number, plt, save, show, small_sky, srgb
 
 import welkin
 
@@ -27,7 +27,7 @@ def skies(folder):
 
 
 def draw(axes, path):
-    """A cell of the sheet: the picture, with the ball in its corner."""
+    """A cell of the sheet: the picture, with the sphere in its corner."""
     try:
         picture = welkin.read(path)
     except welkin.Error as error:
@@ -38,7 +38,7 @@ def draw(axes, path):
     luminance = max(radiance.mean @ (0.2126, 0.7152, 0.0722), 1e-30)
     show(axes, picture, f"{path.name}\n{picture.info['width']} x {picture.info['height']}, {picture.info['format']}, "
                         f"mean {number(luminance)}", 192)  # fmt: skip
-    normals, inside = ball(96)
+    normals, inside = sphere(96)
     seen = srgb(0.4 * radiance.irradiance()(normals) / np.pi / luminance)
     corner = axes.inset_axes([0.0, 0.0, 0.25, 0.5])
     corner.imshow(np.dstack([seen, inside]))

@@ -1,9 +1,9 @@
-"""Relighting: one bake, and balls under it as the light turns, grows warmer and gets a second sun, without new pixels.
+"""Relighting: one bake, and spheres under it as the light turns, grows warmer and gets a second sun, without new pixels.
 
     python relighting.py [FOLDER] [--picture city.hdr]
 """
 import numpy as np
-from _common import arguments, ball, light_of, plt, save, srgb
+from _common import arguments, sphere, light_of, plt, save, srgb
 
 import welkin
 
@@ -13,8 +13,8 @@ TURNS = [0, 60, 120, 180, 240, 300]
 
 
 def matte(radiance):
-    """A matte ball: what it reflects, (PIXELS, PIXELS, 3)."""
-    normals, inside = ball(PIXELS)
+    """A matte sphere: what it reflects, (PIXELS, PIXELS, 3)."""
+    normals, inside = sphere(PIXELS)
     return np.where(inside[..., None], ALBEDO * radiance.irradiance()(normals) / np.pi, 0), inside
 
 

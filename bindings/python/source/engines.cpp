@@ -102,7 +102,7 @@ void bind_engines(py::module_& module) {
       "engine_light", &light_of, py::arg("radiance"), py::arg("engine"), py::arg("in_place") = false,
       "engine_light(radiance, engine, in_place=False)\n--\n\n"
       "Coefficients of radiance in the form of \"babylon\", \"three\", \"filament\", \"gltf\", \"unity\", \"unreal\",\n"
-      "\"godot\" or \"welkin\", turned to the engine's axes unless they are `in_place` there already.");
+      "\"godot\" or \"welkin\", rotated to the engine's axes unless `in_place`.");
 }
 
 }  // namespace welkin::python

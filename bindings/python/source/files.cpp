@@ -323,7 +323,7 @@ void bind_files(py::module_& module) {
              "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
   module.def("read_texture", &read_texture_file, py::arg("file"),
              "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
-             "A .ktx2, .ktx or .dds cubemap with all its mips, told by its first bytes, as a `Texture`.");
+             "A .ktx2, .ktx or .dds cubemap with all its mips, identified by its first bytes, as a `Texture`.");
   module.def("write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
              "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
              "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "

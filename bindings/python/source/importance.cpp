@@ -189,7 +189,7 @@ void bind_importance(py::module_& module) {
              "                 layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
              "By which a path tracer picks directions of a lat-long, as an `ImportanceTable`. `width`, `height`: up\n"
              "to the picture's, 0 for just these. `weight`: \"luminance\", \"mean\" or \"largest\" of the channels.\n"
-             "`mis_compensation`: what lies below the mean counts as 0, for use beside samples of the material.");
+             "`mis_compensation`: subtracts the mean, for estimators that also sample the material.");
 }
 
 }  // namespace welkin::python

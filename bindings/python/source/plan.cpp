@@ -77,7 +77,7 @@ void bind_passes(py::module_& module) {
       .def_property_readonly(
           "action", [](const PlannedPass& self) { return name(self.action); }, "\"run\", \"reuse\", \"skip\"")
       .def_readonly("reason", &PlannedPass::reason, "What is done, or why it is not.")
-      .def_readonly("bytes", &PlannedPass::bytes, "Memory that it holds at most beside the source.")
+      .def_readonly("bytes", &PlannedPass::bytes, "Memory in bytes that it holds at most, without the source.")
       .def("__repr__", [](const PlannedPass& self) {
         return "<welkin.PlannedPass: " + self.name + ", " + name(self.action) + ", " + self.reason + ">";
       });
@@ -97,7 +97,7 @@ void bind_plan(py::module_& module) {
           "result_bytes", [](const PlanOfSource& self) { return self.plan.result_bytes; }, "Of the results.")
       .def_property_readonly(
           "working_bytes", [](const PlanOfSource& self) { return self.plan.working_bytes; },
-          "At most, beside results and source.")
+          "Working memory in bytes at most, without results and source.")
       .def("__str__", [](const PlanOfSource& self) { return plan_text(self.plan); })
       .def("__repr__", [](const PlanOfSource& self) {
         std::size_t running = 0;

@@ -238,21 +238,21 @@ void bind_projection(py::module_& module) {
       "project", &project_source, py::arg("pixels"),
       "project(pixels, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None, encoding=None,\n"
       "        read=None, progress=None, threads=None)\n--\n\n"
-      "Spherical harmonics of an environment, as a `Projection`. Pixels are read where they lie; of a file (a path\n"
-      "or its bytes; `read`: options of `read`) they stream. About 0.3 ns a texel and thread, relative error below\n"
-      "5e-7. `bands`: 1 to 16. `target_size`: edge of a cube's face to which pixels are reduced first; of a cubemap\n"
+      "Spherical harmonics of an environment, as a `Projection`. Pixels are read in place; a file (a path or its\n"
+      "bytes; `read`: options of `read`) is streamed. 0.3 ns per texel and thread, relative error below 5e-7.\n"
+      "`bands`: 1 to 16. `target_size`: texels per edge of the cubemap to which pixels are reduced first; of a "
+      "cubemap\n"
       "with its mips (a `Chain` of `build_mips`, or a list of arrays (6, n, n, channels)) the nearest level is read.");
-  module.def(
-      "irradiance", &irradiance_of, py::arg("light"),
-      "irradiance(light, *, size=None, method='harmonics', bands=3, quadrature='exact', target_size=None,\n"
-      "           policy=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Light on a surface by its normal, as an `Irradiance`: of pixels, or of `SphericalHarmonics` of radiance.\n"
-      "`size`: texels along an edge of a cubemap, 1 to 4096; `method=\"direct\"` makes it by direct integration of\n"
-      "the pixels, the slow reference.");
+  module.def("irradiance", &irradiance_of, py::arg("light"),
+             "irradiance(light, *, size=None, method='harmonics', bands=3, quadrature='exact', target_size=None,\n"
+             "           policy=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+             "Irradiance by normal, as an `Irradiance`, from pixels or from `SphericalHarmonics` of radiance.\n"
+             "`size`: texels per edge of a cubemap, 1 to 4096; `method=\"direct\"` makes it by direct integration of\n"
+             "the pixels, the slow reference.");
   module.def("direct_irradiance", &direct_irradiance_at, py::arg("pixels"), py::arg("normals"),
              "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n"
-             "--\n\nThe truth: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
+             "--\n\nThe reference: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
              "5 ns per texel, normal and thread.");
 }
 

@@ -193,7 +193,7 @@ void bind_chains(py::module_& module) {
           "method", [](const MipRecord& self) { return name(self.method); },
           "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\"")
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
-      .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added beside the rest.")
+      .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added one by one.")
       .def_readonly("lobe_roughness", &MipRecord::lobe_roughness,
                     "Of the mip's lobe: `roughness`, unless it is fitted to lookups.")
       .def_readonly("error_between", &MipRecord::error_between,
@@ -218,7 +218,7 @@ void bind_chains(py::module_& module) {
   py::class_<Reflections, Chain>(module, "Reflections", "A chain of reflections: a mip for each roughness.")
       .def_readonly("mips", &Reflections::mips, "A `MipRecord` for each level.")
       .def_readonly("diagnostics", &Reflections::diagnostics, "What was read, replaced and clamped.")
-      .def_readonly("peak_bytes", &Reflections::peak_bytes, "Working memory beside source and result.")
+      .def_readonly("peak_bytes", &Reflections::peak_bytes, "Working memory in bytes, without source and result.")
       .def("__repr__", [](const Reflections& self) {
         char range[64] = "";
         if (!self.mips.empty()) {
@@ -272,7 +272,8 @@ py::array array_of(const SharedBrdf& brdf) {
 
 void bind_reflections(py::module_& module) {
   bind_chains(module);
-  py::class_<SharedBrdf>(module, "BrdfTable", "Reflectance of a surface in even light, by cosine and roughness.")
+  py::class_<SharedBrdf>(module, "BrdfTable",
+                         "Reflectance of a surface in a uniform environment, by cosine and roughness.")
       .def_property_readonly(
           "values", [](const SharedBrdf& self) { return array_of(self); },
           "(height, width, channels) float32, read only: row j at roughness (j + 0.5) / height, column i\n"
@@ -305,12 +306,12 @@ void bind_reflections(py::module_& module) {
       "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
       "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
       "mip, in place of `lobe`.");
-  module.def(
-      "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
-      "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
-      "                   threads=None)\n--\n\n"
-      "The truth of `prefilter` at directions (..., 3), in double over all texels: (..., 3). `lobe`: GGX's by its\n"
-      "roughness, or a `ZonalKernel`.");
+  module.def("reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
+             "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
+             "                   threads=None)\n--\n\n"
+             "The reference for `prefilter` at directions (..., 3), in double over all texels: (..., 3). `lobe`: GGX's "
+             "by its\n"
+             "roughness, or a `ZonalKernel`.");
   module.def(
       "brdf_table", &table_of,
       "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n--\n\n"

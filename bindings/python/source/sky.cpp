@@ -302,7 +302,7 @@ void bind_sky(py::module_& module) {
       "    night_zenith_luminance=0.0, ground=True, colour='linear-srgb', table_layout='full', heights=32,\n"
       "    view_zeniths=64, sun_zeniths=64, sun_angles=8, orders=4, minimum_sun_elevation=-30.0,\n"
       "    memory_limit=4294967296, progress=None, threads=None)\n--\n\n"
-      "A sky's tables and its view, as a `Sky`: some two seconds of processor time at the default sizes.\n"
+      "A sky's tables and its view, as a `Sky`: 2 s of CPU time at the default sizes.\n"
       "Planets: \"earth\", \"earth-bruneton\", \"earth-hillaire\", \"mars\". `aerosol` of \"earth\": \"clear\", "
       "\"hazy\",\n"
       "\"dusty\", \"polluted\". `colour`: cd/m2 in linear sRGB, or \"spectral\", W/m2/sr/nm at three wavelengths.\n"

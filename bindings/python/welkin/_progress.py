@@ -2,7 +2,7 @@
 
 
 class Bar:
-    """Is called with the share of the work that is done, 0 to 1."""
+    """Receives the fraction of the work that is done, 0 to 1."""
 
     def __init__(self, what):
         try:

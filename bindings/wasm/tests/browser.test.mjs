@@ -48,7 +48,7 @@ async function shown(address) {
 
 test('a page whose worker bakes a 4k .hdr never stutters, and three.js is lit by the result', { skip }, async () => {
   const { page, result } = await shown('/pages/spinner.html');
-  await page.screenshot({ path: path.join(work, 'balls.png') });
+  await page.screenshot({ path: path.join(work, 'spheres.png') });
   const longest = Math.max(...result.frames);
   const idle = Math.max(...result.idle);
   console.log(`bake ${Math.round(result.milliseconds)} ms, ${result.frames.length} frames, median ${

@@ -1,8 +1,8 @@
-// What a job is made of: the record that its caller holds, and the computation behind it. Users need
-// worker.h.
+// Implementation of jobs: the record that a job's handles share, and the computation behind it. Include worker.h
+// instead.
 //
-// Nothing in here throws or catches, so that a host may compile it without exceptions: what a request throws is caught
-// in the library, and kept in the job's record until somebody asks for it.
+// Nothing in this header throws or catches, so that a host may compile it without exceptions. An exception thrown by a
+// request is caught in the library and kept in the job's record.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Which waiting job a worker starts next: the one of the higher priority, and of equals the older one.
+/// Priority of waiting jobs: higher priorities start first, equal ones in the order of posting.
 enum class TaskPriority { low, normal, high };
 
 namespace detail {
@@ -33,10 +33,10 @@ class WELKIN_HIDDEN Scheduler;
 class Computation;
 class JobRecord;
 
-/// Memory for what a post makes and a thread of the worker lets go of. The system's allocator is kept out of that: a
-/// thread of low rank that is put aside while it frees a block may hold a lock which the next allocation of the posting
-/// thread takes. Blocks that come back are kept for later posts, in lists without locks, until a worker is destroyed.
-/// Blocks of more than 4 KB are the system's at once. Throws std::bad_alloc.
+/// Allocates memory for posts that threads of the worker free. It does not use the system's allocator: a low-priority
+/// thread that is suspended while freeing a block may hold a lock that the posting thread's next allocation needs.
+/// Freed blocks are kept in lock-free lists for later posts until a worker is destroyed; blocks above 4 KB go to the
+/// system at once. Throws std::bad_alloc.
 [[nodiscard]] void* allocate_job_memory(std::size_t bytes);
 void free_job_memory(void* block, std::size_t bytes) noexcept;
 
@@ -71,21 +71,21 @@ template <class Type, class... Arguments>
   return std::allocate_shared<Type>(JobAllocator<Type>(), std::forward<Arguments>(arguments)...);
 }
 
-/// A list whose nodes are made when a job is posted and then only change hands. So nothing is allocated when a job is
-/// cancelled or ends.
+/// A list whose nodes are allocated when a job is posted and then only moved, so that cancelling or completing a job
+/// allocates nothing.
 using ComputationList = std::list<std::shared_ptr<Computation>, JobAllocator<std::shared_ptr<Computation>>>;
 using JobKey = std::basic_string<char, std::char_traits<char>, JobAllocator<char>>;
 
-/// A byte whose address stands for the type. It is not constant, because linkers may merge equal constants. Two shared
-/// libraries may each have one for the same type; the type then counts as two.
+/// A byte whose address identifies a type. It is not constant, because linkers may merge equal constants. Two shared
+/// libraries may each have one for the same type, which then counts as two types.
 template <class Type>
 inline char type_tag = 0;
 
-/// A result as it is stored.
+/// A stored result.
 template <class Result>
 using Stored = std::conditional_t<std::is_void_v<Result>, std::monostate, Result>;
 
-/// One posted job: what its handles and its worker share.
+/// State of one posted job, shared by its handles and its worker.
 class JobRecord {
  public:
   explicit JobRecord(const void* its_result_type) noexcept : result_type(its_result_type) {}
@@ -93,24 +93,24 @@ class JobRecord {
   JobRecord& operator=(const JobRecord&) = delete;
 
   // Constant once the job is posted.
-  const void* result_type;  ///< the address of its `type_tag`
+  const void* result_type;  ///< address of its `type_tag`
   std::uint64_t id = 0;
   JobKey key;
   std::shared_ptr<Scheduler> scheduler;
-  std::shared_ptr<Computation> computation;  ///< that gives the result
+  std::shared_ptr<Computation> computation;  ///< the computation of the result
 
   // Written before `ready` is set, and read after it.
-  std::exception_ptr error;            ///< why the computation gave no result
-  std::optional<ErrorCode> withdrawn;  ///< why the job was given up; before, guarded by the scheduler's mutex
+  std::exception_ptr error;            ///< why the computation has no result
+  std::optional<ErrorCode> withdrawn;  ///< why the job was withdrawn; until ready, guarded by the scheduler's mutex
   std::atomic<bool> ready{false};
-  /// Of a job that is ready.
+  /// Returns whether a job that is ready has failed.
   [[nodiscard]] bool failed() const noexcept { return error != nullptr || withdrawn.has_value(); }
 
   // Guarded by the scheduler's mutex.
-  bool counted = false;       ///< against the worker's limit of jobs
-  bool settled = false;       ///< the outcome is decided: it is too late to cancel the job
-  bool done = false;          ///< its followers have been handed on; later ones are handed on at once
-  ComputationList followers;  ///< that start when this job is done
+  bool counted = false;       ///< counts against the worker's limit of jobs
+  bool settled = false;       ///< the outcome is decided; the job can no longer be cancelled
+  bool done = false;          ///< followers have been started; later ones start at once
+  ComputationList followers;  ///< computations that start when this job is done
 };
 
 template <class Result>
@@ -118,33 +118,33 @@ class TypedJobRecord final : public JobRecord {
  public:
   TypedJobRecord() noexcept : JobRecord(&type_tag<Result>) {}
 
-  std::optional<Stored<Result>> result;  ///< there once the job is ready and has not failed, until it is taken
+  std::optional<Stored<Result>> result;  ///< set once the job is ready and has not failed, until it is taken
 };
 
 /// Where a computation runs.
 enum class Place {
   worker,   ///< on a thread of the worker
   drain,    ///< on the thread that calls `drain()`
-  at_once,  ///< on the thread that settles the job which it follows
+  at_once,  ///< on the thread that completes the job which it follows
 };
 
-/// One piece of work, for one job or for none.
+/// One piece of work, for at most one job.
 class Computation {
  public:
   Computation() = default;
-  /// A computation that follows a job whether that job failed or not.
+  /// Creates a computation that follows a job, whether that has failed or not.
   explicit Computation(Place its_place) noexcept : runs_after_errors(true), where(its_place) {}
   virtual ~Computation() = default;
   Computation(const Computation&) = delete;
   Computation& operator=(const Computation&) = delete;
 
-  /// Does the work and keeps the result. What the work throws comes out.
+  /// Computes and stores the result. Exceptions propagate.
   virtual void run(const Control& control) = 0;
-  /// Moves the result into its job.
+  /// Moves the result to its job.
   virtual void deliver(JobRecord& /*its_job*/) {}
-  /// Gives back the memory of the request and of its result.
+  /// Frees the request and its result.
   virtual void release() noexcept {}
-  /// Takes the place of `run` when the worker ends first. Whatever waits for a result has got an error already.
+  /// Called instead of `run` if the worker ends first. Jobs that wait for a result have already received an error.
   virtual void abandon() {}
 
   void report(double done) noexcept {
@@ -153,28 +153,28 @@ class Computation {
     }
   }
 
-  const bool runs_after_errors = false;  ///< also if the job that it follows has failed
+  const bool runs_after_errors = false;  ///< runs even if the job that it follows has failed
   const Place where = Place::worker;
 
-  std::atomic<double> progress{0.0};  ///< 0 to 1, never falling
-  std::exception_ptr failure;         ///< the error of the job that it follows; set before it starts
+  std::atomic<double> progress{0.0};  ///< 0 to 1, never decreasing
+  std::exception_ptr failure;         ///< error of the job that it follows; set before it starts
 
   // Guarded by the scheduler's mutex.
   TaskPriority priority = TaskPriority::normal;
-  /// When it was posted or, if it follows a job, became free to start.
+  /// Time of posting or, if it follows a job, of becoming ready to start.
   std::chrono::steady_clock::time_point waiting_since{};
-  std::shared_ptr<JobRecord> record;  ///< of the job that wants the result, until it is ready; may be null
-  std::shared_ptr<JobRecord> parent;  ///< the job that it follows, until that is done
-  /// Of its run. The thread that runs it makes it, and takes it back if nobody has told the run to stop.
+  std::shared_ptr<JobRecord> record;  ///< job that wants the result, until it is ready; may be null
+  std::shared_ptr<JobRecord> parent;  ///< job that it follows, until that is done
+  /// Stop source of the run, created by the thread that runs it, which removes it unless stop was requested.
   stop_source stop{nostopstate};
-  bool stopping = false;                      ///< the run has been told to stop: it is for nobody
-  std::shared_ptr<Computation> next_to_stop;  ///< in a list of those that are being told
-  std::uint64_t bytes = 0;                    ///< that count against the worker's limit
-  ComputationList* list = nullptr;            ///< of those that wait, of those that run, or of its parent's followers
-  ComputationList::iterator place;            ///< in that list
+  bool stopping = false;                      ///< stop was requested: no job wants the result
+  std::shared_ptr<Computation> next_to_stop;  ///< next in a list of computations to stop
+  std::uint64_t bytes = 0;                    ///< bytes that count against the worker's limit
+  ComputationList* list = nullptr;            ///< list of waiting or running computations, or of its parent's followers
+  ComputationList::iterator place;            ///< position in that list
 };
 
-/// What a request gives: the result of calling it with a `Control`.
+/// Result type of a request: that of calling it with a `Control`.
 template <class Request>
 using ResultOf = std::invoke_result_t<Request&, const Control&>;
 
@@ -210,7 +210,7 @@ class RequestComputation final : public Computation {
   std::optional<Stored<Result>> result_;
 };
 
-/// What a request counts against a worker's limit of bytes.
+/// Returns the bytes that a request counts against a worker's limit.
 template <class Request>
 std::uint64_t bytes_of(const Request& request) {
   if constexpr (requires { request.bytes(); }) {
@@ -220,22 +220,22 @@ std::uint64_t bytes_of(const Request& request) {
   }
 }
 
-/// Has `child` run where it wants to once `parent` is done, whatever its outcome; `job` (may be null) is the child's.
-/// False if that cannot be any more, because the worker has ended; the job has got an error then.
+/// Arranges for `child` to run once `parent` is done, whatever its outcome; `job` (may be null) is the child's. Returns
+/// false if the worker has ended; the job then has an error.
 bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
             const std::shared_ptr<JobRecord>& job);
 
-/// Waits until the job is ready. On a thread of its worker it runs the job here and now if it has not started, and
-/// first what that follows.
+/// Waits until the job is ready. On a thread of its worker, runs the job if it has not started, after the jobs that it
+/// follows.
 void wait(const std::shared_ptr<JobRecord>& job);
 
-/// Waits until the job is ready, at most so long, and does not help. It looks once a millisecond, or more often.
+/// Waits until the job is ready or the time is over, without running jobs. Polls at least once per millisecond.
 void wait_for(const std::shared_ptr<JobRecord>& job, std::chrono::nanoseconds time);
 
-/// Throws why the job has no result, if that is so. It is ready.
+/// Throws the error of a ready job, if it has one.
 void throw_error_of(const JobRecord& job);
 
-/// Throws `Error` (invalid_argument), for a job whose result was taken or that is no job.
+/// Throws `Error` (invalid_argument) for a job whose result was taken, or no job.
 [[noreturn]] void throw_taken();
 
 }  // namespace detail

@@ -1,7 +1,7 @@
-// What public headers need of the standard library and some libraries lack: libc++ before version 18 or so has no
-// <stop_token>, and before version 16 no <memory_resource>. Where the library has them these are its own types, so that
-// a host's `std::stop_token` is passed as it is; where it does not, they are the small equivalents
-// below, with the same members.
+// Parts of the standard library that public headers need and some implementations lack: libc++ has no <stop_token>
+// before version 18 and no <memory_resource> before version 16. Where available, these are the library's own types, so
+// that a host's `std::stop_token` can be passed directly; otherwise they are the equivalents below, with the same
+// members.
 #pragma once
 
 #include <atomic>
@@ -24,9 +24,9 @@
 
 namespace welkin::detail::standard {
 
-// ---- A request to stop, in the words of <stop_token>
+// ---- Equivalent of <stop_token>
 
-/// Makes a source that cannot stop anything.
+/// Tag for a source without state.
 struct nostopstate_t {
   explicit nostopstate_t() = default;
 };
@@ -49,7 +49,7 @@ class StopCallbackNode {
   bool listed_ = false;
 };
 
-/// What sources, tokens and callbacks share.
+/// State shared by sources, tokens and callbacks.
 class StopState {
  public:
   [[nodiscard]] bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
@@ -57,7 +57,7 @@ class StopState {
   void add_source() noexcept { ++sources_; }
   void remove_source() noexcept { --sources_; }
 
-  /// True for the first request, which calls the callbacks.
+  /// Requests stop and calls the callbacks. Returns true for the first request.
   bool request() {
     std::unique_lock lock(mutex_);
     if (requested_.exchange(true, std::memory_order_acq_rel)) return false;
@@ -75,7 +75,7 @@ class StopState {
     return true;
   }
 
-  /// False if stop was requested: the node is then to be called at once, by whoever adds it.
+  /// Adds a callback. Returns false if stop was requested; the caller must then call the node at once.
   [[nodiscard]] bool add(StopCallbackNode& node) {
     const std::scoped_lock lock(mutex_);
     if (requested()) return false;
@@ -86,7 +86,7 @@ class StopState {
     return true;
   }
 
-  /// The node is not called any more; a call under way in another thread has returned.
+  /// Removes a callback, and waits for a call in progress on another thread.
   void remove(StopCallbackNode& node) {
     std::unique_lock lock(mutex_);
     if (node.listed_) {
@@ -110,11 +110,11 @@ class StopState {
   std::mutex mutex_;
   std::condition_variable returned_;
   StopCallbackNode* first_ = nullptr;
-  StopCallbackNode* running_ = nullptr;  ///< is compared, never followed
-  std::thread::id caller_;               ///< of the callbacks
+  StopCallbackNode* running_ = nullptr;  ///< compared, never dereferenced
+  std::thread::id caller_;               ///< thread that runs the callbacks
 };
 
-/// As std::stop_token.
+/// Equivalent of std::stop_token.
 class stop_token {
  public:
   stop_token() noexcept = default;
@@ -133,7 +133,7 @@ class stop_token {
   std::shared_ptr<StopState> state_;
 };
 
-/// As std::stop_source.
+/// Equivalent of std::stop_source.
 class stop_source {
  public:
   stop_source() : state_(std::make_shared<StopState>()) { state_->add_source(); }
@@ -161,7 +161,7 @@ class stop_source {
   std::shared_ptr<StopState> state_;
 };
 
-/// As std::stop_callback.
+/// Equivalent of std::stop_callback.
 template <class Callback>
 class stop_callback final : private StopCallbackNode {
  public:
@@ -190,9 +190,9 @@ class stop_callback final : private StopCallbackNode {
 template <class Callback>
 stop_callback(stop_token, Callback) -> stop_callback<Callback>;
 
-// ---- Memory that a caller lends, in the words of <memory_resource>
+// ---- Equivalent of <memory_resource>
 
-/// As std::pmr::memory_resource.
+/// Equivalent of std::pmr::memory_resource.
 class memory_resource {
  public:
   memory_resource() = default;
@@ -218,7 +218,7 @@ inline bool operator==(const memory_resource& a, const memory_resource& b) noexc
   return &a == &b || a.is_equal(b);
 }
 
-/// The heap.
+/// Resource that allocates from the heap.
 class HeapResource final : public memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
     return ::operator new (bytes, std::align_val_t{alignment});
@@ -230,13 +230,12 @@ class HeapResource final : public memory_resource {
 };
 
 [[nodiscard]] inline memory_resource* new_delete_resource() noexcept {
-  // Never destroyed: global objects may give memory back after it would be gone.
-  // NOLINTNEXTLINE(bugprone-unhandled-exception-at-new): without memory at the start there is nothing to go on with
+  // Never destroyed, because global objects may still free memory at exit.
   static auto& heap = *new HeapResource;
   return &heap;
 }
 
-/// The heap: there is no other default.
+/// Returns the heap resource, the only default.
 [[nodiscard]] inline memory_resource* get_default_resource() noexcept { return new_delete_resource(); }
 
 }  // namespace welkin::detail::standard

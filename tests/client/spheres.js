@@ -1,20 +1,20 @@
-// What both engines draw: nine balls in a row, and a figure that puts rows below each other.
+// What both engines draw: nine spheres in a row, and a figure that puts rows below each other.
 
 /** Seven of white metal, from the mirror to the roughest, a grey plastic one and a matte white one. */
-export const BALLS = [
+export const SPHERES = [
   ...[0, 0.125, 0.25, 0.375, 0.5, 0.75, 1].map((roughness) => ({ name: `${roughness}`, roughness, metallic: 1, albedo: 1 })),
   { name: "plastic", roughness: 0.25, metallic: 0, albedo: 0.5 },
   { name: "white", roughness: 1, metallic: 0, albedo: 1, matte: true },
 ];
 
-/** Side of the square that a ball of radius 1 stands in. The squares fill the picture from left to right. */
+/** Side of the square that a sphere of radius 1 stands in. The squares fill the picture from left to right. */
 export const SPACING = 2.2;
 
-/** Centre of ball `index` along the row, whose middle is at 0. */
-export const centre = (index) => (index - (BALLS.length - 1) / 2) * SPACING;
+/** Centre of sphere `index` along the row, whose middle is at 0. */
+export const centre = (index) => (index - (SPHERES.length - 1) / 2) * SPACING;
 
 /** Half the width and half the height of the row. */
-export const HALF = { x: (BALLS.length * SPACING) / 2, y: SPACING / 2 };
+export const HALF = { x: (SPHERES.length * SPACING) / 2, y: SPACING / 2 };
 
 /** Narkowicz's fit of the ACES curve (2015), then sRGB, of light times `exposure`: 0 to 255. */
 function shown(light, exposure) {
@@ -23,7 +23,7 @@ function shown(light, exposure) {
   return 255 * (curve <= 0.0031308 ? 12.92 * curve : 1.055 * curve ** (1 / 2.4) - 0.055);
 }
 
-/** Light such that its mean, over the balls of the row, is shown at a third. */
+/** Light such that its mean, over the spheres of the row, is shown at a third. */
 function exposureOf({ light }) {
   let [sum, count] = [0, 0];
   for (let at = 0; at < light.length; at += 4) {
