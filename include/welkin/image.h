@@ -138,8 +138,8 @@ struct LatLongImage {
   return levels;
 }
 
-/// An RGB float cubemap that owns its pixels, with or without mips, in one block of memory: mip by mip, face by face, row
-/// by row, without padding. Faces have the axes of `CubemapView`. Mip l has max(1, size >> l) texels per edge.
+/// An RGB float cubemap that owns its pixels, with or without mips, in one block of memory: mip by mip, face by face,
+/// row by row, without padding. Faces have the axes of `CubemapView`. Mip l has max(1, size >> l) texels per edge.
 class Cubemap {
  public:
   /// Creates an empty cubemap.
