@@ -1,22 +1,7 @@
 // The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "embedded_texts.h"
-#include "perf/report/comparison.h"
-#include "perf/report/measurement.h"
 #include "perf/report/passes.h"
-#include "perf/report/process.h"
-#include "perf/report/report_json.h"
-#include "perf/report/report_page.h"
-#include "perf/report/run_report.h"
-#include "perf/report/stopwatch.h"
-#include "perf/report/words.h"
 #include "tools/arguments.h"
 #include "tools/json.h"
 #include "tools/terminal.h"

@@ -1,20 +1,7 @@
 // The passes about reflections: error against time from the integral in double to the loosest bound, warm and in first
 // calls, beside importance sampling and cmgen.
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <functional>
-#include <map>
-#include <memory>
-#include <random>
-#include <utility>
 
-#include "perf/report/error_norms.h"
-#include "perf/report/importance_sampling.h"
 #include "perf/report/passes.h"
-#include "perf/report/process.h"
-#include "perf/report/words.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"

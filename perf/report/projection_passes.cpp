@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
-#include "perf/report/environment.h"
-#include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "reference/reference_projection.h"
 #include "welkin/environment_file.h"

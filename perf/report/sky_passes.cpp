@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <memory>
-
-#include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "reference/sky_reference.h"
 #include "welkin/sky.h"

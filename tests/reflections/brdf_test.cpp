@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "perf/report/brdf_truth.h"
+#include "perf/report/passes.h"
 #include "reflections/brdf_kernels.h"
 #include "reflections/brdf_table.h"
 #include "simd/dispatch.h"

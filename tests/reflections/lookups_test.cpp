@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "image/geometry.h"
-#include "perf/report/lookups.h"
+#include "perf/report/passes.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/shared_pictures.h"

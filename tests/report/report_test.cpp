@@ -1,3 +1,5 @@
+#include "perf/report/report.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,10 +7,6 @@
 #include <random>
 #include <string>
 
-#include "perf/report/comparison.h"
-#include "perf/report/measurement.h"
-#include "perf/report/report_json.h"
-#include "perf/report/report_page.h"
 #include "report/made_up_report.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"

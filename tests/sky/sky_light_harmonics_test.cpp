@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "perf/report/error_norms.h"
+#include "perf/report/measuring.h"
 #include "reference/sky_reference.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "perf/report/brdf_truth.h"
+#include "perf/report/passes.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "welkin/projection.h"

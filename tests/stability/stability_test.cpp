@@ -14,8 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "perf/report/process.h"
-#include "perf/report/stopwatch.h"
+#include "perf/report/measuring.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/sanitized.h"

@@ -1,29 +1,36 @@
-#include <cmath>
-#include <cstddef>
-#include <functional>
-#include <glm/vec3.hpp>
-#include <memory>
-#include <string>
-
-#include "benchmarks.h"
-#include "subjects.h"
-#include "welkin/bake.h"
 #include "welkin/sky.h"
 
+#include "perf.h"
+#include "sky/table_sizes.h"
+#include "welkin/bake.h"
+
 namespace welkin::perf {
+
+void add_sky_tables(const std::vector<int>& thread_counts) {
+  for (const int threads : thread_counts) {
+    for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
+      for (const int orders : {1, 4}) {
+        SkyTableOptions options;
+        options.layout = layout;
+        options.orders = orders;
+        if (layout == ScatteringLayout::compact) options.sun_zeniths = 32;
+        const auto texels = static_cast<double>(sky::scattering_texels(options));
+        add_benchmark("SkyTables", layout == ScatteringLayout::full ? "full" : "compact", std::to_string(orders),
+                      threads, texels, 0.0, [=]() -> std::function<void()> {
+                        return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); };
+                      });
+      }
+    }
+    const SkyTableOptions least{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
+    add_benchmark("SkyTransmittance", "table", "64x256", threads, 64.0 * 256.0, 0.0, [=]() -> std::function<void()> {
+      return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), least)); };
+    });
+  }
+}
+
 namespace {
 
 constexpr double kTexelBytes = 12.0;
-
-/// Earth in two orders: how many there are does not matter to who looks.
-std::shared_ptr<const SkyTables> tables() {
-  static const auto made = [] {
-    SkyTableOptions options;
-    options.orders = 2;
-    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
-  }();
-  return made;
-}
 
 /// Directions spread evenly over the sphere along a spiral.
 std::vector<glm::vec3> spiral(int count) {
@@ -40,7 +47,7 @@ std::vector<glm::vec3> spiral(int count) {
 void add_radiance(const std::string& variant, double altitude, int count) {
   add_benchmark("SkyRadiance", variant, std::to_string(count), 1, count, kTexelBytes * count,
                 [=]() -> std::function<void()> {
-                  const auto view = std::make_shared<const SkyView>(tables(), altitude);
+                  const auto view = std::make_shared<const SkyView>(earth_tables(), altitude);
                   const auto directions = std::make_shared<const std::vector<glm::vec3>>(spiral(count));
                   const auto rgb = std::make_shared<std::vector<glm::vec3>>(directions->size());
                   const glm::dvec3 sun = sun_direction(20.0, 30.0);
@@ -57,9 +64,10 @@ void add_radiance(const std::string& variant, double altitude, int count) {
 
 void add_making() {
   for (const double altitude : {0.0, 2000.0}) {
-    add_benchmark(
-        "SkyView", "full", std::to_string(static_cast<int>(altitude)), 1, 1.0, 0.0,
-        [=]() -> std::function<void()> { return [=] { benchmark::DoNotOptimize(SkyView(tables(), altitude)); }; });
+    add_benchmark("SkyView", "full", std::to_string(static_cast<int>(altitude)), 1, 1.0, 0.0,
+                  [=]() -> std::function<void()> {
+                    return [=] { benchmark::DoNotOptimize(SkyView(earth_tables(), altitude)); };
+                  });
   }
 }
 
@@ -68,7 +76,7 @@ void add_pictures(int threads) {
                        const std::function<void(const SkyView&, const glm::dvec3&)>& work) {
     add_benchmark(subject, variant, std::to_string(size), threads, texels, kTexelBytes * texels,
                   [=]() -> std::function<void()> {
-                    const auto view = std::make_shared<const SkyView>(tables(), 0.0);
+                    const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
                     return [=] { work(*view, sun_direction(20.0, 30.0)); };
                   });
   };

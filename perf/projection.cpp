@@ -1,13 +1,12 @@
-#include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "benchmarks.h"
-#include "reference/reference_projection.h"
-#include "subjects.h"
-#include "welkin/core.h"
 #include "welkin/projection.h"
+
+#include "files/row_source.h"
+#include "image/image_kernels.h"
+#include "jobs/tiles.h"
+#include "perf.h"
+#include "reference/reference_projection.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 
 namespace welkin::perf {
 namespace {
@@ -125,6 +124,121 @@ void add_project_lat_long(const std::vector<int>& thread_counts) {
                       return [=] { benchmark::DoNotOptimize(project(view)); };
                     });
     }
+  }
+}
+
+namespace {
+
+constexpr int kWidth = 2048;
+constexpr int kHeight = 1024;
+
+struct Variant {
+  const char* name;
+  const char* extension;
+  WriteOptions options;
+};
+
+constexpr std::array<Variant, 5> kVariants{{{"hdr", ".hdr", {}},
+                                            {"exr-half-zip", ".exr", {Layout::automatic, SampleType::half}},
+                                            {"exr-float-zip", ".exr", {Layout::automatic, SampleType::float32}},
+                                            {"pfm", ".pfm", {}},
+                                            {"png8", ".png", {}}}};
+
+std::filesystem::path file_of(const Variant& variant) {
+  return scratch_file(std::string(variant.name) + variant.extension, [&](const std::filesystem::path& path) {
+    (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), variant.options);
+  });
+}
+
+void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {
+  std::ifstream file(path, std::ios::binary);
+  long sum = 0;
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+    sum = std::accumulate(block.data(), block.data() + file.gcount(), sum);
+  }
+  benchmark::DoNotOptimize(sum);
+}
+
+/// The decoder alone: rows to floats in one thread, each block of them forgotten.
+void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
+  const std::unique_ptr<files::RowSource> source = files::open_picture(path, ReadOptions{});
+  const int rows = source->natural_rows() * std::max(1, 16 / source->natural_rows());
+  rgb.resize(std::size_t{3} * kWidth * static_cast<std::size_t>(rows));
+  const std::unique_ptr<files::RowReader> reader = source->open_reader();
+  for (int row = 0; row < kHeight; row += rows) {
+    reader->read(row, std::min(rows, kHeight - row), rgb.data());
+    benchmark::DoNotOptimize(rgb.data());
+  }
+}
+
+}  // namespace
+
+void add_project_file(const std::vector<int>& thread_counts) {
+  constexpr double texels = 1.0 * kWidth * kHeight;
+  const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
+  for (const Variant& variant : kVariants) {
+    for (const int threads : thread_counts) {
+      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels,
+                    [&variant]() -> std::function<void()> {
+                      const std::filesystem::path path = file_of(variant);
+                      return [path] { benchmark::DoNotOptimize(project_file(path)); };
+                    });
+    }
+    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, rgb = std::vector<float>()]() mutable { decode(path, rgb); };
+    });
+    add_benchmark("ReadFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, block = std::vector<char>(std::size_t{1} << 20U)]() mutable { read_bytes(path, block); };
+    });
+  }
+}
+
+namespace {
+
+constexpr std::int64_t kTileBytes = std::int64_t{512} << 10U;  // about a projection tile
+constexpr std::int64_t kGroupBytes = 64;
+
+/// Reads `bytes` bytes in tiles, inline or as tasks just like the projection does.
+std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_t texels) {
+  const jobs::Placement placement = jobs::placement_for(texels);
+  const std::int64_t groups = bytes / kGroupBytes;
+  const std::int64_t tile_groups = kTileBytes / kGroupBytes;
+  const auto tiles = static_cast<std::size_t>((groups + tile_groups - 1) / tile_groups);
+  return [=] {
+    std::vector<float> sums(tiles);
+    jobs::run_tiles(tiles, placement, jobs::worker_count(placement), {}, [&](std::size_t tile, std::size_t) {
+      const std::int64_t first = static_cast<std::int64_t>(tile) * tile_groups;
+      sums[tile] = image::image_kernels().read_all(static_cast<const float*>(pixels) + first * 16,
+                                                   std::min(tile_groups, groups - first));
+    });
+    benchmark::DoNotOptimize(sums.data());
+  };
+}
+
+}  // namespace
+
+void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
+    for (const int size : sizes) {
+      for (const int threads : thread_counts) {
+        const std::int64_t texels = std::int64_t{6} * size * size;
+        const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
+        add_benchmark("ReadBandwidth", name(format), std::to_string(size), threads, static_cast<double>(texels),
+                      static_cast<double>(bytes),
+                      [=] { return reader(noise_cubemap(format, size).faces[0], bytes, texels); });
+      }
+    }
+  }
+  for (const int threads : thread_counts) {
+    constexpr int width = 4096;
+    constexpr int height = 2048;
+    constexpr std::int64_t texels = std::int64_t{width} * height;
+    constexpr std::int64_t bytes = texels * 12;
+    add_benchmark("ReadBandwidth", "rgb32f", "4096x2048", threads, static_cast<double>(texels),
+                  static_cast<double>(bytes),
+                  [=] { return reader(noise_lat_long(PixelFormat::rgb32f, width, height).pixels, bytes, texels); });
   }
 }
 

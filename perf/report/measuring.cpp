@@ -1,15 +1,120 @@
-#include "perf/report/error_norms.h"
+#include "perf/report/measuring.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <numeric>
-
+#include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin::report {
+namespace {
+
+constexpr double kShortestSample = 2e-4;  // a hundred times what reading the clock costs, and more than its step
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double now(Clock clock) {
+  if (clock == Clock::wall) return wall_seconds();
+  return processor_seconds();
+}
+
+}  // namespace
+
+const char* name(Clock clock) noexcept { return clock == Clock::processor ? "processor time" : "wall time"; }
+
+double Stopwatch::seconds(const std::function<void()>& work) const {
+  double fastest = 0.0;
+  run_with_threads(threads, [&] {
+    const Clock by = clock();
+    const auto sample = [&](int calls) {
+      const double start = now(by);
+      for (int call = 0; call < calls; ++call) work();
+      return (now(by) - start) / calls;
+    };
+    const double end = wall_seconds() + budget_seconds;
+    fastest = sample(1);
+    const int calls = static_cast<int>(std::clamp(std::ceil(kShortestSample / std::max(fastest, 1e-9)), 1.0, 1e5));
+    double warm = HUGE_VAL;
+    // The second run does not wait for the wall clock to allow it: a busy machine may have taken the budget away.
+    for (int run = 1; run < most_runs && (wall_seconds() < end || (run == 1 && fastest < budget_seconds)); ++run) {
+      warm = std::min(warm, sample(calls));
+    }
+    if (warm < HUGE_VAL) fastest = warm;
+  });
+  return fastest;
+}
+
+std::optional<double> process_seconds(const std::vector<std::string>& arguments, const Stopwatch& stopwatch) {
+  using Steady = std::chrono::steady_clock;
+  const Steady::time_point begin = Steady::now();
+  double fastest = 0.0;
+  for (int run = 0; run < stopwatch.most_runs; ++run) {
+    const ProcessResult result = run_process(arguments, stopwatch.threads, stopwatch.clock());
+    if (result.exit_code != 0) return std::nullopt;
+    fastest = run == 0 ? result.seconds : std::min(fastest, result.seconds);
+    if (std::chrono::duration<double>(Steady::now() - begin).count() >= stopwatch.budget_seconds) break;
+  }
+  return fastest;
+}
+
+namespace {
+
+std::string compiler() {
+#if defined(__clang__)
+  return "Clang " __clang_version__;
+#elif defined(__GNUC__)
+  return "GCC " __VERSION__;
+#else
+  return "a compiler of no name";
+#endif
+}
+
+/// Now, in UTC: "2026-11-25T03:00:00Z".
+std::string date() {
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  const auto day = std::chrono::floor<std::chrono::days>(now);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss time(now - day);
+  const auto two = [](auto number) { return (number < 10 ? "0" : "") + std::to_string(number); };
+  return std::to_string(static_cast<int>(date.year())) + '-' + two(static_cast<unsigned>(date.month())) + '-' +
+         two(static_cast<unsigned>(date.day())) + 'T' + two(time.hours().count()) + ':' + two(time.minutes().count()) +
+         ':' + two(time.seconds().count()) + 'Z';
+}
+
+}  // namespace
+
+Machine this_machine(const Stopwatch& stopwatch) {
+  return {processor_name(),
+          compiler(),
+          welkin::name(active_instruction_set()),
+          WELKIN_VERSION_STRING,
+          name(stopwatch.clock()),
+          date(),
+          stopwatch.threads};
+}
+
+std::string number(const char* format, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string percent(double share) {
+  if (std::isnan(share)) return "no number";
+  const double value = 100.0 * share;
+  const double size = std::abs(value);
+  if (size == 0.0) return "0 %";
+  if (size < 1e-3) return number("%.1e %%", value);
+  return number(size < 9.95 ? "%.2g %%" : "%.0f %%", value);
+}
+
+std::string duration(double seconds) {
+  if (std::isnan(seconds)) return "no number";
+  if (seconds < 0.9995e-6) return number("%.3g ns", 1e9 * seconds);
+  if (seconds < 0.9995e-3) return number("%.3g us", 1e6 * seconds);
+  if (seconds < 0.9995) return number("%.3g ms", 1e3 * seconds);
+  return number("%.3g s", seconds);
+}
+
 namespace {
 
 constexpr int kNormals = 256;
