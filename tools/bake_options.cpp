@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/bake_lobes.h"
+#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -107,13 +107,10 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       }
     }
   };
-  table.push_back({.names = "--formats",
-                   .target = On<std::vector<std::string>>(store),
-                   .text = "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default "
-                           "ktx2, or by --for: what that engine loads",
-                   .type = "LIST",
-                   .words = words,
-                   .list = List::commas});
+  add_option(table, "--formats", On<std::vector<std::string>>(store), "LIST",
+             "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default ktx2, or by --for: "
+             "what that engine loads",
+             {.words = words, .list = List::commas});
   Option formats =
       choice<TexelFormat>("--ktx2-format", options.texture.format,
                           {{"rgba16f", TexelFormat::rgba16f},
@@ -147,20 +144,16 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
       "How a .ktx2 is compressed; default none"));
-  table.push_back({.names = "--no-previews",
-                   .target = OnFlag([&options] { options.previews = false; }),
-                   .text = "No previews, which take two thirds of the time; less of bakes above 256 texels"});
+  add_option(table, "--no-previews", OnFlag([&options] { options.previews = false; }), "",
+             "No previews, which take two thirds of the time; less of bakes above 256 texels");
   table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
                               "Pixels across each ball of preview_spheres.png, which is six balls wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
-  table.push_back({.names = "--exposure",
-                   .target = &options.exposure_stops,
-                   .text = "The previews' exposure: radiance times 2^EV; default by the picture: three quarters "
-                           "of what is lit are then darker than 0.36, and the manifest says what came of that",
-                   .type = "EV",
-                   .bounds = finite_between(-kMostStops, kMostStops),
-                   .excludes = {"--no-previews"}});
+  add_option(table, "--exposure", &options.exposure_stops, "EV",
+             "The previews' exposure: radiance times 2^EV; default by the picture: three quarters of what is lit are "
+             "then darker than 0.36, and the manifest says what came of that",
+             {.bounds = finite_between(-kMostStops, kMostStops), .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -168,57 +161,46 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
     options.specular.size = size;
     options.size_named = true;
   };
-  table.push_back({.names = "--size",
-                   .target = On<int>(set_size),
-                   .text = "Texels along an edge of the specular cubemap's faces; default " +
-                           std::to_string(options.specular.size) + "",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestFace)});
+  add_option(
+      table, "--size", On<int>(set_size), "N",
+      "Texels along an edge of the specular cubemap's faces; default " + std::to_string(options.specular.size) + "",
+      {.bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "The same for the background cubemap, which is not blurred; 0: as --size; default " +
                                   std::to_string(options.background_size) +
                                   ". A lat-long is four times as wide; in the folders of unity, unreal, blender, godot "
                                   "and usd it keeps the source's own size where this is not named"));
-  table.push_back(
-      {.names = "--mips",
-       .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
-       .text = std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
-                           "as --roughness has numbers, else as many as its schedule wants: filament and linear end at "
-                           "4 texels, unity has seven, babylon and unreal all"),
-       .type = "N|all"});
+  add_option(table, "--mips", On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
+             "N|all",
+             std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many as "
+                         "--roughness has numbers, else as many as its schedule wants: filament and linear end at 4 "
+                         "texels, unity has seven, babylon and unreal all"));
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
   };
-  table.push_back({.names = "--roughness",
-                   .target = On<std::vector<std::string>>(set_roughness),
-                   .text = "Roughness of mips: as an engine's shader looks them up, or numbers separated by commas; "
-                           "default filament, or by --for",
-                   .type = schedule_names() + "|LIST",
-                   .list = List::commas});
+  add_option(table, "--roughness", On<std::vector<std::string>>(set_roughness), schedule_names() + "|LIST",
+             "Roughness of mips: as an engine's shader looks them up, or numbers separated by commas; default "
+             "filament, or by --for",
+             {.list = List::commas});
   table.push_back(choice<std::optional<bool>>(
       "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
       "Whether mips are blurred by lobes that shaders show best which interpolate linearly between mips by the formula "
       "of --roughness; materials look mips up as before. Default on by --for (not of three) and of .env, else off"));
-  table.push_back(choice<PrefilterMethod>(
-      "--method", options.specular.method,
-      {{"automatic", PrefilterMethod::automatic},
-       {"spectral", PrefilterMethod::spectral},
-       {"reference", PrefilterMethod::reference}},
-      "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
-      "reference (the integral itself; slow)"));
+  table.push_back(choice<PrefilterMethod>("--method", options.specular.method,
+                                          {{"automatic", PrefilterMethod::automatic},
+                                           {"spectral", PrefilterMethod::spectral},
+                                           {"reference", PrefilterMethod::reference}},
+                                          "How to prefilter: automatic (default: what is fastest within the error "
+                                          "bounds), spectral, reference (the integral itself; slow)"));
   table.push_back(choice<Quality>(
       "--quality", options.quality,
       {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
       "How exact reflections and irradiance are: fast (--rms-error 1e-2), normal (1e-3, the default), or reference "
       "(the integrals themselves, which takes minutes). An --rms-error that is given wins"));
-  table.push_back(
-      {.names = "--rms-error",
-       .target = &options.rms_error,
-       .text = "The most that each mip and the irradiance cubemap may err: root mean square error over root mean "
-               "square, 1e-6 to 1; default by --quality. No texel errs by more than ten times that, relative to its "
-               "own value",
-       .type = "SHARE",
-       .bounds = finite_between(1e-6, 1.0)});
+  add_option(table, "--rms-error", &options.rms_error, "SHARE",
+             "The most that each mip and the irradiance cubemap may err: root mean square error over root mean square, "
+             "1e-6 to 1; default by --quality. No texel errs by more than ten times that, relative to its own value",
+             {.bounds = finite_between(1e-6, 1.0)});
 }
 
 /// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
@@ -246,14 +228,10 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
     options.rms_error = budget;
     options.bake.bands = bands_within(budget);
   };
-  table.push_back(
-      {.names = "--error-budget",
-       .target = On<double>(set),
-       .text = "--rms-error and --bands in one: the bands are those that keep this error of irradiance under a lone "
-               "lamp, 3 for 0.09, 5 for 0.05, 15 for 0.01",
-       .type = "SHARE",
-       .bounds = finite_between(1e-6, 1.0),
-       .excludes = {"--quality", "--rms-error", "--bands"}});
+  add_option(table, "--error-budget", On<double>(set), "SHARE",
+             "--rms-error and --bands in one: the bands are those that keep this error of irradiance under a lone "
+             "lamp, 3 for 0.09, 5 for 0.05, 15 for 0.01",
+             {.bounds = finite_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.
@@ -266,14 +244,10 @@ void add_lobe_options(Options& table, BakeCommandOptions& options) {
       }
     }
   };
-  table.push_back({.names = "--lobe",
-                   .target = On<std::vector<std::string>>(store),
-                   .text =
-                       "Cubemaps by other lobes beside the specular one, which is GGX, separated by commas: charlie "
-                       "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
-                   .type = "LIST",
-                   .words = {"ggx", "charlie", "lambert", "phong"},
-                   .list = List::commas});
+  add_option(table, "--lobe", On<std::vector<std::string>>(store), "LIST",
+             "Cubemaps by other lobes beside the specular one, which is GGX, separated by commas: charlie (sheen, for "
+             "glTF), lambert (irradiance over pi), phong (powers by --roughness)",
+             {.words = {"ggx", "charlie", "lambert", "phong"}, .list = List::commas});
   table.push_back(size_option("--octahedral", options.octahedral_size, 0, 16384,
                               "The specular cubemap as an octahedral map too, of so many texels along an edge with its "
                               "borders, as Godot's shaders read it: .ktx2 and .exr; default 0: none"));
@@ -282,24 +256,20 @@ void add_lobe_options(Options& table, BakeCommandOptions& options) {
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
   table.push_back(size_option("--irradiance", options.irradiance_size, 0, kLargestIrradiance,
                               "Texels along an edge of the irradiance cubemap's faces; default 64; 0: none"));
-  table.push_back(
-      choice<IrradianceMethod>("--irradiance-method", options.irradiance_method,
-                               {{"automatic", IrradianceMethod::automatic},
-                                {"direct", IrradianceMethod::direct},
-                                {"harmonics", IrradianceMethod::harmonics}},
-                               "Within --rms-error of the integral (automatic, the default), the integral itself "
-                               "(direct, slow), or from --bands of spherical harmonics, as shaders show that read so "
-                               "many"));
-  table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "No BRDF table"});
-  table.push_back({.names = "--brdf",
-                   .target = On<int>([&options](int size) {
-                     options.brdf.width = options.brdf.height = size;
-                     options.brdf_named = true;
-                   }),
-                   .text = "Texels along an edge of the BRDF table; default 64",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestTable),
-                   .excludes = {"--no-brdf"}});
+  table.push_back(choice<IrradianceMethod>(
+      "--irradiance-method", options.irradiance_method,
+      {{"automatic", IrradianceMethod::automatic},
+       {"direct", IrradianceMethod::direct},
+       {"harmonics", IrradianceMethod::harmonics}},
+      "Within --rms-error of the integral (automatic, the default), the integral itself (direct, slow), or from "
+      "--bands of spherical harmonics, as shaders show that read so many"));
+  add_option(table, "--no-brdf", &options.no_brdf, "", "No BRDF table");
+  add_option(table, "--brdf", On<int>([&options](int size) {
+               options.brdf.width = options.brdf.height = size;
+               options.brdf_named = true;
+             }),
+             "N", "Texels along an edge of the BRDF table; default 64",
+             {.bounds = whole_between(1, kLargestTable), .excludes = {"--no-brdf"}});
   Option model = choice<BrdfModel>(
       "--brdf-model", options.brdf.model,
       {{"split-sum", BrdfModel::split_sum}, {"multiple-scattering", BrdfModel::multiple_scattering}},
@@ -339,11 +309,9 @@ void add_result_options(Options& table, BakeCommandOptions& options) {
 void add_bake_options(Options& table, BakeCommandOptions& options) {
   constexpr const char* kInput = "INPUT";
   add_input_options(table, options.input, options.sky);
-  table.push_back({.names = "-o,--output",
-                   .target = &options.directory,
-                   .text = "The folder to write to; default the input's name without extension, or sky; it is made if "
-                           "it is not there, and the default one must be new, empty or of an earlier bake",
-                   .type = "DIR"});
+  add_option(table, "-o,--output", &options.directory, "DIR",
+             "The folder to write to; default the input's name without extension, or sky; it is made if it is not "
+             "there, and the default one must be new, empty or of an earlier bake");
   add_json_option(table, options.common);
   in_group(table, "Input and output");
   add_result_options(table, options);
@@ -355,9 +323,8 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
   option(table, "--for").text =
-      "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with "
-      "--formats these formats in its axes. Faces, harmonics and lights are turned so that the "
-      "surroundings look the same there";
+      "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with --formats "
+      "these formats in its axes. Faces, harmonics and lights are turned so that the surroundings look the same there";
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   add_read_options(table, options.common, kInput);
@@ -428,15 +395,14 @@ std::vector<std::string> option_notes(const BakeCommandOptions& options) {
   const bool named = options.size_named || options.specular.mips || options.all_mips || options.roughness.schedule ||
                      !options.roughness.table.empty();
   if (named && !writes_reflections(options)) {
-    notes.push_back(
-        "--size, --mips and --roughness: " + folder +
-        " writes no prefiltered cubemap, as the engine makes its own of the lat-long; --background-size N makes "
-        "that 4 N texels wide");
+    notes.push_back("--size, --mips and --roughness: " + folder +
+                    " writes no prefiltered cubemap, as the engine makes its own of the lat-long; --background-size N "
+                    "makes that 4 N texels wide");
   }
   if (contradicts_engine(options)) {
     notes.push_back("--roughness: " + std::string(engine.title) +
-                    " looks the mips up by its own formula, so materials show "
-                    "another roughness than theirs; leave it out, or look the mips up in a shader of yours");
+                    " looks the mips up by its own formula, so materials show another roughness than theirs; leave it "
+                    "out, or look the mips up in a shader of yours");
   }
   return notes;
 }

@@ -222,40 +222,28 @@ Command importance_command() {
   constexpr int kLargest = 65536;
   Command command{"importance", "Tables by which a path tracer picks directions", embedded_text("help/importance.txt")};
   Options& table = command.options;
-  table.push_back(
-      {.names = "INPUT",
-       .target = &options->input,
-       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
-       .required = true});
-  table.push_back({.names = "-o,--output",
-                   .target = &options->directory,
-                   .text = "The folder to write to, made if it is not there; default the input's name without its "
-                           "extension and _importance, here. A folder of that name with other files is left alone",
-                   .type = "DIR"});
+  add_option(table, "INPUT", &options->input, "",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+             {.required = true});
+  add_option(table, "-o,--output", &options->directory, "DIR",
+             "The folder to write to, made if it is not there; default the input's name without its extension and "
+             "_importance, here. A folder of that name with other files is left alone");
   add_json_option(table, options->common);
   in_group(table, "Input and output");
-  table.push_back({.names = "--width",
-                   .target = &options->table.width,
-                   .text = "Texels of the table, no more than the input's; default as many",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargest)});
-  table.push_back({.names = "--height",
-                   .target = &options->table.height,
-                   .text = "Rows of the table, no more than the input's; default as many",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargest)});
-  table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
-                                           {{"luminance", ImportanceWeight::luminance},
-                                            {"mean", ImportanceWeight::mean},
-                                            {"largest", ImportanceWeight::largest}},
-                                           "What of a texel counts: its luminance, the mean or the largest of its "
-                                           "channels; default luminance"));
-  table.push_back({.names = "--mis-compensation",
-                   .target = &options->table.mis_compensation,
-                   .text = "Only what lies above the mean counts: for estimators that sample the material, too"});
-  table.push_back({.names = "--alias", .target = &options->alias, .text = "Alias tables, too"});
-  table.push_back(
-      {.names = "--pyramid", .target = &options->pyramid, .text = "Probabilities of ever larger blocks, too"});
+  add_option(table, "--width", &options->table.width, "N",
+             "Texels of the table, no more than the input's; default as many", {.bounds = whole_between(1, kLargest)});
+  add_option(table, "--height", &options->table.height, "N",
+             "Rows of the table, no more than the input's; default as many", {.bounds = whole_between(1, kLargest)});
+  table.push_back(choice<ImportanceWeight>(
+      "--weight", options->table.weight,
+      {{"luminance", ImportanceWeight::luminance},
+       {"mean", ImportanceWeight::mean},
+       {"largest", ImportanceWeight::largest}},
+      "What of a texel counts: its luminance, the mean or the largest of its channels; default luminance"));
+  add_option(table, "--mis-compensation", &options->table.mis_compensation, "",
+             "Only what lies above the mean counts: for estimators that sample the material, too");
+  add_option(table, "--alias", &options->alias, "", "Alias tables, too");
+  add_option(table, "--pyramid", &options->pyramid, "", "Probabilities of ever larger blocks, too");
   in_group(table, "Tables");
   add_pixel_options(table, options->table.pixels, options->clamp);
   add_read_options(table, options->common, "");
