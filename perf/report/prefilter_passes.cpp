@@ -279,14 +279,14 @@ std::vector<PassRunner> prefilter_passes() {
                    3.0,
                    [blur](const PassContext& context) { return one_roughness(context, blur); }});
   }
-  all.push_back({{kFromFile, "Reflections, a chain from a file",
-                  std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a "
-                              "Radiance .hdr file, reading included. Of cmgen the whole process counts, with writing "
-                              "the levels as OpenEXR.") +
-                      kOfReference,
-                  std::string(kErrors) + kOverMips},
-                 8.0,
-                 from_file});
+  all.push_back(
+      {{kFromFile, "Reflections, a chain from a file",
+        std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a Radiance .hdr "
+                    "file, reading included. Of cmgen the whole process counts, with writing the levels as OpenEXR.") +
+            kOfReference,
+        std::string(kErrors) + kOverMips},
+       8.0,
+       from_file});
   all.push_back({{kFromCube, "Reflections, a chain from a captured cubemap",
                   std::string("The default specular chain, down to 4 texels, from a cubemap of the same size in "
                               "memory: a reflection probe.") +

@@ -1,7 +1,4 @@
 // Promise: chains of any engine are read as its shader reads them, in Welkin's axes, and measured against the integral.
-#include <cmath>
-#include <glm/geometric.hpp>
-
 #include "image/geometry.h"
 #include "perf/report/passes.h"
 #include "support/catch.h"

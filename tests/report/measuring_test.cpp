@@ -1,14 +1,5 @@
 #include "perf/report/measuring.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <map>
-#include <random>
-
 #include "image/geometry.h"
 #include "perf/report/report.h"
 #include "places.h"

@@ -1,11 +1,6 @@
 #include "perf/report/report.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <random>
-#include <string>
 
 #include "report/made_up_report.h"
 #include "support/catch.h"

@@ -1,14 +1,4 @@
 // Harmonics of skies, for one sun and along a curve of suns.
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "perf/report/measuring.h"
 #include "reference/sky_reference.h"
 #include "sky/elevation_curve.h"

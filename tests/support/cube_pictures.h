@@ -2,10 +2,7 @@
 // of layouts is in it.
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
+#include "support/catch.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::test {

@@ -14,9 +14,7 @@
 #include <ImfTiledOutputPart.h>
 #include <half.h>
 
-#include <cmath>
-#include <cstring>
-#include <random>
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

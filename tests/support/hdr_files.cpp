@@ -1,8 +1,6 @@
 #include "support/hdr_files.h"
 
-#include <algorithm>
-#include <cmath>
-#include <random>
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

@@ -1,8 +1,6 @@
 #include "support/png_files.h"
 
-#include <memory>
-#include <random>
-#include <stdexcept>
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

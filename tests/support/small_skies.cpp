@@ -1,7 +1,6 @@
 #include "support/small_skies.h"
 
-#include <algorithm>
-#include <cmath>
+#include "support/catch.h"
 
 namespace welkin::test {
 

@@ -1,14 +1,6 @@
 #include "support/test_environments.h"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-#include <string>
-#include <type_traits>
-#include <utility>
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {
