@@ -102,6 +102,7 @@ std::string best_of(const Subject& subject, double bound, int runs) {
 
 std::string bounds_table(const Paths& words) {
   const Arguments arguments(words, {"--runs"});
+  if (arguments.files.size() != 1) throw Error(ErrorCode::invalid_argument, "--bounds: name one lat-long");
   const int runs = std::max(1, arguments.count("--runs", 20));
   const Environment picture = read_environment(arguments.files.at(0));
   std::vector<std::string> heads{"ms within"};

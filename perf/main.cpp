@@ -27,7 +27,7 @@ int print_tables(const Mode& mode, const Paths& words) {
     run_with_threads(mode.threads, [&] { text = mode.make(words); });
     std::cout << text;
     return 0;
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "welkin_perf: " << error.what() << '\n';
     return 1;
   }
