@@ -14,7 +14,9 @@
 #include <ImfTiledOutputPart.h>
 #include <half.h>
 
-#include "support/catch.h"
+#include <cmath>
+#include <cstring>
+#include <random>
 
 namespace welkin::test {
 namespace {

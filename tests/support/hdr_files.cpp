@@ -1,6 +1,8 @@
 #include "support/hdr_files.h"
 
-#include "support/catch.h"
+#include <algorithm>
+#include <cmath>
+#include <random>
 
 namespace welkin::test {
 namespace {

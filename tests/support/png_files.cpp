@@ -1,6 +1,8 @@
 #include "support/png_files.h"
 
-#include "support/catch.h"
+#include <memory>
+#include <random>
+#include <stdexcept>
 
 namespace welkin::test {
 namespace {

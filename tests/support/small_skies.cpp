@@ -1,6 +1,7 @@
 #include "support/small_skies.h"
 
-#include "support/catch.h"
+#include <algorithm>
+#include <cmath>
 
 namespace welkin::test {
 

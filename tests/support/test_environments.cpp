@@ -1,6 +1,14 @@
 #include "support/test_environments.h"
 
-#include "support/catch.h"
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
 
 namespace welkin::test {
 namespace {
