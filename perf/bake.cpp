@@ -1,16 +1,7 @@
 #include "welkin/bake.h"
 
-#include <cmath>
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <span>
-#include <string>
-#include <vector>
-
-#include "benchmarks.h"
+#include "perf.h"
 #include "reflections/brdf_table.h"
-#include "subjects.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -63,9 +54,9 @@ BakeOptions bake_options(int size, bool background) {
 }
 
 enum class Memory { fresh, again };
-enum class Table { warm, cold };
+enum class BrdfCache { warm, cold };
 
-void add_bake(const std::string& variant, int threads, bool sun, bool background, Memory memory, Table table) {
+void add_bake(const std::string& variant, int threads, bool sun, bool background, Memory memory, BrdfCache table) {
   constexpr double texels = 1024.0 * 512.0;
   add_benchmark("Bake", variant, "1024x512", threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
     auto source = bake_picture(1024, sun);
@@ -73,10 +64,10 @@ void add_bake(const std::string& variant, int threads, bool sun, bool background
     return [=] {
       BakeOptions options = bake_options(512, background);
       // The cache cannot be emptied from here: the table is made after the bake, not beside it, which costs the more.
-      if (table == Table::cold) options.brdf.reset();
+      if (table == BrdfCache::cold) options.brdf.reset();
       if (memory == Memory::fresh) *result = {};
       bake_into(*result, source->view(), options);
-      if (table == Table::cold) {
+      if (table == BrdfCache::cold) {
         benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = false}, {}));
       }
       benchmark::DoNotOptimize(result->irradiance->face(0));
@@ -125,20 +116,14 @@ void add_bake_many(int threads, bool in_one_call) {
                 [=]() -> std::function<void()> {
                   const Cubemap picture = to_cubemap(bake_picture(1024, false)->view(), 64);
                   auto source = std::make_shared<report::FormattedCubemap>(picture, PixelFormat::rgba16f);
-                  const UploadLayout layout{.size = 64, .levels = 5};
-                  auto memory = std::make_shared<std::vector<std::byte>>(kMany * upload_bytes(layout));
-                  std::vector<CubemapTarget> targets;
-                  for (std::size_t k = 0; k < kMany; ++k) {
-                    const auto room = std::span(*memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
-                    for (const CubemapTarget& target : upload_targets(layout, room)) targets.push_back(target);
-                  }
+                  const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
                   const PrefilterOptions options{.size = 64, .mips = 5};
                   std::vector<CubemapView> probes(kMany, source->view());
                   std::vector<dvec3> light(std::size_t{9} * kMany);
                   if (in_one_call) {
                     return [=]() mutable {
-                      benchmark::DoNotOptimize(bake_many(probes, targets, light, options));
-                      benchmark::DoNotOptimize(memory->data());
+                      benchmark::DoNotOptimize(bake_many(probes, room->targets, light, options));
+                      benchmark::DoNotOptimize(room->memory.data());
                       benchmark::DoNotOptimize(source.get());  // held by being named
                     };
                   }
@@ -146,9 +131,9 @@ void add_bake_many(int threads, bool in_one_call) {
                     for (std::size_t k = 0; k < kMany; ++k) {
                       benchmark::DoNotOptimize(project(probes[k]));
                       const PrefilteredSpecular chain = prefilter_specular(probes[k], options);
-                      store_texels(chain.cubemap, std::span(targets).subspan(5 * k, 5));
+                      store_texels(chain.cubemap, std::span(room->targets).subspan(5 * k, 5));
                     }
-                    benchmark::DoNotOptimize(memory->data());
+                    benchmark::DoNotOptimize(room->memory.data());
                     benchmark::DoNotOptimize(source.get());
                   };
                 });
@@ -164,11 +149,11 @@ void add_table(const std::string& variant, int threads, bool sheen) {
 
 void add_bakes(const std::vector<int>& thread_counts) {
   for (const int threads : thread_counts) {
-    add_bake("512", threads, false, false, Memory::fresh, Table::warm);
-    add_bake("512-again", threads, false, false, Memory::again, Table::warm);
-    add_bake("512-cold-brdf", threads, false, false, Memory::again, Table::cold);
-    add_bake("512-background", threads, false, true, Memory::again, Table::warm);
-    add_bake("512-sun", threads, true, false, Memory::again, Table::warm);
+    add_bake("512", threads, false, false, Memory::fresh, BrdfCache::warm);
+    add_bake("512-again", threads, false, false, Memory::again, BrdfCache::warm);
+    add_bake("512-cold-brdf", threads, false, false, Memory::again, BrdfCache::cold);
+    add_bake("512-background", threads, false, true, Memory::again, BrdfCache::warm);
+    add_bake("512-sun", threads, true, false, Memory::again, BrdfCache::warm);
     add_bake_of(256, 1024, threads);
     add_bake_of(1024, 2048, threads);
     add_bake_of(2048, 4096, threads);

@@ -1,15 +1,4 @@
-#include <algorithm>
-#include <cstddef>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <span>
-
-#include "benchmarks.h"
-#include "perf/report/environment.h"
+#include "perf.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
@@ -30,9 +19,6 @@ struct Subject {
   std::string name;
   std::function<void(double)> call;  ///< within a bound
 };
-
-/// Of all threads, of which one works.
-double processor_milliseconds() { return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Subject chain_of(const Environment& picture, bool cubemap, const std::string& name, PrefilterOptions options) {
   auto cube = std::make_shared<Cubemap>();
@@ -74,19 +60,13 @@ Subject probes_of(const Environment& picture, int mips) {
   constexpr std::size_t count = 64;
   const auto source =
       std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), size), PixelFormat::rgba16f);
-  const UploadLayout layout{.size = size, .levels = mips};
-  const auto memory = std::make_shared<std::vector<std::byte>>(count * upload_bytes(layout));
-  std::vector<CubemapTarget> targets;
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto room = std::span(*memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
-    for (const CubemapTarget& target : upload_targets(layout, room)) targets.push_back(target);
-  }
-  return {"64 probes of 64 halves, " + std::to_string(mips) + " mips", [=](double bound) {
-            const std::vector<CubemapView> probes(count, source->view());
-            std::vector<dvec3> light(9 * count);
-            static_cast<void>(bake_many(probes, targets, light, {.size = size, .mips = mips, .rms_error = bound}, 3));
-            static_cast<void>(memory);
-          }};
+  const auto room = std::make_shared<const ProbeTargets>(count, size, mips);
+  return {
+      "64 probes of 64 halves, " + std::to_string(mips) + " mips", [=](double bound) {
+        const std::vector<CubemapView> probes(count, source->view());
+        std::vector<dvec3> light(9 * count);
+        static_cast<void>(bake_many(probes, room->targets, light, {.size = size, .mips = mips, .rms_error = bound}, 3));
+      }};
 }
 
 std::vector<Subject> subjects_of(const Environment& picture) {
@@ -108,54 +88,34 @@ std::vector<Subject> subjects_of(const Environment& picture) {
   return subjects;
 }
 
-/// Empty where the bound is refused.
+/// Milliseconds, the least of `runs` calls after a first one, which makes tables.
 std::string best_of(const Subject& subject, double bound, int runs) {
-  double best = std::numeric_limits<double>::max();
-  for (int run = 0; run <= runs; ++run) {  // the first makes tables
-    const double begin = processor_milliseconds();
-    try {
-      subject.call(bound);
-    } catch (const Error&) {
-      return "refused";
-    }
-    best = std::min(best, processor_milliseconds() - begin);
+  try {
+    const report::Stopwatch stopwatch{.threads = 1, .budget_seconds = 60.0, .most_runs = runs + 1};
+    return number("%.3g", 1e3 * stopwatch.seconds([&] { subject.call(bound); }));
+  } catch (const Error&) {
+    return "refused";
   }
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", best);
-  return text;
 }
 
 }  // namespace
 
-std::string bounds_table(const std::vector<std::filesystem::path>& arguments) {
-  int runs = 20;
-  std::filesystem::path file;
-  for (const std::filesystem::path& argument : arguments) {
-    const std::string word = argument.string();
-    if (word.rfind("--runs=", 0) == 0) {
-      runs = std::max(1, std::atoi(word.c_str() + 7));
-    } else {
-      file = argument;
-    }
-  }
-  const Environment picture = read_environment(file);
-  std::string table = "| ms within |";
-  std::string rule = "|---|";
-  for (const double bound : kBounds) {
-    char text[32];
-    std::snprintf(text, sizeof text, " %g |", bound);
-    table += text;
-    rule += "---|";
-  }
-  table += "\n" + rule + "\n";
+std::string bounds_table(const Paths& words) {
+  const Arguments arguments(words, {"--runs"});
+  if (arguments.files.size() != 1) throw Error(ErrorCode::invalid_argument, "--bounds: name one lat-long");
+  const int runs = std::max(1, arguments.count("--runs", 20));
+  const Environment picture = read_environment(arguments.files.at(0));
+  std::vector<std::string> heads{"ms within"};
+  for (const double bound : kBounds) heads.push_back(number("%g", bound));
+  Table table(heads);
   run_with_threads(1, [&] {
     for (const Subject& subject : subjects_of(picture)) {
-      table += "| " + subject.name + " |";
-      for (const double bound : kBounds) table += " " + best_of(subject, bound, bound < 5e-4 ? 2 : runs) + " |";
-      table += "\n";
+      std::vector<std::string> cells{subject.name};
+      for (const double bound : kBounds) cells.push_back(best_of(subject, bound, bound < 5e-4 ? 2 : runs));
+      table.add(cells);
     }
   });
-  return table;
+  return table.text();
 }
 
 }  // namespace welkin::perf

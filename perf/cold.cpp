@@ -1,21 +1,4 @@
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstddef>
-#include <cstdlib>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <memory>
-#include <optional>
-#include <sstream>
-#include <utility>
-
-#include "benchmarks.h"
-#include "perf/report/environment.h"
-#include "perf/report/process.h"
-#include "platform/text.h"
-#include "subjects.h"
+#include "perf.h"
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
 #include "welkin/importance.h"
@@ -31,7 +14,6 @@ namespace welkin::perf {
 namespace {
 
 using Call = std::function<void()>;
-using platform::number_text;
 
 /// What a child reads; pixels as raw floats, so that it decodes nothing by the library.
 struct Pixels {
@@ -323,41 +305,28 @@ const Operation& find(const std::vector<Operation>& operations, const std::strin
 // The parent.
 
 struct Options {
-  std::vector<int> threads{1};
-  int runs = 3;
+  std::vector<int> threads;
+  int runs = 0;
   std::string only;
   report::Clock clock = report::Clock::wall;
   std::filesystem::path file;
 };
 
-Options read_options(const std::vector<std::filesystem::path>& arguments) {
+Options read_options(const Paths& words) {
+  const Arguments arguments(words, {"--threads", "--runs", "--processor", "--only"});
   Options options;
-  for (const std::filesystem::path& argument : arguments) {
-    const std::string word = argument.string();
-    if (word.rfind("--threads=", 0) == 0) {
-      options.threads.clear();
-      std::istringstream list(word.substr(10));
-      for (std::string one; std::getline(list, one, ',');) options.threads.push_back(std::atoi(one.c_str()));
-    } else if (word.rfind("--runs=", 0) == 0) {
-      options.runs = std::max(1, std::atoi(word.c_str() + 7));
-    } else if (word == "--processor") {
-      options.clock = report::Clock::processor;
-    } else if (word.rfind("--only=", 0) == 0) {
-      options.only = word.substr(7);
-    } else {
-      options.file = argument;
-    }
-  }
+  options.runs = std::max(1, arguments.count("--runs", 3));
+  options.only = arguments.text("--only");
+  for (const std::string& one : arguments.list("--threads", "1")) options.threads.push_back(std::atoi(one.c_str()));
+  if (arguments.has("--processor")) options.clock = report::Clock::processor;
+  if (!arguments.files.empty()) options.file = arguments.files.back();
   return options;
 }
 
-std::string digits(double value) {
-  return value < 1000.0 ? number_text(value, std::chars_format::general, 3)
-                        : number_text(value, std::chars_format::fixed, 0);
-}
+std::string digits(double value) { return number(value < 1000.0 ? "%.3g" : "%.0f", value); }
 
-std::string row_of(const std::filesystem::path& program, const Operation& operation, const Sources& sources,
-                   int threads, const Options& options) {
+std::vector<std::string> row_of(const std::filesystem::path& program, const Operation& operation,
+                                const Sources& sources, int threads, const Options& options) {
   const std::filesystem::path folder = sources.write(operation);
   const std::filesystem::path output = folder / "row";
   Row least;
@@ -374,16 +343,19 @@ std::string row_of(const std::filesystem::path& program, const Operation& operat
     least.keep_least(row);
   }
   const auto& [first, second, last, warm, first_faults, last_faults, resident] = least.values;
-  return "| " + operation.name + " | " + digits(first) + " | " + digits(second) + " | " + digits(last) + " | " +
-         digits(warm) + " | " + digits(first / warm) + " | " + number_text(first_faults, std::chars_format::fixed, 0) +
-         " / " + number_text(last_faults, std::chars_format::fixed, 0) + " | " +
-         number_text(resident, std::chars_format::fixed, 0) + " |\n";
+  return {operation.name,
+          digits(first),
+          digits(second),
+          digits(last),
+          digits(warm),
+          digits(first / warm),
+          number("%.0f", first_faults) + " / " + number("%.0f", last_faults),
+          number("%.0f", resident)};
 }
 
 /// Whole processes of the command: KTX2 without previews.
-std::string process_rows(const std::filesystem::path& command, const Sources& sources, int threads,
-                         const Options& options) {
-  std::string text;
+void add_processes(Table& table, const std::filesystem::path& command, const Sources& sources, int threads,
+                   const Options& options) {
   const auto add = [&](const std::string& name, int size,
                        const std::function<void(const std::filesystem::path&)>& write) {
     if (name.find(options.only) == std::string::npos) return;
@@ -397,7 +369,7 @@ std::string process_rows(const std::filesystem::path& command, const Sources& so
       if (result.exit_code != 0) throw Error(ErrorCode::file_access, command.string() + " bake: the process failed");
       seconds = std::min(seconds, result.seconds);
     }
-    text += "| " + name + " | " + digits(1e3 * seconds) + " |\n";
+    table.add({name, digits(1e3 * seconds)});
   };
   for (const int size : {64, 128, 256, 512}) {
     add("process: bake cube -> " + std::to_string(size), size,
@@ -407,7 +379,6 @@ std::string process_rows(const std::filesystem::path& command, const Sources& so
     add("process: bake lat-long 1024 -> " + std::to_string(size), size,
         [&](const auto& path) { (void)write_environment(path, sources.lat_long(1024).view()); });
   }
-  return text;
 }
 
 }  // namespace
@@ -418,19 +389,15 @@ std::string cold_tables(const std::filesystem::path& program, const std::vector<
   const std::filesystem::path command = program.parent_path() / "welkin";
   std::string text;
   for (const int threads : options.threads) {
-    std::string rows;
+    const std::string count = std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+    Table calls({count, "first, ms", "second", "last", "best", "first / best", "faults, first / last", "MiB"});
     for (const Operation& operation : all_operations()) {
       if (operation.name.find(options.only) != std::string::npos)
-        rows += row_of(program, operation, sources, threads, options);
+        calls.add(row_of(program, operation, sources, threads, options));
     }
-    const std::string count = std::to_string(threads) + (threads == 1 ? " thread" : " threads");
-    if (!rows.empty()) {
-      text += "| " + count + " | first, ms | second | last | best | first / best | faults, first / last | MiB |\n" +
-              "|---|---|---|---|---|---|---|---|\n" + rows + "\n";
-    }
-    if (!std::filesystem::exists(command)) continue;
-    if (const std::string processes = process_rows(command, sources, threads, options); !processes.empty())
-      text += "| " + count + " | whole process, ms |\n|---|---|\n" + processes + "\n";
+    Table processes({count, "whole process, ms"});
+    if (std::filesystem::exists(command)) add_processes(processes, command, sources, threads, options);
+    for (const Table* const table : {&calls, &processes}) text += table->empty() ? "" : table->text() + "\n";
   }
   return text;
 }
@@ -444,7 +411,7 @@ std::string cold_calls(const std::vector<std::filesystem::path>& arguments) {
   Row row;
   run_with_threads(std::atoi(arguments.at(2).string().c_str()), [&] { row = measure(call, operation.calls, clock); });
   std::string text;
-  for (const double value : row.values) text += number_text(value, std::chars_format::general, 6) + " ";
+  for (const double value : row.values) text += number("%.6g ", value);
   return text + "\n";
 }
 

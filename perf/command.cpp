@@ -1,12 +1,8 @@
-#include <cstdlib>
-#include <filesystem>
-#include <functional>
-#include <stdexcept>
-#include <string>
-
-#include "benchmarks.h"
-#include "subjects.h"
+#include "perf.h"
+#include "tools/previews.h"
+#include "welkin/bake.h"
 #include "welkin/environment_file.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {
 namespace {
@@ -44,6 +40,32 @@ void add_command(const std::vector<int>& thread_counts) {
             });
       }
     }
+  }
+}
+
+namespace {
+
+BakeOptions all_that_previews_show() {
+  BakeOptions options;
+  options.specular = PrefilterOptions{};
+  options.irradiance = IrradianceOptions{};
+  options.brdf = BrdfTableOptions{};
+  return options;
+}
+
+}  // namespace
+
+void add_previews(const std::vector<int>& thread_counts) {
+  constexpr double kPixels = 1792.0 * 640.0 + 1024.0 * 512.0 + 1000.0 * 350.0;
+  for (const int threads : thread_counts) {
+    add_benchmark("Previews", "spheres-256", "256", threads, kPixels, 0.0, []() -> std::function<void()> {
+      const auto folder = scratch_file("previews", [](const auto& path) { std::filesystem::create_directory(path); });
+      auto light = std::make_shared<BakeResult>(bake(sky_picture().view(), all_that_previews_show()));
+      return [light, folder] {
+        const tool::PreviewOptions options{tool::ToneMap{exposure_of(light->background->view(3))}};
+        benchmark::DoNotOptimize(tool::write_previews(*light, options, folder));
+      };
+    });
   }
 }
 

@@ -1,9 +1,4 @@
-#include <algorithm>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-
-#include "benchmarks.h"
+#include "perf.h"
 #include "support/estimate_trials.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"
@@ -14,41 +9,31 @@ namespace {
 constexpr int kPictureSize = 64;
 constexpr int kAtATime = 100;  ///< environments from table to table
 
-Cubemap reduced(const std::filesystem::path& file) {
-  const Environment environment = read_environment(file);
-  return to_cubemap(environment.view(), kPictureSize);
-}
-
 std::string table_of(const test::EstimateTrials& trials) {
-  std::string table =
-      "| result | estimates | true <= estimate | median of estimate / true | worst true / estimate | worst case |\n"
-      "|---|---|---|---|---|---|\n";
+  Table table(
+      {"result", "estimates", "true <= estimate", "median of estimate / true", "worst true / estimate", "worst case"});
   for (const auto& [kind, honesty] : trials) {
-    char row[160];
-    std::snprintf(row, sizeof row, " | %zu | %.1f %% | %.2g | %.2g | ", honesty->count(), 100.0 * honesty->share(),
-                  honesty->median(), honesty->worst());
-    table += "| " + kind + row + honesty->worst_case() + " |\n";
+    table.add({kind, std::to_string(honesty->count()), number("%.1f %%", 100.0 * honesty->share()),
+               number("%.2g", honesty->median()), number("%.2g", honesty->worst()), honesty->worst_case()});
   }
-  return table;
+  return table.text();
 }
 
 }  // namespace
 
-std::string estimate_table(const std::vector<std::filesystem::path>& arguments) {
-  int count = 10'000;
-  std::uint32_t seed = 1;
+std::string estimate_table(const Paths& words) {
+  const Arguments arguments(words, {"--seed", "--rms-error"});
+  const auto seed = static_cast<std::uint32_t>(arguments.count("--seed", 1));
   test::RoughnessSpan of{0.02, 1.0};
+  of.rms_error = arguments.value("--rms-error", of.rms_error);
+  int count = 10'000;
   std::vector<Cubemap> pictures;
-  for (const std::filesystem::path& argument : arguments) {
-    const std::string word = argument.string();
-    if (word.rfind("--seed=", 0) == 0) {
-      seed = static_cast<std::uint32_t>(std::atoi(word.c_str() + 7));
-    } else if (word.rfind("--rms-error=", 0) == 0) {
-      of.rms_error = std::atof(word.c_str() + 12);
-    } else if (!word.empty() && word.find_first_not_of("0123456789") == std::string::npos) {
+  for (const std::filesystem::path& file : arguments.files) {
+    const std::string word = file.string();
+    if (word.find_first_not_of("0123456789") == std::string::npos) {
       count = std::atoi(word.c_str());
     } else {
-      pictures.push_back(reduced(argument));
+      pictures.push_back(to_cubemap(read_environment(file).view(), kPictureSize));
     }
   }
   test::EstimateTrials trials;

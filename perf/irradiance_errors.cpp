@@ -1,12 +1,4 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <optional>
-
-#include "benchmarks.h"
-#include "perf/report/error_norms.h"
+#include "perf.h"
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
@@ -21,12 +13,6 @@ constexpr int kWindowedBands = 3;
 constexpr int kSunBands[] = {2, 3, 5};
 constexpr int kNormals = 500;
 constexpr int kCubemap = 9;  ///< texels along an edge: 486 normals
-
-std::string number(const char* format, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// Two digits of a percentage; "0" for what is less than a millionth of one.
 std::string percent(double share) {
@@ -74,27 +60,21 @@ std::optional<WithoutSun> without_sun(const Environment& environment, const Proj
 
 double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
-/// One environment's rows in the tables.
-struct Rows {
-  std::string errors;
-  std::string windows;
-  std::string suns;  ///< empty without a sun
-  std::string cubemaps;
-};
+std::string errors_text(double rms, double maximum) { return percent(rms) + " / " + percent(maximum); }
 
-std::string sun_row(const Environment& environment, const ProjectionOptions& options, const std::string& name,
-                    const SphericalHarmonics& radiance, const std::vector<IrradianceError>& errors) {
+void add_sun(Table& table, const Environment& environment, const ProjectionOptions& options, const std::string& name,
+             const SphericalHarmonics& radiance, const std::vector<IrradianceError>& errors) {
   const std::optional<WithoutSun> rest = without_sun(environment, options, radiance);
-  if (!rest) return "";
-  std::string row =
-      "| " + name + " | " + percent(luminance(rest->sun.irradiance) / luminance(rest->sun.total_radiance_before));
+  if (!rest) return;
+  std::vector<std::string> cells{name,
+                                 percent(luminance(rest->sun.irradiance) / luminance(rest->sun.total_radiance_before))};
   for (const int bands : kSunBands) {
     const IrradianceError& before = errors[static_cast<std::size_t>(bands - 1)];
     const IrradianceError& after = rest->errors[static_cast<std::size_t>(bands - 1)];
-    row += " | " + percent(before.rms) + " / " + percent(before.maximum) + " | " +
-           percent(after.rms * rest->share_of_rms) + " / " + percent(after.maximum * rest->share_of_rms);
+    cells.push_back(errors_text(before.rms, before.maximum));
+    cells.push_back(errors_text(after.rms * rest->share_of_rms, after.maximum * rest->share_of_rms));
   }
-  return row + " |\n";
+  table.add(cells);
 }
 
 /// Rms over the rms of the truth, and the largest error of a texel's channel over its own value.
@@ -109,93 +89,87 @@ std::string error_text(const Cubemap& found, const Cubemap& truth) {
     whole += wanted * wanted;
     if (difference != 0.0) largest = std::max(largest, std::abs(difference / wanted));
   }
-  return percent(std::sqrt(squares / whole)) + " / " + percent(largest);
+  return errors_text(std::sqrt(squares / whole), largest);
 }
 
 /// The irradiance cubemap of a bake, from bands and by default.
-std::string cubemap_row(const EnvironmentView& view, const std::string& name) {
+void add_cubemap(Table& table, const EnvironmentView& view, const std::string& name) {
   const Cubemap truth = direct_irradiance_cubemap(view, kCubemap);
-  std::string row = "| " + name + " |";
+  std::vector<std::string> cells{name};
   for (const IrradianceMethod method : {IrradianceMethod::harmonics, IrradianceMethod::automatic}) {
     BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
     options.irradiance = IrradianceOptions{.size = kCubemap, .method = method};
-    row += " " + error_text(*bake(view, options).irradiance, truth) + " |";
+    cells.push_back(error_text(*bake(view, options).irradiance, truth));
   }
-  return row;
+  table.add(cells);
 }
 
-Rows rows_of(const std::filesystem::path& file) {
-  const Environment environment = read_environment(file);
-  const EnvironmentStatistics statistics = measure_environment(file);
-  ProjectionOptions options;
-  options.bands = kBands[std::size(kBands) - 1];
-  const SphericalHarmonics radiance = project(environment.view(), options).radiance;
-  const glm::dvec3 mean = statistics.mean;
-
-  Rows rows;
-  rows.errors =
-      "| " + file.stem().string() + " | " + number("%.0f", luminance(statistics.brightest) / luminance(mean)) + " |";
-  const std::vector<IrradianceError> errors = errors_of(environment, radiance);
-  for (const int bands : kBands) {
-    const IrradianceError& error = errors[static_cast<std::size_t>(bands - 1)];
-    rows.errors += " " + percent(error.rms) + " / " + percent(error.maximum) + " / " + percent(error.relative) + " |";
-  }
-
-  rows.suns = sun_row(environment, options, file.stem().string(), radiance, errors);
-
-  rows.cubemaps = cubemap_row(environment.view(), file.stem().string());
-
+void add_windows(Table& table, const Environment& environment, const std::string& name,
+                 const SphericalHarmonics& radiance, const glm::dvec3& mean) {
   SphericalHarmonics few(kWindowedBands);
   std::copy_n(radiance.coefficients().begin(), few.coefficients().size(), few.coefficients().begin());
-  rows.windows = "| " + file.stem().string() + " |";
+  std::vector<std::string> cells{name};
   for (const Window window : kWindows) {
     const Windowed windowed = apply_window(few, window);
-    rows.windows += " " + percent(smallest(windowed.minimum_after / (std::numbers::pi * mean))) + " |";
-    rows.windows += " " + percent(errors_of(environment, windowed.radiance).back().rms) + " |";
-    if (window == Window::min_laplacian) rows.windows += " " + number("%.4f", windowed.parameter) + " |";
+    cells.push_back(percent(smallest(windowed.minimum_after / (std::numbers::pi * mean))));
+    cells.push_back(percent(errors_of(environment, windowed.radiance).back().rms));
+    if (window == Window::min_laplacian) cells.push_back(number("%.4f", windowed.parameter));
   }
-  return rows;
+  table.add(cells);
+}
+
+struct Tables {
+  Table cubemaps{{"environment", "harmonics, 3 bands", "default"}};
+  Table errors;
+  Table windows;
+  Table suns;
+
+  void add(const std::filesystem::path& file) {
+    const Environment environment = read_environment(file);
+    const EnvironmentStatistics statistics = measure_environment(file);
+    const std::string name = file.stem().string();
+    ProjectionOptions options;
+    options.bands = kBands[std::size(kBands) - 1];
+    const SphericalHarmonics radiance = project(environment.view(), options).radiance;
+    const std::vector<IrradianceError> found = errors_of(environment, radiance);
+    std::vector<std::string> cells{
+        name, number("%.0f", luminance(statistics.brightest) / luminance(glm::dvec3(statistics.mean)))};
+    for (const int bands : kBands) {
+      const IrradianceError& error = found[static_cast<std::size_t>(bands - 1)];
+      cells.push_back(errors_text(error.rms, error.maximum) + " / " + percent(error.relative));
+    }
+    errors.add(cells);
+    add_sun(suns, environment, options, name, radiance, found);
+    add_cubemap(cubemaps, environment.view(), name);
+    add_windows(windows, environment, name, radiance, statistics.mean);
+  }
+};
+
+Tables empty_tables() {
+  std::vector<std::string> errors{"environment", "contrast"};
+  for (const int bands : kBands) errors.push_back(std::to_string(bands) + (bands > 1 ? " bands" : " band"));
+  std::vector<std::string> windows{"environment"};
+  for (const Window window : kWindows) windows.insert(windows.end(), {name(window), "rms"});
+  windows.emplace_back("lambda");
+  std::vector<std::string> suns{"environment", "sun's share of the light"};
+  for (const int bands : kSunBands) suns.insert(suns.end(), {std::to_string(bands) + " bands", "and the sun"});
+  return {.errors = Table(errors), .windows = Table(windows), .suns = Table(suns)};
 }
 
 }  // namespace
 
-std::string irradiance_error_tables(const std::vector<std::filesystem::path>& files) {
-  std::string errors =
-      "Error of the irradiance: rms / maximum / largest relative, percent\n\n| environment | contrast |";
-  std::string rule = "|---|---|";
-  for (const int bands : kBands) {
-    errors += " " + std::to_string(bands) + (bands > 1 ? " bands |" : " band |");
-    rule += "---|";
-  }
-  errors += "\n" + rule + "\n";
-  std::string windows = "Least irradiance with three bands, percent of the mean; rms error, percent\n\n| environment |";
-  rule = "|---|";
-  for (const Window window : kWindows) {
-    windows += std::string(" ") + name(window) + " | rms |";
-    rule += "---|---|";
-  }
-  windows += " lambda |\n" + rule + "---|\n";
-  std::string suns =
-      "Error of the irradiance, rms / maximum, percent: of the bands alone, and with the sun as a light of its own\n\n"
-      "| environment | sun's share of the light |";
-  rule = "|---|---|";
-  for (const int bands : kSunBands) {
-    suns += " " + std::to_string(bands) + " bands | and the sun |";
-    rule += "---|---|";
-  }
-  suns += "\n" + rule + "\n";
-  std::string cubemaps =
-      "Error of the irradiance cubemap of a bake, rms / largest relative, percent\n\n"
-      "| environment | harmonics, 3 bands | default |\n|---|---|---|\n";
+std::string irradiance_error_tables(const Paths& files) {
+  Tables tables = empty_tables();
   for (const std::filesystem::path& file : files) {
     std::fprintf(stderr, "%s\n", file.filename().string().c_str());
-    const Rows rows = rows_of(file);
-    errors += rows.errors + "\n";
-    windows += rows.windows + "\n";
-    suns += rows.suns;
-    cubemaps += rows.cubemaps + "\n";
+    tables.add(file);
   }
-  return cubemaps + "\n" + errors + "\n" + windows + "\n" + suns;
+  return "Error of the irradiance cubemap of a bake, rms / largest relative, percent\n\n" + tables.cubemaps.text() +
+         "\nError of the irradiance: rms / maximum / largest relative, percent\n\n" + tables.errors.text() +
+         "\nLeast irradiance with three bands, percent of the mean; rms error, percent\n\n" + tables.windows.text() +
+         "\nError of the irradiance, rms / maximum, percent: of the bands alone, and with the sun as a light of its "
+         "own\n\n" +
+         tables.suns.text();
 }
 
 }  // namespace welkin::perf

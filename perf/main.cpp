@@ -1,6 +1,5 @@
 // welkin_perf: throughput of the kernels beside the machine's own limits.
 //   welkin_perf [Google Benchmark options]
-//   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/maths/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/maths/irradiance.md
 //   welkin_perf --block-errors [--size=N] ENVIRONMENT...   the table of docs/notes/textures.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
@@ -10,31 +9,25 @@
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
 //   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
-#include <benchmark/benchmark.h>
-
-#include <filesystem>
-#include <functional>
-#include <iostream>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "benchmarks.h"
-#include "ratio_reporter.h"
-#include "welkin/core.h"
+#include "perf.h"
 
 namespace welkin::perf {
 namespace {
 
-// Prints what `make` makes of the files, worked out on `threads` threads. The exit code.
-int print_tables(int threads, const std::vector<std::filesystem::path>& files,
-                 const std::function<std::string(const std::vector<std::filesystem::path>&)>& make) {
+struct Mode {
+  const char* option;
+  int threads;  ///< that make its tables; 0: all
+  std::function<std::string(const Paths& words)> make;
+};
+
+/// The exit code.
+int print_tables(const Mode& mode, const Paths& words) {
   try {
     std::string text;
-    run_with_threads(threads, [&] { text = make(files); });
+    run_with_threads(mode.threads, [&] { text = mode.make(words); });
     std::cout << text;
     return 0;
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     std::cerr << "welkin_perf: " << error.what() << '\n';
     return 1;
   }
@@ -45,31 +38,18 @@ int print_tables(int threads, const std::vector<std::filesystem::path>& files,
 
 int main(int argc, char** argv) {
   using namespace welkin;
-  const std::string first = argc > 2 ? argv[1] : "";
-  if (first == "--target-sizes") return perf::print_tables(1, {argv + 2, argv + argc}, perf::target_size_table);
-  if (first == "--irradiance-errors") {
-    return perf::print_tables(0, {argv + 2, argv + argc}, perf::irradiance_error_tables);
-  }
-  if (first == "--prefilter-errors") {
-    return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
-  }
-  if (first == "--block-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::block_error_table);
-  if (first == "--cold-calls") {
-    std::cout << perf::cold_calls({argv + 2, argv + argc});
-    return 0;
-  }
-  if (argc > 1 && std::string(argv[1]) == "--cold") {
-    return perf::print_tables(0, {argv + 2, argv + argc},
-                              [&](const auto& arguments) { return perf::cold_tables(argv[0], arguments); });
-  }
-  if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
-    return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
-  }
-  if (argc > 1 && std::string(argv[1]) == "--estimates") {
-    return perf::print_tables(0, {argv + 2, argv + argc}, perf::estimate_table);
-  }
-  if (argc > 1 && std::string(argv[1]) == "--bounds") {
-    return perf::print_tables(1, {argv + 2, argv + argc}, perf::bounds_table);
+  const std::string first = argc > 1 ? argv[1] : "";
+  const perf::Mode modes[] = {
+      {"--irradiance-errors", 0, perf::irradiance_error_tables},
+      {"--prefilter-errors", 0, perf::prefilter_error_tables},
+      {"--block-errors", 1, perf::block_error_table},
+      {"--sky-errors", 0, perf::sky_error_tables},
+      {"--estimates", 0, perf::estimate_table},
+      {"--bounds", 1, perf::bounds_table},
+      {"--cold-calls", 0, perf::cold_calls},
+      {"--cold", 0, [&](const perf::Paths& words) { return perf::cold_tables(argv[0], words); }}};
+  for (const perf::Mode& mode : modes) {
+    if (first == mode.option) return perf::print_tables(mode, {argv + 2, argv + argc});
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
@@ -94,7 +74,7 @@ int main(int argc, char** argv) {
   perf::add_result_cache();
   perf::add_worker_latency(thread_counts);
   perf::add_cancel_latency(thread_counts);
-  const bool page = argc > 1 && std::string(argv[1]) == "--page";
+  const bool page = first == "--page";
   if (page) {  // the rest is Google Benchmark's
     std::swap(argv[0], argv[1]);
     ++argv;
@@ -106,8 +86,7 @@ int main(int argc, char** argv) {
     std::cout << perf::speed_page();
     return 0;
   }
-  perf::RatioReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
+  perf::run_benchmarks();
   benchmark::Shutdown();
   return 0;
 }

@@ -1,11 +1,5 @@
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <string>
-
-#include "benchmarks.h"
-#include "perf/report/importance_sampling.h"
-#include "subjects.h"
+#include "perf.h"
+#include "perf/report/passes.h"
 #include "welkin/image.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"

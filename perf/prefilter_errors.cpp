@@ -1,15 +1,4 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <functional>
-#include <map>
-#include <optional>
-#include <random>
-#include <sstream>
-
-#include "benchmarks.h"
-#include "perf/report/error_norms.h"
+#include "perf.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -33,12 +22,6 @@ struct Picture {
   LatLongImage image;
 };
 
-std::string number(const char* format, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// `light` is of columns and rows of 1024 x 512.
 Picture made_up(const std::string& name, int width, const std::function<double(int, int)>& light) {
   Picture picture{name, {width, width / 2, {}}};
@@ -58,31 +41,24 @@ std::vector<Picture> made_up_pictures(int width) {
     return [=](int column, int row) { return ((column / 128 + row / 128) & 1) != 0 ? white : black; };
   };
   std::vector<Picture> all;
-  const auto made_up_here = [width](const char* name, const std::function<double(int, int)>& light) {
-    return made_up(name, width, light);
+  const auto add = [&](const char* name, const std::function<double(int, int)>& light) {
+    all.push_back(made_up(name, width, light));
   };
-  all.push_back(made_up_here("uniform", [](int, int) { return 1.0; }));
-  all.push_back(made_up_here("sun of 1e6", [](int c, int r) { return c == 300 && r == 200 ? 1e6 : 1.0; }));
-  all.push_back(made_up_here("sun of 1e5 over a gradient",
-                             [](int c, int r) { return c == 700 && r == 130 ? 1e5 : 0.05 + 1.5 * (511 - r) / 511.0; }));
-  all.push_back(made_up_here("sun of 5 x 5 texels", [](int c, int r) {
-    return std::abs(c - 400) <= 2 && std::abs(r - 150) <= 2 ? 6e4 : 0.3 + 0.5 * (r < 256);
-  }));
-  all.push_back(made_up_here("noise", [&](int, int) { return noise(); }));
-  all.push_back(made_up_here("black and white blocks", blocks(0.0, 1.0)));
-  all.push_back(made_up_here("blocks of 0.01 and 10", blocks(0.01, 10.0)));
+  add("uniform", [](int, int) { return 1.0; });
+  add("sun of 1e6", [](int c, int r) { return c == 300 && r == 200 ? 1e6 : 1.0; });
+  add("sun of 1e5 over a gradient",
+      [](int c, int r) { return c == 700 && r == 130 ? 1e5 : 0.05 + 1.5 * (511 - r) / 511.0; });
+  add("sun of 5 x 5 texels",
+      [](int c, int r) { return std::abs(c - 400) <= 2 && std::abs(r - 150) <= 2 ? 6e4 : 0.3 + 0.5 * (r < 256); });
+  add("noise", [&](int, int) { return noise(); });
+  add("black and white blocks", blocks(0.0, 1.0));
+  add("blocks of 0.01 and 10", blocks(0.01, 10.0));
   return all;
 }
 
-float least_of(const Cubemap& chain, int level) {
-  const float* const rgb = chain.face(level, 0);
-  return *std::min_element(rgb, rgb + std::int64_t{18} * chain.level_size(level) * chain.level_size(level));
-}
-
 /// A row for each mip but those that are copies.
-std::string rows_of(const Picture& picture, const EnvironmentView& view, const PrefilterOptions& chain,
-                    const Settings& settings) {
-  std::string rows;
+void add_rows(Table& table, const Picture& picture, const EnvironmentView& view, const PrefilterOptions& chain,
+              const Settings& settings) {
   std::mt19937 random(11);
   std::map<int, std::vector<report::Probe>> probes;
   std::map<int, std::vector<glm::dvec3>> truths;
@@ -99,98 +75,69 @@ std::string rows_of(const Picture& picture, const EnvironmentView& view, const P
         truths[key] = reference_specular(view, mip.roughness, report::directions_of(probes[key], mip.size));
       }
       const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
-      rows += "| " + picture.name + " | " + name(mip.method) + " | " + std::to_string(level) + " | " +
-              number("%.4g", mip.roughness) + " | " + std::to_string(mip.bands) + " | " +
-              std::to_string(mip.bright_texels) + " | " + number("%.2g", 100.0 * errors.norms.rms) + " | " +
-              (mip.error_estimate ? number("%.2g", 100.0 * *mip.error_estimate) : std::string("-")) + " | " +
-              number("%.2g", 100.0 * errors.norms.maximum) + " | " + number("%.2g", errors.truth_there) + " | " +
-              number("%.2g", least_of(result.cubemap, key)) + " | " + number("%.1f", mip.milliseconds) + " |\n";
+      const std::span<const float> values = values_of(result.cubemap, key);
+      table.add({picture.name, name(mip.method), std::to_string(level), number("%.4g", mip.roughness),
+                 std::to_string(mip.bands), std::to_string(mip.bright_texels), number("%.2g", 100.0 * errors.norms.rms),
+                 mip.error_estimate ? number("%.2g", 100.0 * *mip.error_estimate) : "-",
+                 number("%.2g", 100.0 * errors.norms.maximum), number("%.2g", errors.truth_there),
+                 number("%.2g", static_cast<double>(*std::min_element(values.begin(), values.end()))),
+                 number("%.1f", mip.milliseconds)});
     }
   }
-  return rows;
 }
 
-std::string rows_of(const Picture& picture, const Settings& settings) {
+void add_rows(Table& table, const Picture& picture, const Settings& settings) {
   std::fprintf(stderr, "%s\n", picture.name.c_str());
   std::vector<PrefilterOptions> chains;
   for (const double roughness : settings.roughness)
     chains.push_back({.size = settings.size, .mips = 1, .roughness = {roughness}});
   if (chains.empty()) chains.push_back({.size = settings.size});
-  std::string rows;
   for (const PrefilterOptions& chain : chains) {
     if (settings.face > 0) {
-      const Cubemap cube = to_cubemap(picture.image.view(), settings.face);
-      rows += rows_of(picture, cube.view(), chain, settings);
+      add_rows(table, picture, to_cubemap(picture.image.view(), settings.face).view(), chain, settings);
     } else {
-      rows += rows_of(picture, picture.image.view(), chain, settings);
+      add_rows(table, picture, picture.image.view(), chain, settings);
     }
   }
-  return rows;
 }
 
-Settings settings_of(std::vector<std::filesystem::path>& files, bool& synthetic) {
+Settings settings_of(const Arguments& arguments) {
   Settings settings;
-  std::vector<std::filesystem::path> kept;
-  for (const std::filesystem::path& file : files) {
-    const std::string word = file.string();
-    const auto value = [&](const char* option) -> std::optional<std::string> {
-      const std::string start = std::string(option) + "=";
-      if (word.rfind(start, 0) != 0) return std::nullopt;
-      return word.substr(start.size());
-    };
-    if (word == "--synthetic") {
-      synthetic = true;
-    } else if (const auto texels = value("--texels")) {
-      settings.texels = std::atoi(texels->c_str());
-    } else if (const auto size = value("--size")) {
-      settings.size = std::atoi(size->c_str());
-    } else if (const auto width = value("--width")) {
-      settings.width = std::atoi(width->c_str());
-    } else if (const auto face = value("--cubemap")) {
-      settings.face = std::atoi(face->c_str());
-    } else if (const auto roughness = value("--roughness")) {
-      std::stringstream list(*roughness);
-      for (std::string word_in_list; std::getline(list, word_in_list, ',');)
-        settings.roughness.push_back(std::atof(word_in_list.c_str()));
-    } else if (const auto methods = value("--methods")) {
-      settings.methods.clear();
-      std::stringstream list(*methods);
-      for (std::string word_in_list; std::getline(list, word_in_list, ',');) {
-        for (const auto method : {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}) {
-          if (word_in_list == name(method)) settings.methods.push_back(method);
-        }
-      }
-    } else {
-      kept.push_back(file);
+  settings.texels = arguments.count("--texels", settings.texels);
+  settings.size = arguments.count("--size", settings.size);
+  settings.width = arguments.count("--width", settings.width);
+  settings.face = arguments.count("--cubemap", settings.face);
+  for (const std::string& word : arguments.list("--roughness")) settings.roughness.push_back(std::atof(word.c_str()));
+  if (arguments.has("--methods")) settings.methods.clear();
+  for (const std::string& word : arguments.list("--methods")) {
+    for (const auto method : {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}) {
+      if (word == name(method)) settings.methods.push_back(method);
     }
   }
-  files = kept;
   return settings;
 }
 
 }  // namespace
 
-std::string prefilter_error_tables(const std::vector<std::filesystem::path>& arguments) {
-  std::vector<std::filesystem::path> files = arguments;
-  bool synthetic = false;
-  const Settings settings = settings_of(files, synthetic);
-  std::string table =
-      "| environment | method | mip | roughness | bands | bright texels | rms error, % | its estimate, % | largest "
-      "relative, % | where "
-      "truth / mean is | least value | ms |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  if (synthetic) {
-    for (const Picture& picture : made_up_pictures(settings.width)) table += rows_of(picture, settings);
+std::string prefilter_error_tables(const Paths& words) {
+  const Arguments arguments(words,
+                            {"--synthetic", "--texels", "--size", "--width", "--cubemap", "--roughness", "--methods"});
+  const Settings settings = settings_of(arguments);
+  Table table({"environment", "method", "mip", "roughness", "bands", "bright texels", "rms error, %", "its estimate, %",
+               "largest relative, %", "where truth / mean is", "least value", "ms"});
+  if (arguments.has("--synthetic")) {
+    for (const Picture& picture : made_up_pictures(settings.width)) add_rows(table, picture, settings);
   }
-  for (const std::filesystem::path& file : files) {
+  for (const std::filesystem::path& file : arguments.files) {
     const Environment environment = read_environment(file);
     if (environment.info.layout != Layout::lat_long) continue;
     const LatLongView view = environment.lat_long();
     if (view.width != 2 * view.height) continue;
     const float* const rgb = static_cast<const float*>(view.pixels);
     const auto count = std::size_t{3} * static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
-    table += rows_of({file.stem().string(), {view.width, view.height, {rgb, rgb + count}}}, settings);
+    add_rows(table, {file.stem().string(), {view.width, view.height, {rgb, rgb + count}}}, settings);
   }
-  return table;
+  return table.text();
 }
 
 }  // namespace welkin::perf

@@ -1,16 +1,6 @@
 #include "welkin/probes.h"
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "benchmarks.h"
-#include "subjects.h"
+#include "perf.h"
 #include "welkin/bake_file.h"
 
 namespace welkin::perf {

@@ -1,13 +1,6 @@
 #include "welkin/result_cache.h"
 
-#include <array>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <string>
-
-#include "benchmarks.h"
-#include "subjects.h"
+#include "perf.h"
 #include "welkin/bake.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"

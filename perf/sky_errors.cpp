@@ -1,51 +1,28 @@
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <numbers>
-#include <sstream>
-
-#include "benchmarks.h"
+#include "perf.h"
+#include "perf/report/passes.h"
 #include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
-#include "welkin/core.h"
-#include "welkin/sky.h"
-#include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {
 namespace {
 
-constexpr std::array<double, 11> kElevations{90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0, -12.0};
-constexpr std::size_t kCoefficients = 9;
+using report::SkyMethod;
+
+constexpr std::array<double, 12> kElevations{90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0, -9.0, -12.0};
+constexpr double kLastPromised = -6.0;
 
 struct Settings {
-  std::int64_t directions = 400;
-  std::int64_t paths = 4'000'000;
-  double altitude = 0.0;
-  std::vector<std::string> sections;
-};
-
-struct Section {
-  std::string name;
-  std::function<std::string(const Settings&)> make;
+  int directions;
+  std::int64_t paths;
+  double altitude;
 };
 
 struct Size {
   std::string name;
   SkyTableOptions options;
 };
-
-std::string number(const char* format, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::vector<Size> table_sizes() {
   const auto sized = [](int heights, int views, int suns, int angles) {
@@ -73,17 +50,15 @@ std::vector<Size> table_sizes() {
 }
 
 /// Evenly over the upper hemisphere: a Fibonacci spiral.
-std::vector<glm::dvec3> sky_directions(std::int64_t count) {
+std::vector<glm::dvec3> sky_directions(int count) {
   std::vector<glm::dvec3> directions;
-  for (std::int64_t i = 0; i < count; ++i) {
-    const double y = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    const double azimuth = 360.0 * static_cast<double>(i) * (std::numbers::phi - 1.0);
-    directions.push_back(sun_direction(std::asin(y) * 180.0 / std::numbers::pi, std::fmod(azimuth, 360.0)));
+  for (int i = 0; i < count; ++i) {
+    const double azimuth = 360.0 * i * (std::numbers::phi - 1.0);
+    directions.push_back(
+        sun_direction(std::asin((i + 0.5) / count) * 180.0 / std::numbers::pi, std::fmod(azimuth, 360.0)));
   }
   return directions;
 }
-
-glm::dvec3 rgb(const std::vector<double>& values) { return {values[0], values[1], values[2]}; }
 
 std::shared_ptr<const SkyTables> tables_of(const Atmosphere& air, SkyTableOptions options, int orders) {
   options.orders = orders;
@@ -96,24 +71,20 @@ std::string radiance_table(const Settings& settings) {
   const Atmosphere air = earth_bruneton();
   const std::vector<glm::dvec3> directions = sky_directions(settings.directions);
   std::vector<SkyView> views;
-  std::ostringstream text;
-  text << "Single scattering, " << air.name << ", " << directions.size() << " directions of the upper hemisphere at "
-       << settings.altitude << " m: rms error over rms radiance, and the largest error over it.\n\n"
-       << "| sun elevation |";
-  std::string rule = "|---|";
+  std::vector<std::string> heads{"sun elevation"};
   for (const Size& size : table_sizes()) {
     views.emplace_back(tables_of(air, size.options, 1), settings.altitude);
-    text << ' ' << size.name << " |";
-    rule += "---|";
+    heads.push_back(size.name);
   }
-  text << '\n' << rule << '\n';
+  Table table(heads);
   for (const double elevation : kElevations) {
     const glm::dvec3 sun = sun_direction(elevation, 0.0);
     std::vector<glm::dvec3> truth(directions.size());
     tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
-      truth[i] = rgb(reference_sky_radiance(air, settings.altitude, directions[i], sun));
+      const std::vector<double> light = reference_sky_radiance(air, settings.altitude, directions[i], sun);
+      truth[i] = {light[0], light[1], light[2]};
     });
-    text << "| " << elevation << " |";
+    std::vector<std::string> cells{number("%g", elevation)};
     for (const SkyView& view : views) {
       double wrong = 0.0;
       double all = 0.0;
@@ -125,139 +96,129 @@ std::string radiance_table(const Settings& settings) {
         largest = std::max(largest, error);
       }
       const double rms = std::sqrt(all / static_cast<double>(directions.size()));
-      text << ' ' << number("%.1e", std::sqrt(wrong / all)) << " / " << number("%.0e", largest / rms) << " |";
+      cells.push_back(number("%.1e", std::sqrt(wrong / all)) + " / " + number("%.0e", largest / rms));
     }
-    text << '\n';
+    table.add(cells);
   }
-  return text.str();
+  return "Single scattering, " + air.name + ", " + std::to_string(directions.size()) +
+         " directions of the upper hemisphere at " + number("%g", settings.altitude) +
+         " m: rms error over rms radiance, and the largest error over it.\n\n" + table.text();
 }
 
-using Harmonics = std::array<glm::dvec3, kCoefficients>;
+/// By so many directions that no error of the integral is left.
+SkyProjector converged(const SkyView& view) { return SkyProjector(view, {3, SkyQuadrature::gauss_split, 128, 128}); }
 
-/// What a view shows, by many places: no slope is left at the horizon and the zenith.
-Harmonics project(const SkyView& view, const glm::dvec3& sun) {
-  constexpr int zeniths = 96;
-  constexpr int azimuths = 128;
-  Harmonics result{};
-  for (int i = 0; i < 2 * zeniths; ++i) {
-    const double u = (i % zeniths + 0.5) / zeniths;
-    const double sine = std::sin(0.5 * std::numbers::pi * u);
-    const double y = (i < zeniths ? 1.0 : -1.0) * sine * sine;
-    const double dy = 0.5 * std::numbers::pi * std::sin(std::numbers::pi * u) / zeniths;
-    for (int k = 0; k < azimuths; ++k) {
-      const double azimuth = 2.0 * std::numbers::pi * (k + 0.5) / azimuths;
-      const double level = std::sqrt((1.0 - y) * (1.0 + y));
-      const glm::dvec3 direction(level * std::sin(azimuth), y, level * std::cos(azimuth));
-      std::array<double, kCoefficients> basis{};
-      evaluate_basis(direction, 3, basis);
-      const glm::dvec3 light = view.radiance(direction, sun) * (dy * 2.0 * std::numbers::pi / azimuths);
-      for (std::size_t c = 0; c < kCoefficients; ++c) result[c] += basis[c] * light;
-    }
-  }
-  return result;
-}
-
-double norm(const Harmonics& values) {
+double norm(std::span<const glm::dvec3> values) {
   double sum = 0.0;
   for (const glm::dvec3& value : values) sum += glm::dot(value, value);
   return std::sqrt(sum);
-}
-
-struct Traced {
-  Harmonics mean{};
-  double error = 0.0;  ///< the norm of all standard errors
-};
-
-Traced traced(const Atmosphere& air, const Settings& settings, const glm::dvec3& sun, int lowest, int highest) {
-  const TracedHarmonics light =
-      trace_sky_harmonics(air, settings.altitude, sun, 3,
-                          {.lowest_order = lowest, .highest_order = highest, .paths = settings.paths, .seed = 5});
-  Traced result;
-  double sum = 0.0;
-  for (std::size_t c = 0; c < kCoefficients; ++c) {
-    result.mean[c] = {light.radiance[0][c], light.radiance[1][c], light.radiance[2][c]};
-    for (std::size_t w = 0; w < 3; ++w) sum += light.standard_error[w][c] * light.standard_error[w][c];
-  }
-  result.error = std::sqrt(sum);
-  return result;
 }
 
 /// Orders 2 to 4 alone: tables of four orders less those of one. Black ground, so that an order is an order: what a
 /// ray sees of lit ground counts one more.
 std::string orders_table(const Settings& settings) {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
-  const SkyView single(tables_of(air, {}, 1), settings.altitude);
-  const SkyView all(tables_of(air, {}, 4), settings.altitude);
-  std::ostringstream text;
-  text << "Nine coefficients of orders 2 to 4 of the default tables against path tracing (" << settings.paths
-       << " paths), " << air.name << ", black ground, at " << settings.altitude
-       << " m: |c - c*| / |c*|, the path tracer's own standard error likewise, and the orders' share of all light.\n\n"
-       << "| sun elevation | error | standard error | error of all light | share |\n|---|---|---|---|---|\n";
+  const SkyProjector single = converged(SkyView(tables_of(air, {}, 1), settings.altitude));
+  const SkyProjector all = converged(SkyView(tables_of(air, {}, 4), settings.altitude));
+  Table table({"sun elevation", "error", "standard error", "error of all light", "share"});
   for (const double elevation : kElevations) {
     const glm::dvec3 sun = sun_direction(elevation, 0.0);
-    const Harmonics first = project(single, sun);
-    const Harmonics sum = project(all, sun);
-    const Traced truth = traced(air, settings, sun, 2, 4);
-    Harmonics wrong{};
-    for (std::size_t c = 0; c < kCoefficients; ++c) wrong[c] = sum[c] - first[c] - truth.mean[c];
-    text << "| " << elevation << " | " << number("%.1e", norm(wrong) / norm(truth.mean)) << " | "
-         << number("%.1e", truth.error / norm(truth.mean)) << " | " << number("%.1e", norm(wrong) / norm(sum)) << " | "
-         << number("%.2f", norm(truth.mean) / norm(sum)) << " |\n";
+    const SphericalHarmonics first = single.project(sun);
+    const SphericalHarmonics sum = all.project(sun);
+    const TracedHarmonics light = trace_sky_harmonics(
+        air, settings.altitude, sun, 3, {.lowest_order = 2, .highest_order = 4, .paths = settings.paths, .seed = 5});
+    std::vector<glm::dvec3> truth(sum.coefficients().size());
+    std::vector<glm::dvec3> uncertain(truth.size());
+    std::vector<glm::dvec3> wrong(truth.size());
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+      truth[c] = {light.radiance[0][c], light.radiance[1][c], light.radiance[2][c]};
+      uncertain[c] = {light.standard_error[0][c], light.standard_error[1][c], light.standard_error[2][c]};
+      wrong[c] = sum.coefficients()[c] - first.coefficients()[c] - truth[c];
+    }
+    table.add({number("%g", elevation), number("%.1e", norm(wrong) / norm(truth)),
+               number("%.1e", norm(uncertain) / norm(truth)), number("%.1e", norm(wrong) / norm(sum.coefficients())),
+               number("%.2f", norm(truth) / norm(sum.coefficients()))});
+  }
+  return "Nine coefficients of orders 2 to 4 of the default tables against path tracing (" +
+         std::to_string(settings.paths) + " paths), " + air.name + ", black ground, at " +
+         number("%g", settings.altitude) +
+         " m: |c - c*| / |c*|, the path tracer's own standard error likewise, and the orders' share of all light.\n\n" +
+         table.text();
+}
+
+std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
+  std::vector<std::string> heads{"sun elevation"};
+  for (const SkyMethod& method : methods) heads.push_back(method.name + ' ' + method.setting);
+  Table table(heads);
+  for (std::size_t k = 0; k < kElevations.size(); ++k) {
+    std::vector<std::string> cells{number("%g", kElevations[k])};
+    for (const SkyMethod& method : methods) {
+      SphericalHarmonics light(3);
+      method.project(sun_direction(kElevations[k], 0.0), light);
+      cells.push_back(number("%.1e", report::worst_channel_error(light, truths[k])));
+    }
+    table.add(cells);
+  }
+  return table.text();
+}
+
+std::string lines_of_tabs(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
+  const report::Stopwatch stopwatch;
+  std::ostringstream text;
+  text << "# method\tsetting\tdirections\tmicroseconds\trms\tworst\tworst elevation, from 90 to -6 degrees\n";
+  for (const SkyMethod& method : methods) {
+    double squares = 0.0;
+    double worst = 0.0;
+    double where = 0.0;
+    int count = 0;
+    for (std::size_t k = 0; k < kElevations.size() && kElevations[k] >= kLastPromised; ++k, ++count) {
+      SphericalHarmonics light(3);
+      method.project(sun_direction(kElevations[k], 0.0), light);
+      const double error = report::worst_channel_error(light, truths[k]);
+      squares += error * error;
+      if (error > worst) where = kElevations[k];
+      worst = std::max(worst, error);
+    }
+    text << method.name << '\t' << method.setting << '\t' << method.directions << '\t'
+         << number("%.3g", 1e6 * report::seconds_of(method.project, stopwatch)) << '\t'
+         << number("%.2e", std::sqrt(squares / count)) << '\t' << number("%.2e", worst) << '\t' << where << '\n';
   }
   return text.str();
 }
 
-std::string methods_table(const Settings& settings) { return sky_method_table(settings.altitude); }
-
-std::vector<Section> sections() {
-  return {{"--radiance", radiance_table}, {"--orders", orders_table}, {"--methods", methods_table}};
-}
-
-[[noreturn]] void refuse(const std::string& option) {
-  throw Error(ErrorCode::invalid_argument, "\"" + option + "\" is no option of --sky-errors");
-}
-
-Settings parse(const std::vector<std::filesystem::path>& options) {
-  Settings settings;
-  for (const std::filesystem::path& path : options) {
-    const std::string option = path.string();
-    const std::size_t equals = option.find('=');
-    const std::string name = option.substr(0, equals);
-    const auto value = [&] {
-      try {
-        return std::stod(option.substr(equals + 1));
-      } catch (const std::exception&) {
-        refuse(option);
-      }
-    };
-    if (equals == std::string::npos) {
-      settings.sections.push_back(option);
-    } else if (name == "--directions") {
-      settings.directions = static_cast<std::int64_t>(value());
-    } else if (name == "--paths") {
-      settings.paths = static_cast<std::int64_t>(value());
-    } else if (name == "--altitude") {
-      settings.altitude = value();
-    } else {
-      refuse(option);
-    }
+std::string methods_table(const Settings& settings) {
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
+  const SkyView view(tables_of(air, {}, 1), settings.altitude);
+  const SkyProjector exact = converged(view);
+  std::vector<SphericalHarmonics> truths;
+  std::vector<SphericalHarmonics> integrals;
+  for (const double elevation : kElevations) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    truths.push_back(reference_sky_harmonics(air, settings.altitude, sun));
+    integrals.push_back(exact.project(sun));
   }
-  return settings;
+  const std::vector<SkyMethod> methods = report::sky_methods(view);
+  return "Nine coefficients of singly scattered light, " + air.name + ", black ground, at " +
+         number("%g", settings.altitude) +
+         " m: |c - c*| / |c*|, the worst channel, against the truth (the tables' error is in it).\n\n" +
+         errors_by_elevation(methods, truths) + "\nThe same against the converged integral of the same view.\n\n" +
+         errors_by_elevation(methods, integrals) + '\n' + lines_of_tabs(methods, truths);
 }
 
 }  // namespace
 
-std::string sky_error_tables(const std::vector<std::filesystem::path>& options) {
-  const Settings settings = parse(options);
-  const std::vector<Section> known = sections();
-  for (const std::string& wanted : settings.sections) {
-    if (std::none_of(known.begin(), known.end(), [&](const Section& s) { return s.name == wanted; })) refuse(wanted);
-  }
+std::string sky_error_tables(const Paths& words) {
+  const Arguments arguments(words, {"--radiance", "--orders", "--methods", "--directions", "--paths", "--altitude"});
+  const Settings settings{arguments.count("--directions", 400),
+                          static_cast<std::int64_t>(arguments.value("--paths", 4e6)),
+                          arguments.value("--altitude", 0.0)};
+  const std::pair<const char*, std::string (*)(const Settings&)> sections[] = {
+      {"--radiance", radiance_table}, {"--orders", orders_table}, {"--methods", methods_table}};
+  const bool all = std::none_of(std::begin(sections), std::end(sections),
+                                [&](const auto& section) { return arguments.has(section.first); });
   std::string text;
-  for (const Section& section : known) {
-    const bool wanted = settings.sections.empty() || std::find(settings.sections.begin(), settings.sections.end(),
-                                                               section.name) != settings.sections.end();
-    if (wanted) text += (text.empty() ? "" : "\n") + section.make(settings);
+  for (const auto& [option, table] : sections) {
+    if (all || arguments.has(option)) text += (text.empty() ? "" : "\n") + table(settings);
   }
   return text;
 }

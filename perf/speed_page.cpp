@@ -1,19 +1,92 @@
-#include <benchmark/benchmark.h>
-
-#include <algorithm>
-#include <charconv>
-#include <iostream>
-#include <map>
-#include <optional>
-
-#include "benchmarks.h"
-#include "perf/report/process.h"
-#include "platform/text.h"
+#include "perf.h"
 
 namespace welkin::perf {
 namespace {
 
-using platform::number_text;
+/// The fastest run of each benchmark, and its counters.
+class Collector : public benchmark::ConsoleReporter {
+ public:
+  struct Result {
+    double seconds = 0.0;
+    bool latency = false;  ///< its own counters say what is to be compared
+    std::map<std::string, double> counters;
+  };
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
+      const std::string full = run.benchmark_name();
+      Result result{run.real_accumulated_time / static_cast<double>(run.iterations),
+                    full.find("/manual_time") != std::string::npos,
+                    {}};
+      for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
+      const auto [at, added] = results_.try_emplace(own_name(full), result);
+      if (!added && result.seconds < at->second.seconds) at->second = result;
+    }
+  }
+
+  [[nodiscard]] const std::map<std::string, Result>& results() const { return results_; }
+
+  /// One of its counters is in microseconds.
+  [[nodiscard]] std::optional<double> seconds(const std::string& name, const std::string& counter = "") const {
+    const auto result = results_.find(name);
+    if (result == results_.end()) return std::nullopt;
+    if (counter.empty()) return result->second.seconds;
+    const auto value = result->second.counters.find(counter);
+    return value == result->second.counters.end() ? std::nullopt : std::optional(1e-6 * value->second);
+  }
+
+ private:
+  /// Subject/variant/size/threads: Google Benchmark appends "/real_time", "/iterations:N" and the like.
+  static std::string own_name(const std::string& full) {
+    std::size_t end = 0;
+    for (int parts = 0; parts < 4 && end != std::string::npos; ++parts) end = full.find('/', end + 1);
+    return full.substr(0, end);
+  }
+
+  std::map<std::string, Result> results_;
+};
+
+/// Names of what runs go to standard error.
+class Names final : public Collector {
+  bool ReportContext(const Context& /*context*/) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    Collector::ReportRuns(runs);
+    if (!runs.empty()) std::cerr << runs.front().benchmark_name() << '\n';
+  }
+};
+
+/// The usual table, then ratios between benchmarks of the run: what a shared, noisy machine can honestly be asked for.
+class Ratios final : public Collector {
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    Collector::ReportRuns(runs);
+  }
+
+  void Finalize() override {
+    const auto line = [this](const std::string& name, const std::string& ratio) {
+      GetOutputStream() << "  " << name << std::string(name.size() < 40 ? 40 - name.size() : 0, ' ') << ratio << '\n';
+    };
+    GetOutputStream() << "\nRatios within this run (fastest repetitions)\n";
+    for (const auto& [name, result] : results()) {
+      const auto bytes = result.counters.find("bytes/s");
+      if (result.latency) continue;
+      const std::size_t slash = name.find('/');
+      const std::string subject = name.substr(0, slash);
+      const auto read = seconds("ReadBandwidth" + name.substr(slash));
+      if (subject.starts_with("Project") && read)
+        line(name, number("%6.1f %% of ReadBandwidth", 100.0 * *read / result.seconds));
+      // "1024x512-256" is as large as 256.
+      const std::string size_and_threads = name.substr(name.find_last_of("/-", name.rfind('/') - 1) + 1);
+      const auto copying = results().find("CopyBandwidth/rgb32f/" + size_and_threads);
+      if ((subject == "LatLongToCubemap" || subject == "SampleGrid" || subject == "Mips") && copying != results().end())
+        line(name, number("%6.1f %% of CopyBandwidth", 100.0 * bytes->second / copying->second.counters.at("bytes/s")));
+      const auto single = seconds(name.substr(0, name.size() - 1) + "1");
+      if (name.ends_with("/2") && single)
+        line(name, number("%6.2f x as fast as with 1 thread", *single / result.seconds));
+    }
+  }
+};
 
 /// What a figure is compared with, and which way is better.
 enum class Measure {
@@ -125,56 +198,14 @@ Section worker() {
            {"PostToResult/wait/1024/2", "", Measure::seconds, {}, "overhead_us"}}};
 }
 
-/// The fastest run of each benchmark, and its counters.
-class Collector : public benchmark::BenchmarkReporter {
- public:
-  struct Result {
-    double seconds = 0.0;
-    std::map<std::string, double> counters;
-  };
-
-  bool ReportContext(const Context& /*context*/) override { return true; }
-
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      Result result{run.real_accumulated_time / static_cast<double>(run.iterations), {}};
-      for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
-      const std::string name = own_name(run.benchmark_name());
-      std::cerr << name << '\n';
-      const auto [at, added] = results_.try_emplace(name, result);
-      if (!added && result.seconds < at->second.seconds) at->second = result;
-    }
-  }
-
-  [[nodiscard]] std::optional<double> seconds(const std::string& name, const std::string& counter = "") const {
-    const auto result = results_.find(name);
-    if (result == results_.end()) return std::nullopt;
-    if (counter.empty()) return result->second.seconds;
-    const auto value = result->second.counters.find(counter);
-    if (value == result->second.counters.end()) return std::nullopt;
-    return value->second * kMicro;
-  }
-
- private:
-  /// Google Benchmark appends "/real_time", "/iterations:N" and the like.
-  static std::string own_name(const std::string& full) {
-    std::size_t end = 0;
-    for (int parts = 0; parts < 4 && end != std::string::npos; ++parts) end = full.find('/', end + 1);
-    return full.substr(0, end);
-  }
-
-  std::map<std::string, Result> results_;
-};
-
 std::string time_text(std::optional<double> seconds) {
   if (!seconds) return "not measured";
-  const auto digits = [](double value) { return number_text(value, std::chars_format::general, 3); };
+  const auto digits = [](double value) { return number("%.3g", value); };
   if (*seconds < 1e-3) return digits(1e6 * *seconds) + " us";
   return *seconds < 1.0 ? digits(1e3 * *seconds) + " ms" : digits(*seconds) + " s";
 }
 
-std::string percent(double share) { return number_text(100.0 * share, std::chars_format::fixed, 0) + " %"; }
+std::string percent(double share) { return number("%.0f %%", 100.0 * share); }
 
 /// What is compared with the mark, as text; the mark; whether it is reached.
 struct Verdict {
@@ -192,8 +223,7 @@ Verdict verdict(const Figure& figure, double seconds, std::optional<double> limi
     }
     case Measure::ratio_to_other: {
       if (!limit) break;
-      return {number_text(seconds / *limit, std::chars_format::fixed, 2) + " x",
-              "at most " + number_text(mark, std::chars_format::general, 3) + " x", seconds / *limit <= mark};
+      return {number("%.2f x", seconds / *limit), number("at most %.3g x", mark), seconds / *limit <= mark};
     }
     case Measure::seconds:
       return {limit ? percent(*limit / seconds) : "", "at most " + time_text(mark), seconds <= mark};
@@ -201,15 +231,14 @@ Verdict verdict(const Figure& figure, double seconds, std::optional<double> limi
   return {};
 }
 
-std::string row(const Figure& figure, const Collector& results) {
+void add_row(Table& table, const Figure& figure, const Collector& results) {
   const std::optional<double> seconds = results.seconds(figure.benchmark, figure.counter);
   const std::optional<double> limit = figure.limit.empty() ? std::optional<double>() : results.seconds(figure.limit);
-  std::string text = "| `" + figure.benchmark + (figure.counter.empty() ? "`" : "` " + figure.counter) + " | " +
-                     time_text(seconds) + " | " + (figure.limit.empty() ? "" : time_text(limit)) + " | ";
-  if (!seconds) return text + " | | |\n";
-  const Verdict said = verdict(figure, *seconds, limit);
-  text += said.value + " | ";
-  return figure.mark ? text + said.mark + " | " + (said.reached ? "yes" : "no") + " |\n" : text + " | |\n";
+  const Verdict said = seconds ? verdict(figure, *seconds, limit) : Verdict();
+  const bool marked = seconds && figure.mark;
+  table.add({'`' + figure.benchmark + "`" + (figure.counter.empty() ? "" : " " + figure.counter), time_text(seconds),
+             figure.limit.empty() ? "" : time_text(limit), said.value, marked ? said.mark : "",
+             marked ? (said.reached ? "yes" : "no") : ""});
 }
 
 /// Matches those names and no others, however Google Benchmark goes on after them.
@@ -230,9 +259,14 @@ std::string filter_for(const std::vector<Section>& sections) {
 
 }  // namespace
 
+void run_benchmarks() {
+  Ratios reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+}
+
 std::string speed_page() {
   const std::vector<Section> sections = {projection(), streams(), bakes(), many(), skies(), command(), worker()};
-  Collector results;
+  Names results;
   benchmark::RunSpecifiedBenchmarks(&results, filter_for(sections));
   report::Stopwatch stopwatch;
   stopwatch.threads = 2;
@@ -242,8 +276,9 @@ std::string speed_page() {
                      ". A name ends with the number of threads; times are wall times, the fastest repetition's.\n";
   for (const Section& section : sections) {
     page += "\n## " + section.title + "\n\n" + (section.said.empty() ? "" : section.said + "\n\n");
-    page += "| figure | time | compared with | fraction or ratio | target | met |\n|---|---|---|---|---|---|\n";
-    for (const Figure& figure : section.figures) page += row(figure, results);
+    Table table({"figure", "time", "compared with", "fraction or ratio", "target", "met"});
+    for (const Figure& figure : section.figures) add_row(table, figure, results);
+    page += table.text();
   }
   return page;
 }

@@ -1,15 +1,5 @@
-#include "subjects.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <system_error>
-
-#include "perf/report/process.h"
+#include "perf.h"
 #include "platform/memory.h"
-#include "welkin/core.h"
 
 namespace welkin::perf {
 namespace {
@@ -39,6 +29,74 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
 }
 
 }  // namespace
+
+Arguments::Arguments(const Paths& words, const std::vector<std::string>& known) {
+  for (const std::filesystem::path& path : words) {
+    const std::string word = path.string();
+    const std::string option = word.substr(0, word.find('='));
+    if (!word.starts_with("--")) {
+      files.push_back(path);
+    } else if (std::find(known.begin(), known.end(), option) == known.end()) {
+      throw Error(ErrorCode::invalid_argument, "\"" + word + "\" is no option here");
+    } else {
+      values_[option] = word.substr(std::min(word.size(), option.size() + 1));
+    }
+  }
+}
+
+std::string Arguments::text(const std::string& option, const std::string& otherwise) const {
+  const auto found = values_.find(option);
+  return found == values_.end() ? otherwise : found->second;
+}
+
+double Arguments::value(const std::string& option, double otherwise) const {
+  if (!has(option)) return otherwise;
+  try {
+    return std::stod(text(option));
+  } catch (const std::exception&) {
+    throw Error(ErrorCode::invalid_argument, option + " takes a number, not \"" + text(option) + '"');
+  }
+}
+
+int Arguments::count(const std::string& option, int otherwise) const {
+  return static_cast<int>(value(option, otherwise));
+}
+
+std::vector<std::string> Arguments::list(const std::string& option, const std::string& otherwise) const {
+  std::vector<std::string> all;
+  std::istringstream words(text(option, otherwise));
+  for (std::string word; std::getline(words, word, ',');) all.push_back(word);
+  return all;
+}
+
+Table::Table(const std::vector<std::string>& heads) {
+  add(heads);
+  text_ += '|';
+  for (std::size_t k = 0; k < heads.size(); ++k) text_ += "---|";
+  text_ += '\n';
+  rows_ = 0;
+}
+
+void Table::add(const std::vector<std::string>& cells) {
+  text_ += '|';
+  for (const std::string& cell : cells) text_ += ' ' + cell + " |";
+  text_ += '\n';
+  ++rows_;
+}
+
+ProbeTargets::ProbeTargets(std::size_t count, int size, int mips) {
+  const UploadLayout layout{.size = size, .levels = mips};
+  memory.resize(count * upload_bytes(layout));
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto probe = std::span(memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
+    for (const CubemapTarget& target : upload_targets(layout, probe)) targets.push_back(target);
+  }
+}
+
+std::span<const float> values_of(const Cubemap& chain, int level) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  return {chain.face(level, 0), 18 * edge * edge};
+}
 
 CubemapView noise_cubemap(PixelFormat format, int size) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);

@@ -279,6 +279,14 @@ Bounds number_between(double least, double most) { return {Bounds::Kind::number,
 Bounds finite_between(double least, double most) { return {Bounds::Kind::finite, least, most}; }
 Bounds finite_and_positive() { return {Bounds::Kind::positive}; }
 
+void add_option(Options& table, std::string names, Target target, std::string type, std::string text, Option rules) {
+  rules.names = std::move(names);
+  rules.target = std::move(target);
+  rules.type = std::move(type);
+  rules.text = std::move(text);
+  table.push_back(std::move(rules));
+}
+
 void in_group(Options& options, const std::string& group) {
   for (Option& one : options) {
     if (one.group.empty()) one.group = group;
@@ -336,10 +344,9 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
   } catch (const std::bad_alloc&) {
-    return complain(
-        ExitCode::bad_input,
-        "there is not enough memory; --threads 1 takes the least, and --memory-limit refuses what would need "
-        "more before it is begun");
+    return complain(ExitCode::bad_input,
+                    "there is not enough memory; --threads 1 takes the least, and --memory-limit refuses what would "
+                    "need more before it is begun");
   } catch (const std::exception& error) {
     return complain(ExitCode::bad_input, error.what());
   }

@@ -57,7 +57,7 @@ enum class List {
 };
 
 struct Option {
-  std::string names;  ///< "-o,--output"; without a hyphen it is a place on the command line: "INPUT"
+  std::string names{};  ///< "-o,--output"; without a hyphen it is a place on the command line: "INPUT"
   Target target{};
   std::string text{};                ///< for --help, which breaks its lines
   std::string type{};                ///< what --help calls the value
@@ -76,6 +76,10 @@ struct Option {
 };
 
 using Options = std::vector<Option>;
+
+/// Adds an option to a table. `rules`: its other members.
+void add_option(Options& table, std::string names, Target target, std::string type, std::string text,
+                Option rules = {});
 
 /// The heading of options that say how a command runs and nothing of its result.
 inline constexpr const char* kRunningGroup = "Running";
@@ -159,5 +163,12 @@ enum ExitCode : int {
 /// into a message on standard error and an exit code; answers --help and --version. To the user the program is
 /// `welkin`, whatever its file is called.
 [[nodiscard]] ExitCode run_program(const Program& program, const std::vector<std::string>& arguments);
+
+/// A script that completes commands, options, the words that options take, and files.
+[[nodiscard]] std::string bash_completion(const Program& program);
+[[nodiscard]] std::string zsh_completion(const Program& program);
+
+/// The manual page welkin(1), in man's macros of roff.
+[[nodiscard]] std::string manual_page(const Program& program);
 
 }  // namespace welkin::tool

@@ -13,7 +13,6 @@
 #include "platform/text.h"
 #include "tools/bake_cache.h"
 #include "tools/bake_manifest.h"
-#include "tools/bake_write.h"
 #include "tools/commands.h"
 #include "tools/engine_folders.h"
 #include "tools/terminal.h"

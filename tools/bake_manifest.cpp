@@ -9,7 +9,6 @@
 
 #include "jobs/control.h"
 #include "platform/text.h"
-#include "tools/bake_write.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"

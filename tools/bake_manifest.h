@@ -13,6 +13,7 @@
 #include "tools/own_files.h"
 #include "tools/previews.h"
 #include "welkin/environment_file.h"
+#include "welkin/reflections.h"
 
 namespace welkin::tool {
 
@@ -79,5 +80,15 @@ inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
 /// What a person should know of it: values replaced and clamped, by the policies and by the formats.
 [[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions& options,
                                                   const OutputFolder& folder);
+
+/// Writes cubemaps, .env, BRDF table, harmonics and previews, all but the manifest. Turns the cubemaps of `baked` to
+/// the engine's faces on the way.
+void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control);
+
+/// Of the previews: as --exposure has it, else by the environment, of which a few mips below the top tell enough.
+[[nodiscard]] ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options);
+
+/// What its channels are, for the manifest.
+[[nodiscard]] std::vector<std::string> brdf_channels(const BrdfTableOptions& options);
 
 }  // namespace welkin::tool

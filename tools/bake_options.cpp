@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/bake_lobes.h"
+#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -107,13 +107,10 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       }
     }
   };
-  table.push_back({.names = "--formats",
-                   .target = On<std::vector<std::string>>(store),
-                   .text = "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default "
-                           "ktx2, or by --for: what that engine loads",
-                   .type = "LIST",
-                   .words = words,
-                   .list = List::commas});
+  add_option(table, "--formats", On<std::vector<std::string>>(store), "LIST",
+             "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default ktx2, or by --for: "
+             "what that engine loads",
+             {.words = words, .list = List::commas});
   Option formats =
       choice<TexelFormat>("--ktx2-format", options.texture.format,
                           {{"rgba16f", TexelFormat::rgba16f},
@@ -147,21 +144,16 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
       "Compression of .ktx2 files; default none"));
-  table.push_back({.names = "--no-previews",
-                   .target = OnFlag([&options] { options.previews = false; }),
-                   .text = "Write no previews, which take two thirds of the time up to 256 texels, less above"});
+  add_option(table, "--no-previews", OnFlag([&options] { options.previews = false; }), "",
+             "Write no previews, which take two thirds of the time up to 256 texels, less above");
   table.push_back(size_option("--preview-size", options.preview_size, kSmallestSphere, kLargestSphere,
                               "Pixels across each sphere of preview_spheres.png, which is six spheres wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
-  table.push_back({.names = "--exposure",
-                   .target = &options.exposure_stops,
-                   .text =
-                       "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
-                       "lit surroundings becomes 0.36, and the manifest states the value",
-                   .type = "EV",
-                   .bounds = finite_between(-kMostStops, kMostStops),
-                   .excludes = {"--no-previews"}});
+  add_option(table, "--exposure", &options.exposure_stops, "EV",
+             "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
+             "lit surroundings becomes 0.36, and the manifest states the value",
+             {.bounds = finite_between(-kMostStops, kMostStops), .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -169,33 +161,26 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
     options.specular.size = size;
     options.size_named = true;
   };
-  table.push_back(
-      {.names = "--size",
-       .target = On<int>(set_size),
-       .text = "Texels per edge of the specular cubemap; default " + std::to_string(options.specular.size) + "",
-       .type = "N",
-       .bounds = whole_between(1, kLargestFace)});
+  add_option(table, "--size", On<int>(set_size), "N",
+             "Texels per edge of the specular cubemap; default " + std::to_string(options.specular.size) + "",
+             {.bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "Texels per edge of the background cubemap; 0: as --size; default " +
                                   std::to_string(options.background_size) +
                                   ". A lat-long is four times as wide; in the folders of unity, unreal, blender, godot "
                                   "and usd it keeps the source's size unless this option is given"));
-  table.push_back(
-      {.names = "--mips",
-       .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
-       .text = std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
-                           "as --roughness has numbers, else those of its schedule: filament and linear end at 4 "
-                           "texels, unity has seven, babylon and unreal all"),
-       .type = "N|all"});
+  add_option(table, "--mips", On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
+             "N|all",
+             std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
+                         "as --roughness has numbers, else those of its schedule: filament and linear end at 4 "
+                         "texels, unity has seven, babylon and unreal all"));
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
   };
-  table.push_back({.names = "--roughness",
-                   .target = On<std::vector<std::string>>(set_roughness),
-                   .text = "Roughness of mips: an engine's schedule, or numbers separated by commas; default filament, "
-                           "or by --for",
-                   .type = schedule_names() + "|LIST",
-                   .list = List::commas});
+  add_option(table, "--roughness", On<std::vector<std::string>>(set_roughness), schedule_names() + "|LIST",
+             "Roughness of mips: an engine's schedule, or numbers separated by commas; default filament, "
+             "or by --for",
+             {.list = List::commas});
   table.push_back(choice<std::optional<bool>>(
       "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
       "Fits the lobes of mips to shaders that interpolate between mips by the formula of --roughness; materials look "
@@ -212,13 +197,10 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
       "Accuracy of reflections and irradiance: fast (--rms-error 1e-2), normal (1e-3, the default), or reference (the "
       "integrals, which takes minutes). --rms-error overrides it"));
-  table.push_back(
-      {.names = "--rms-error",
-       .target = &options.rms_error,
-       .text = "Error bound of each mip and of the irradiance cubemap: root mean square error over root mean square, "
-               "1e-6 to 1; default by --quality. The relative error of any texel is at most ten times that",
-       .type = "ERROR",
-       .bounds = finite_between(1e-6, 1.0)});
+  add_option(table, "--rms-error", &options.rms_error, "ERROR",
+             "Error bound of each mip and of the irradiance cubemap: root mean square error over root mean square, "
+             "1e-6 to 1; default by --quality. The relative error of any texel is at most ten times that",
+             {.bounds = finite_between(1e-6, 1.0)});
 }
 
 /// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
@@ -246,14 +228,10 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
     options.rms_error = budget;
     options.bake.bands = bands_within(budget);
   };
-  table.push_back(
-      {.names = "--error-budget",
-       .target = On<double>(set),
-       .text = "Sets --rms-error, and as many --bands as irradiance needs for this error under a single lamp: 3 for "
-               "0.09, 5 for 0.05, 15 for 0.01",
-       .type = "ERROR",
-       .bounds = finite_between(1e-6, 1.0),
-       .excludes = {"--quality", "--rms-error", "--bands"}});
+  add_option(table, "--error-budget", On<double>(set), "ERROR",
+             "Sets --rms-error, and as many --bands as irradiance needs for this error under a single lamp: 3 for "
+             "0.09, 5 for 0.05, 15 for 0.01",
+             {.bounds = finite_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.
@@ -266,13 +244,10 @@ void add_lobe_options(Options& table, BakeCommandOptions& options) {
       }
     }
   };
-  table.push_back({.names = "--lobe",
-                   .target = On<std::vector<std::string>>(store),
-                   .text = "Additional cubemaps with other lobes than GGX, separated by commas: charlie "
-                           "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
-                   .type = "LIST",
-                   .words = {"ggx", "charlie", "lambert", "phong"},
-                   .list = List::commas});
+  add_option(table, "--lobe", On<std::vector<std::string>>(store), "LIST",
+             "Additional cubemaps with other lobes than GGX, separated by commas: charlie "
+             "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
+             {.words = {"ggx", "charlie", "lambert", "phong"}, .list = List::commas});
   table.push_back(size_option("--octahedral", options.octahedral_size, 0, 16384,
                               "Also writes the specular cubemap as an octahedral map for Godot's shaders, .ktx2 and "
                               ".exr: texels per edge including borders; default 0: none"));
@@ -288,16 +263,13 @@ void add_diffuse_options(Options& table, BakeCommandOptions& options) {
                                 {"harmonics", IrradianceMethod::harmonics}},
                                "Method of the irradiance cubemap: within --rms-error of the integral (automatic, the "
                                "default), the integral (direct, slow), or from --bands of harmonics, as in shaders"));
-  table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "Write no BRDF table"});
-  table.push_back({.names = "--brdf",
-                   .target = On<int>([&options](int size) {
-                     options.brdf.width = options.brdf.height = size;
-                     options.brdf_named = true;
-                   }),
-                   .text = "Texels per edge of the BRDF table; default 64",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestTable),
-                   .excludes = {"--no-brdf"}});
+  add_option(table, "--no-brdf", &options.no_brdf, "", "Write no BRDF table");
+  add_option(table, "--brdf", On<int>([&options](int size) {
+               options.brdf.width = options.brdf.height = size;
+               options.brdf_named = true;
+             }),
+             "N", "Texels per edge of the BRDF table; default 64",
+             {.bounds = whole_between(1, kLargestTable), .excludes = {"--no-brdf"}});
   Option model = choice<BrdfModel>(
       "--brdf-model", options.brdf.model,
       {{"split-sum", BrdfModel::split_sum}, {"multiple-scattering", BrdfModel::multiple_scattering}},
@@ -337,12 +309,9 @@ void add_result_options(Options& table, BakeCommandOptions& options) {
 void add_bake_options(Options& table, BakeCommandOptions& options) {
   constexpr const char* kInput = "INPUT";
   add_input_options(table, options.input, options.sky);
-  table.push_back({.names = "-o,--output",
-                   .target = &options.directory,
-                   .text =
-                       "The folder to write to, created if necessary; default the input's name without extension, or "
-                       "sky, which must be new, empty or from an earlier bake",
-                   .type = "DIR"});
+  add_option(table, "-o,--output", &options.directory, "DIR",
+             "The folder to write to, created if necessary; default the input's name without extension, or "
+             "sky, which must be new, empty or from an earlier bake");
   add_json_option(table, options.common);
   in_group(table, "Input and output");
   add_result_options(table, options);

@@ -1,5 +1,3 @@
-#include "tools/bake_write.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,10 +8,10 @@
 
 #include "jobs/tiles.h"
 #include "platform/text.h"
-#include "tools/clamped_light.h"
+#include "tools/bake_manifest.h"
+#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
-#include "tools/gltf_light.h"
-#include "tools/sh_report.h"
+#include "tools/sh_command.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/bake_file.h"

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "tools/bake_lat_long.h"
-#include "tools/gltf_light.h"
+#include "tools/bake_parts.h"
+#include "tools/engine_folders.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/bake_file.h"

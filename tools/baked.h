@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/bake_lobes.h"
 #include "tools/bake_options.h"
+#include "tools/bake_parts.h"
 #include "tools/terminal.h"
 #include "welkin/bake.h"
 

@@ -13,7 +13,6 @@
 #include "platform/text.h"
 #include "tools/baked.h"
 #include "tools/batch.h"
-#include "tools/lines.h"
 #include "tools/text.h"
 
 namespace welkin::tool {
@@ -179,9 +178,9 @@ class Planner {
       try {
         wishes_.push_back(wish_in(line, list));
       } catch (const Flaw& flaw) {
-        throw Error(ErrorCode::invalid_argument, where + flaw.message +
-                                                     "; a line is {\"input\": PATH, \"name\": NAME, \"options\": "
-                                                     "[\"--size\", \"128\"]}");
+        throw Error(
+            ErrorCode::invalid_argument,
+            where + flaw.message + "; a line is {\"input\": PATH, \"name\": NAME, \"options\": [\"--size\", \"128\"]}");
       } catch (const Error& error) {
         throw Error(error.code(), where + error.what());
       }

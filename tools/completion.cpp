@@ -1,10 +1,9 @@
-#include "tools/completion.h"
-
 #include <algorithm>
 #include <sstream>
 #include <string_view>
 #include <vector>
 
+#include "tools/arguments.h"
 #include "tools/help.h"
 #include "welkin/core.h"
 

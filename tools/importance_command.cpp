@@ -223,41 +223,28 @@ Command importance_command() {
   Command command{"importance", "Make tables for the importance sampling of path tracers",
                   embedded_text("help/importance.txt")};
   Options& table = command.options;
-  table.push_back(
-      {.names = "INPUT",
-       .target = &options->input,
-       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
-       .required = true});
-  table.push_back({.names = "-o,--output",
-                   .target = &options->directory,
-                   .text = "The folder to write to, made if it is not there; default the input's name without its "
-                           "extension and _importance, here. A folder of that name with other files is left alone",
-                   .type = "DIR"});
+  add_option(table, "INPUT", &options->input, "",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+             {.required = true});
+  add_option(table, "-o,--output", &options->directory, "DIR",
+             "The folder to write to, made if it is not there; default the input's name without its extension and "
+             "_importance, here. A folder of that name with other files is left alone");
   add_json_option(table, options->common);
   in_group(table, "Input and output");
-  table.push_back({.names = "--width",
-                   .target = &options->table.width,
-                   .text = "Width of the table, at most the input's; default the input's",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargest)});
-  table.push_back({.names = "--height",
-                   .target = &options->table.height,
-                   .text = "Height of the table, at most the input's; default the input's",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargest)});
+  add_option(table, "--width", &options->table.width, "N",
+             "Width of the table, at most the input's; default the input's", {.bounds = whole_between(1, kLargest)});
+  add_option(table, "--height", &options->table.height, "N",
+             "Height of the table, at most the input's; default the input's", {.bounds = whole_between(1, kLargest)});
   table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
                                            {{"luminance", ImportanceWeight::luminance},
                                             {"mean", ImportanceWeight::mean},
                                             {"largest", ImportanceWeight::largest}},
                                            "Weight of a texel: its luminance, or the mean or largest of its "
                                            "channels; default luminance"));
-  table.push_back({.names = "--mis-compensation",
-                   .target = &options->table.mis_compensation,
-                   .text = "Subtract the mean, for estimators that also sample the material"});
-  table.push_back({.names = "--alias", .target = &options->alias, .text = "Also write alias tables"});
-  table.push_back({.names = "--pyramid",
-                   .target = &options->pyramid,
-                   .text = "Also write probabilities of blocks by powers of two"});
+  add_option(table, "--mis-compensation", &options->table.mis_compensation, "",
+             "Subtract the mean, for estimators that also sample the material");
+  add_option(table, "--alias", &options->alias, "", "Also write alias tables");
+  add_option(table, "--pyramid", &options->pyramid, "", "Also write probabilities of blocks by powers of two");
   in_group(table, "Tables");
   add_pixel_options(table, options->table.pixels, options->clamp);
   add_read_options(table, options->common, "");

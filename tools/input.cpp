@@ -28,52 +28,38 @@ void add_clamp_options(Options& table, ClampChoice& choice) {
     choice.clamp.preserve_colour = true;
     choice.clamps = true;
   };
-  table.push_back({.names = "--clamp",
-                   .target = On<float>(set_maximum),
-                   .text = "Clamp radiance to V; default no limit. The removed light is reported",
-                   .type = "V",
-                   .bounds = finite_and_positive()});
-  table.push_back(
-      {.names = "--preserve-clamped",
-       .target = OnFlag(preserve_colour),
-       .text = "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit"});
+  add_option(table, "--clamp", On<float>(set_maximum), "V",
+             "Clamp radiance to V; default no limit. The removed light is reported", {.bounds = finite_and_positive()});
+  add_option(table, "--preserve-clamped", OnFlag(preserve_colour), "",
+             "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit");
 }
 
 }  // namespace
 
 void add_json_option(Options& table, CommonOptions& options) {
-  table.push_back({.names = "--json", .target = &options.json, .text = "JSON on standard output instead of a table"});
+  add_option(table, "--json", &options.json, "", "JSON on standard output instead of a table");
 }
 
 void add_threads_option(Options& table, CommonOptions& options) {
-  table.push_back({.names = "--threads",
-                   .target = &options.threads,
-                   .text = "Number of threads; default 0: all that this process may use. Results do not depend on it",
-                   .type = "N",
-                   .bounds = whole_between(0, kMaximumThreads)});
+  add_option(table, "--threads", &options.threads, "N",
+             "Number of threads; default 0: all that this process may use. Results do not depend on it",
+             {.bounds = whole_between(0, kMaximumThreads)});
   in_group(table, kRunningGroup);
 }
 
 void add_memory_limit_option(Options& table, CommonOptions& options) {
-  table.push_back({.names = "--memory-limit",
-                   .target = ByteCount{&options.read.memory_limit_bytes},
-                   .text = "Memory limit for pixels, such as 512MiB or 2GB (default 8GiB), checked before the work "
-                           "begins",
-                   .type = "SIZE",
-                   .group = kRunningGroup});
+  add_option(table, "--memory-limit", ByteCount{&options.read.memory_limit_bytes}, "SIZE",
+             "Memory limit for pixels, such as 512MiB or 2GB (default 8GiB), checked before the work "
+             "begins",
+             {.group = kRunningGroup});
 }
 
 void add_input_options(Options& table, std::optional<std::string>& input, bool& sky) {
   constexpr const char* kInput = "INPUT";
-  table.push_back({.names = kInput,
-                   .target = &input,
-                   .text =
-                       "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of "
-                       "them or their folder; - for standard input"});
-  table.push_back({.names = "--sky",
-                   .target = &sky,
-                   .text = "Use the built-in computed sky instead of a file",
-                   .excludes = {kInput}});
+  add_option(table, kInput, &input, "",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of "
+             "them or their folder; - for standard input");
+  add_option(table, "--sky", &sky, "", "Use the built-in computed sky instead of a file", {.excludes = {kInput}});
 }
 
 bool is_stream(const std::string& named) {
@@ -124,14 +110,12 @@ void require_input(const std::string& command, const std::optional<std::string>&
 }
 
 void add_cache_option(Options& table, CommonOptions& options) {
-  table.push_back({.names = "--cache",
-                   .target = On<std::string>([&options](const std::string& folder) {
-                     if (folder.empty()) throw BadValue{"--cache", "is empty; is a shell variable not set?"};
-                     options.cache = folder;
-                   }),
-                   .text = "A folder in which results are cached by the contents of their inputs, created if necessary",
-                   .type = "DIR",
-                   .group = kRunningGroup});
+  add_option(table, "--cache", On<std::string>([&options](const std::string& folder) {
+               if (folder.empty()) throw BadValue{"--cache", "is empty; is a shell variable not set?"};
+               options.cache = folder;
+             }),
+             "DIR", "A folder in which results are cached by the contents of their inputs, created if necessary",
+             {.group = kRunningGroup});
 }
 
 std::vector<std::pair<std::string, Layout>> layout_choices() {
@@ -149,24 +133,15 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
   table.push_back(
       choice<Layout>(layout_option, options.read.layout, layout_choices(),
                      "Layout of the sphere in the image; default automatic, from its header, shape or name"));
-  table.push_back({.names = "--part",
-                   .target = &options.read.part,
-                   .text = "The part of an OpenEXR file with several parts, by name or by number from 0",
-                   .type = "NAME"});
-  table.push_back({.names = "--layer",
-                   .target = &options.read.layer,
-                   .text = "The layer of an OpenEXR file with layers (env.R, env.G, ...)",
-                   .type = "NAME"});
-  table.push_back({.names = "--level",
-                   .target = &options.read.level,
-                   .text = "The level of a file with a mip chain, of which 0 is full size; default 0",
-                   .type = "N",
-                   .bounds = whole_between(0, kMaximumLevel)});
-  table.push_back({.names = "--element",
-                   .target = &options.read.element,
-                   .text = "Index of a cubemap or image in a KTX2, KTX or DDS array; default 0",
-                   .type = "N",
-                   .bounds = whole_between(0, 65535)});
+  add_option(table, "--part", &options.read.part, "NAME",
+             "The part of an OpenEXR file with several parts, by name or by number from 0");
+  add_option(table, "--layer", &options.read.layer, "NAME",
+             "The layer of an OpenEXR file with layers (env.R, env.G, ...)");
+  add_option(table, "--level", &options.read.level, "N",
+             "The level of a file with a mip chain, of which 0 is full size; default 0",
+             {.bounds = whole_between(0, kMaximumLevel)});
+  add_option(table, "--element", &options.read.element, "N",
+             "Index of a cubemap or image in a KTX2, KTX or DDS array; default 0", {.bounds = whole_between(0, 65535)});
   table.push_back(
       choice<Transfer>("--transfer", options.read.transfer,
                        {{"automatic", Transfer::automatic}, {"srgb", Transfer::srgb}, {"linear", Transfer::linear}},
@@ -200,9 +175,8 @@ int thread_count(const CommonOptions& options) { return options.threads > 0 ? op
 
 void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp) {
   add_clamp_options(table, clamp);
-  table.push_back({.names = "--gamma",
-                   .target = &pixels.gamma,
-                   .text = "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first"});
+  add_option(table, "--gamma", &pixels.gamma, "",
+             "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first");
   table.push_back(choice<NonFinitePolicy>("--nan", pixels.nan,
                                           {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
                                           "Replace NaN by 0 (default), or fail and name the texel"));
@@ -266,17 +240,10 @@ std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& opti
 
 void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes) {
   constexpr const char* kTakeOut = "--take-out-sun";
-  table.push_back({.names = kTakeOut,
-                   .target = &choice.take_out,
-                   .text = "Extract the sun from the environment and report it as a directional light",
-                   .excludes = excludes});
+  add_option(table, kTakeOut, &choice.take_out, "",
+             "Extract the sun from the environment and report it as a directional light", {.excludes = excludes});
   const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {
-    table.push_back({.names = name,
-                     .target = &value,
-                     .text = text,
-                     .type = type,
-                     .bounds = number_between(least, most),
-                     .needs = {kTakeOut}});
+    add_option(table, name, &value, type, text, {.bounds = number_between(least, most), .needs = {kTakeOut}});
   };
   add("--sun-threshold", choice.options.relative_threshold, 1e-9, 1.0, "SHARE",
       "Luminance, relative to the brightest texel, from which texels belong to the sun; default 0.02");

@@ -7,7 +7,6 @@
 #include "embedded_texts.h"
 #include "tools/arguments.h"
 #include "tools/commands.h"
-#include "tools/completion.h"
 #include "tools/terminal.h"
 
 namespace welkin::tool {

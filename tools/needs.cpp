@@ -1,8 +1,7 @@
-#include "tools/needs.h"
-
 #include <vector>
 
 #include "platform/text.h"
+#include "tools/bake_options.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -70,33 +69,21 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
     if (range[0] > range[1]) throw BadValue{"--glossy", "is decreasing; pass the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
-  table.push_back({.names = "--needs",
-                   .target = On<std::string>([&choice](const std::string& file) {
-                     choice.needs_in_file = read_needs(platform::path_of(file));
-                     choice.file = file;
-                   }),
-                   .text = "A JSON file of what the scene uses (docs/guides/scene_needs.md); the rest is not baked",
-                   .type = "FILE"});
-  table.push_back(
-      {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
-  table.push_back(
-      {.names = "--glossy",
-       .target = On<std::vector<double>>(set_range),
-       .text = "The minimum and the maximum roughness of the materials; mips outside this range are not made",
-       .type = "MINIMUM,MAXIMUM",
-       .bounds = finite_between(0.0, 1.0),
-       .list = List::commas,
-       .count = 2,
-       .excludes = {"--no-glossy"}});
-  table.push_back({.names = "--no-background",
-                   .target = &choice.no_background,
-                   .text = "The scene does not show the environment itself"});
-  table.push_back({.names = "--no-diffuse", .target = &choice.no_diffuse, .text = "No diffuse light is used"});
-  table.push_back({.names = "--explain",
-                   .target = &choice.explain,
-                   .text = "Print which passes run, are reused or skipped, and why; after the bake, print their "
-                           "times"});
-  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
+  add_option(table, "--needs", On<std::string>([&choice](const std::string& file) {
+               choice.needs_in_file = read_needs(platform::path_of(file));
+               choice.file = file;
+             }),
+             "FILE", "A JSON file of what the scene uses (docs/guides/scene_needs.md); the rest is not baked");
+  add_option(table, "--no-glossy", &choice.no_glossy, "", "No material reflects: no specular cubemap");
+  add_option(table, "--glossy", On<std::vector<double>>(set_range), "MINIMUM,MAXIMUM",
+             "The minimum and the maximum roughness of the materials; mips outside this range are not made",
+             {.bounds = finite_between(0.0, 1.0), .list = List::commas, .count = 2, .excludes = {"--no-glossy"}});
+  add_option(table, "--no-background", &choice.no_background, "", "The scene does not show the environment itself");
+  add_option(table, "--no-diffuse", &choice.no_diffuse, "", "No diffuse light is used");
+  add_option(table, "--explain", &choice.explain, "",
+             "Print which passes run, are reused or skipped, and why; after the bake, print their "
+             "times");
+  add_option(table, "--plan-only", &choice.plan_only, "", "Print the plan and bake nothing");
 }
 
 Json needs_json(const SceneNeeds& needs) {

@@ -63,11 +63,8 @@ void add_output_options(Options& table, OutputOptions& options) {
   table.push_back(choice<Layout>(
       "--layout", options.write.layout, layout_choices(),
       "Layout of the sphere in OUT; default automatic: a lat-long stays one, and a cubemap becomes a vertical strip"));
-  table.push_back({.names = "--size",
-                   .target = &options.size,
-                   .text = "Texels per edge of a cubemap, or width of a lat-long",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestWidth)});
+  add_option(table, "--size", &options.size, "N", "Texels per edge of a cubemap, or width of a lat-long",
+             {.bounds = whole_between(1, kLargestWidth)});
   table.push_back(choice<SampleType>(
       "--type", options.write.type,
       {{"half", SampleType::half},
@@ -393,28 +390,20 @@ Command convert_command() {
   Command command{"convert", "Write an environment in another format, layout or size",
                   embedded_text("help/convert.txt")};
   Options& table = command.options;
-  table.push_back(
-      {.names = "IN",
-       .target = &options->input,
-       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
-       .required = true});
-  table.push_back({.names = "OUT",
-                   .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output",
-                   .required = true});
+  add_option(table, "IN", &options->input, "",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+             {.required = true});
+  add_option(table, "OUT", &options->output.path, "",
+             "The file to write: .exr, .hdr, .pfm or .png; - for standard output", {.required = true});
   add_output_options(table, options->output);
   option(table, "--size").text += "; default as large as IN";
-  table.push_back({.names = "--tone-map",
-                   .target = &options->tone_map,
-                   .text = "Make a .png to look at, as the previews of 'welkin bake' are; without it a .png holds the "
-                           "values from 0 to 1 and cuts off the rest"});
-  table.push_back({.names = "--exposure",
-                   .target = &options->exposure_stops,
-                   .text = "Exposure of --tone-map in stops, radiance times 2^EV; default by the picture, as 'welkin "
-                           "bake' exposes its previews",
-                   .type = "EV",
-                   .bounds = finite_between(-60.0, 60.0),
-                   .needs = {"--tone-map"}});
+  add_option(table, "--tone-map", &options->tone_map, "",
+             "Make a .png to look at, as the previews of 'welkin bake' are; without it a .png holds the values from 0 "
+             "to 1 and cuts off the rest");
+  add_option(table, "--exposure", &options->exposure_stops, "EV",
+             "Exposure of --tone-map in stops, radiance times 2^EV; default by the picture, as 'welkin bake' exposes "
+             "its previews",
+             {.bounds = finite_between(-60.0, 60.0), .needs = {"--tone-map"}});
   in_group(table, "Input and output");
   add_turn_options(table, options->turn);
   add_sun_options(table, options->sun);
@@ -430,11 +419,9 @@ Command testmap_command() {
   const auto options = std::make_shared<TestmapOptions>();
   Command command{"testmap", "Make an environment that shows its orientation", embedded_text("help/testmap.txt")};
   Options& table = command.options;
-  table.push_back({.names = "-o,--output",
-                   .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png, - for standard output; default testmap.exr, "
-                           "here, unless a file of that name is there",
-                   .type = "OUT"});
+  add_option(table, "-o,--output", &options->output.path, "OUT",
+             "The file to write: .exr, .hdr, .pfm or .png, - for standard output; default testmap.exr, here, unless a "
+             "file of that name is there");
   add_output_options(table, options->output);
   option(table, "--size").text += "; default 512, or 2048 for a lat-long";
   add_engine_option(table, options->turn);
@@ -454,16 +441,10 @@ Command sample_command() {
   const auto options = std::make_shared<SampleOptions>();
   Command command{"sample", "Make an environment to try the other commands with", embedded_text("help/sample.txt")};
   Options& table = command.options;
-  table.push_back({.names = "-o,--output",
-                   .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output, as .exr",
-                   .type = "OUT",
-                   .required = true});
-  table.push_back({.names = "--size",
-                   .target = &options->output.size,
-                   .text = "Width in texels, twice the height; default 1024",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestWidth)});
+  add_option(table, "-o,--output", &options->output.path, "OUT",
+             "The file to write: .exr, .hdr, .pfm or .png; - for standard output, as .exr", {.required = true});
+  add_option(table, "--size", &options->output.size, "N", "Width in texels, twice the height; default 1024",
+             {.bounds = whole_between(1, kLargestWidth)});
   in_group(table, "Output");
   add_memory_limit_option(table, options->common);
   add_threads_option(table, options->common);

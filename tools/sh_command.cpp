@@ -24,13 +24,10 @@ void add_projection_options(Options& table, ShOptions& options) {
   table.push_back(choice<Quadrature>(
       "--quadrature", options.projection.quadrature, {{"exact", Quadrature::exact}, {"midpoint", Quadrature::midpoint}},
       "exact (default) integrates over each texel's area; midpoint takes its centre, as Babylon.js"));
-  table.push_back({.names = "--target-size",
-                   .target = &options.target_size,
-                   .text =
-                       "Reduce the environment to cubemap faces of N x N texels first (a lat-long to 4N x 2N): less "
-                       "exact, for comparison with engines that do so; 0, the default: no",
-                   .type = "N",
-                   .bounds = whole_between(0, kLargestTargetSize)});
+  add_option(table, "--target-size", &options.target_size, "N",
+             "Reduce the environment to cubemap faces of N x N texels first (a lat-long to 4N x 2N): less exact, for "
+             "comparison with engines that do so; 0, the default: no",
+             {.bounds = whole_between(0, kLargestTargetSize)});
 }
 
 void add_sh_options(Options& table, ShOptions& options) {
@@ -44,10 +41,9 @@ void add_sh_options(Options& table, ShOptions& options) {
   add_window_options(table, options);
   in_group(table, "Harmonics");
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
-  table.push_back({.names = "--irradiance-error",
-                   .target = &options.irradiance_error,
-                   .text = "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)",
-                   .group = "Harmonics"});
+  add_option(table, "--irradiance-error", &options.irradiance_error, "",
+             "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)",
+             {.group = "Harmonics"});
   add_read_options(table, options.common, kInput);
   add_threads_option(table, options.common);
   add_cache_option(table, options.common);
@@ -169,44 +165,35 @@ void run(ShOptions options) {
 
 void add_format_options(Options& table, ShOptions& options) {
   constexpr const char* kFormat = "--format";
-  table.push_back(choice<ShFormat>(
-      kFormat, options.format,
-      {{"table", ShFormat::table},
-       {"json", ShFormat::json},
-       {"text", ShFormat::text},
-       {"c", ShFormat::c_header},
-       {"glsl", ShFormat::glsl},
-       {"cs", ShFormat::c_sharp}},
-      "A table for a person, JSON, a line per coefficient, a C header, a GLSL function in the axes of --for, or C# for "
-      "--for unity; default table"));
-  table.push_back({.names = "--json",
-                   .target = OnFlag([&options] { options.format = ShFormat::json; }),
-                   .text = "The same as --format json",
-                   .excludes = {kFormat}});
+  table.push_back(choice<ShFormat>(kFormat, options.format,
+                                   {{"table", ShFormat::table},
+                                    {"json", ShFormat::json},
+                                    {"text", ShFormat::text},
+                                    {"c", ShFormat::c_header},
+                                    {"glsl", ShFormat::glsl},
+                                    {"cs", ShFormat::c_sharp}},
+                                   "A table for a person, JSON, a line per coefficient, a C header, a GLSL function in "
+                                   "the axes of --for, or C# for --for unity; default table"));
+  add_option(table, "--json", OnFlag([&options] { options.format = ShFormat::json; }), "", "The same as --format json",
+             {.excludes = {kFormat}});
 }
 
 void add_bands_option(Options& table, ShOptions& options) {
-  table.push_back({.names = "--bands",
-                   .target = &options.projection.bands,
-                   .text = "Bands, 1 (ambient colour only) to 16; default 3",
-                   .type = "N",
-                   .bounds = whole_between(1, kMaximumBands)});
+  add_option(table, "--bands", &options.projection.bands, "N", "Bands, 1 (ambient colour only) to 16; default 3",
+             {.bounds = whole_between(1, kMaximumBands)});
 }
 
 void add_window_options(Options& table, ShOptions& options) {
-  table.push_back(
-      choice<Window>("--window", options.window,
-                     {{name(Window::none), Window::none},
-                      {name(Window::hanning), Window::hanning},
-                      {name(Window::lanczos), Window::lanczos},
-                      {name(Window::min_laplacian), Window::min_laplacian}},
-                     "Damp the higher bands against ringing; default none; min-laplacian damps only as much as keeps "
-                     "irradiance from going below 0"));
-  table.push_back({.names = "--window-width",
-                   .target = &options.window_width,
-                   .text = "Width of a hanning or lanczos window in bands; default: the number of bands",
-                   .type = "W",
-                   .bounds = finite_and_positive()});
+  table.push_back(choice<Window>("--window", options.window,
+                                 {{name(Window::none), Window::none},
+                                  {name(Window::hanning), Window::hanning},
+                                  {name(Window::lanczos), Window::lanczos},
+                                  {name(Window::min_laplacian), Window::min_laplacian}},
+                                 "Damp the higher bands against ringing; default none; min-laplacian damps only as "
+                                 "much as keeps irradiance from going below 0"));
+  add_option(table, "--window-width", &options.window_width, "W",
+             "Width of a hanning or lanczos window in bands; default: the number of bands",
+             {.bounds = finite_and_positive()});
 }
 
 const char* quadrature_name(const ShReport& report) noexcept {

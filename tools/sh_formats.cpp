@@ -12,7 +12,7 @@
 #include "platform/text.h"
 #include "tools/engine_folders.h"
 #include "tools/json.h"
-#include "tools/sh_report.h"
+#include "tools/sh_command.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 
@@ -431,8 +431,8 @@ std::string identifier(const std::string& path) {
 std::string float_constant(double value, const char* suffix = "f") {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
     throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
-                                               ", which no float holds; lower the exposure of the "
-                                               "picture, cut it off with --clamp, or take the JSON, which holds it");
+                                               ", which no float holds; lower the exposure of the picture, cut it off "
+                                               "with --clamp, or take the JSON, which holds it");
   }
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;

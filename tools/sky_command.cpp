@@ -1,24 +1,252 @@
 // `welkin sky`: the light of a computed sky.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "embedded_texts.h"
+#include "platform/text.h"
 #include "tools/bake_options.h"
 #include "tools/baked.h"
 #include "tools/commands.h"
+#include "tools/preview_light.h"
 #include "tools/sh_command.h"
-#include "tools/sky_sweep.h"
 #include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {
+
+// --sweep: a day as a strip of pictures.
+
+enum class SweepView {
+  fisheye,   ///< the sky above: zenith in the middle, horizon at the rim, the sun's azimuth up
+  panorama,  ///< half way round, the sun's azimuth in the middle, from a little below the horizon to the zenith
+};
+
+struct SweepOptions {
+  std::string path;
+  double first_degrees = 90.0;  ///< sun elevation of the first tile
+  double last_degrees = -18.0;
+  int tiles = 16;
+  int size = 192;  ///< height of a tile, pixels
+  SweepView view = SweepView::panorama;
+};
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kBelowHorizon = 6.0;  // degrees of a panorama
+constexpr double kPanoramaHeight = 90.0 + kBelowHorizon;
+constexpr double kPanoramaWidth = 180.0;
+constexpr int kSampling = 3;
+constexpr int kGap = 4;
+constexpr double kSweepTables = 0.5;  // of the progress
+constexpr double kCloseToHorizon = 6.0;
+constexpr glm::dvec3 kBackground(0.0);
+
+/// Eyes and cameras adapt to most of the change between noon and night, but not to all of it: exposure goes with that
+/// power of the brightness.
+constexpr double kAdaptation = 0.85;
+constexpr double kNoonBrightness = 0.2;  ///< of the first tile, before the tone curve
+
+struct Tile {
+  double elevation = 0.0;
+  glm::dvec3 sun{};
+  ToneMap tone_map;
+};
+
+/// Where a point of a tile looks; y is negative for what lies outside of a round one.
+class Lens {
+ public:
+  Lens(SweepView view, int size) : view_(view), size_(size) {}
+
+  [[nodiscard]] int width() const {
+    if (view_ == SweepView::fisheye) return size_;
+    return static_cast<int>(std::lround(size_ * kPanoramaWidth / kPanoramaHeight));
+  }
+  [[nodiscard]] int tiles_in_a_row() const { return view_ == SweepView::fisheye ? 8 : 4; }
+
+  /// x to the right and y down, in pixels; false: it looks nowhere.
+  [[nodiscard]] bool direction(double x, double y, glm::vec3& towards) const {
+    if (view_ == SweepView::panorama) {
+      const double azimuth = (0.5 - x / width()) * kPanoramaWidth * kDegree;
+      const double elevation = (90.0 - y / size_ * kPanoramaHeight) * kDegree;
+      towards = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
+      return true;
+    }
+    // Lying on one's back, feet away from the sun: its azimuth is up, +x to the left.
+    const double u = 1.0 - 2.0 * x / size_;
+    const double v = 1.0 - 2.0 * y / size_;
+    const double radius = std::sqrt(u * u + v * v);
+    if (radius > 1.0) return false;
+    const double zenith = radius * 0.5 * std::numbers::pi;
+    const double share = radius > 0.0 ? std::sin(zenith) / radius : 0.0;
+    towards = {share * u, std::cos(zenith), share * v};
+    return true;
+  }
+
+ private:
+  SweepView view_;
+  int size_;
+};
+
+/// Mean luminance of the sky above the horizon. (One that leaves out what is bright, as the previews', would leave a
+/// dusk's glow white.)
+double brightness(const Sky& sky, const glm::dvec3& sun) {
+  constexpr int kRows = 64;
+  const LatLongImage around = sky_lat_long(sky.view, sun, kRows);
+  double sum = 0.0;
+  double weights = 0.0;
+  const float* rgb = around.pixels.data();
+  for (int row = 0; row < kRows / 2; ++row) {
+    const double weight = std::cos((0.5 - (row + 0.5) / kRows) * std::numbers::pi);
+    for (int column = 0; column < around.width; ++column, rgb += 3) {
+      const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+      sum += weight * luminance;
+      weights += weight;
+    }
+  }
+  return sum / weights;
+}
+
+/// `noon`: brightness of the first tile.
+Tile tile_at(const Sky& sky, double elevation, double noon) {
+  Tile tile{elevation, sun_direction(elevation, 0.0), {}};
+  const double here = brightness(sky, tile.sun);
+  if (noon > 0.0 && here > 0.0) tile.tone_map.exposure = kNoonBrightness / noon * std::pow(noon / here, kAdaptation);
+  return tile;
+}
+
+/// Sine of the elevation at which the ground begins: below 0 from a height.
+double horizon_sine(const SkyReport& report) {
+  const double away = report.altitude_m / (report.atmosphere.bottom_radius_m + report.altitude_m);
+  return -std::sqrt(away * (2.0 - away));  // 1 - (bottom / distance)^2, without cancellation
+}
+
+/// The sun's disc where its centre is no farther than its radius.
+glm::dvec3 disc(const Sun& sun, double horizon, const glm::dvec3& towards) {
+  const double rim = std::cos(sun.angular_radius_degrees * kDegree);
+  return towards.y > horizon && glm::dot(towards, sun.direction) > rim ? sun.radiance : glm::dvec3(0.0);
+}
+
+/// A row of pixels at a time: its directions in one call.
+void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left, int top, PreviewPicture& picture) {
+  const Sun sun = sky.view.sun(tile.sun);
+  const double horizon = horizon_sine(sky.report);
+  const auto samples = static_cast<std::size_t>(lens.width()) * kSampling * kSampling;
+  std::vector<glm::vec3> directions(samples);
+  std::vector<glm::vec3> radiance(samples);
+  std::vector<bool> seen(samples);
+  for (int row = 0; row < size; ++row) {
+    for (std::size_t i = 0; i < samples; ++i) {
+      const std::size_t pixel = i / (kSampling * kSampling);
+      const double x = static_cast<double>(pixel) + (static_cast<double>(i % kSampling) + 0.5) / kSampling;
+      const double y = row + (static_cast<double>(i / kSampling % kSampling) + 0.5) / kSampling;
+      directions[i] = {0.0F, 1.0F, 0.0F};
+      seen[i] = lens.direction(x, y, directions[i]);
+    }
+    sky.view.radiance(directions, tile.sun, radiance);
+    for (int column = 0; column < lens.width(); ++column) {
+      glm::dvec3 sum(0.0);
+      for (std::size_t k = 0; k < kSampling * kSampling; ++k) {
+        const std::size_t i = static_cast<std::size_t>(column) * kSampling * kSampling + k;
+        const glm::dvec3 light = glm::dvec3(radiance[i]) + disc(sun, horizon, glm::dvec3(directions[i]));
+        sum += seen[i] ? tile.tone_map(light) : kBackground;
+      }
+      picture.set(left + column, top + row, glm::vec3(sum / static_cast<double>(kSampling * kSampling)));
+    }
+  }
+}
+
+std::string tile_line(const Sky& sky, const Tile& tile, std::size_t number) {
+  constexpr double kJustUp = 0.5;
+  const auto cells = [](const glm::dvec3& rgb) {
+    return pad_left(significant(rgb.x, 3), 11) + pad_left(significant(rgb.y, 3), 11) +
+           pad_left(significant(rgb.z, 3), 11);
+  };
+  return pad_left(std::to_string(number + 1), 5) + pad_left(significant(tile.elevation, 3), 11) +
+         cells(sky.view.radiance({0.0, 1.0, 0.0}, tile.sun)) +
+         cells(sky.view.radiance(sun_direction(kJustUp, 0.0), tile.sun)) +
+         cells(sky.view.radiance(sun_direction(kJustUp, 180.0), tile.sun)) + cells(sky.view.sun(tile.sun).irradiance) +
+         pad_left(significant(tile.tone_map.exposure, 3), 11) + '\n';
+}
+
+std::string head_lines(const Sky& sky, const SweepOptions& options) {
+  return printable(platform::utf8(platform::path_of(options.path).filename())) + ": " +
+         printable(sky.report.atmosphere.name) + ", altitude " + significant(sky.report.altitude_m) +
+         " m; tiles row by row from the left\n" + "  r, g, b in " + sky_unit(sky.report) +
+         "; the sun's light is what falls on a surface that faces it\n\n" + " tile  elevation" +
+         pad_right("     zenith", 33) + pad_right("     horizon below the sun", 33) +
+         pad_right("     horizon opposite", 33) + pad_right("     sun", 33) + "   exposure\n";
+}
+
+std::filesystem::path text_beside(const SweepOptions& options) {
+  return platform::path_of(options.path).replace_extension(".txt");
+}
+
+void check(const SkyParameters& parameters, const SweepOptions& options) {
+  const std::filesystem::path path = platform::path_of(options.path);
+  if (path.extension() != ".png") {
+    throw Error(ErrorCode::invalid_argument, options.path + ": --sweep draws a PNG; give a name that ends with .png");
+  }
+  for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
+    for (const std::filesystem::path& written : {path, text_beside(options)}) {
+      if (read) require_kept(*read, written, "--sweep", "give the picture another name");
+    }
+  }
+}
+
+/// Sun elevations of the tiles, degrees to a tenth: closer together about the horizon, where the sky changes fast.
+std::vector<double> sweep_elevations(const SweepOptions& options) {
+  const double first = std::asinh(options.first_degrees / kCloseToHorizon);
+  const double last = std::asinh(options.last_degrees / kCloseToHorizon);
+  std::vector<double> elevations;
+  for (int i = 0; i < options.tiles; ++i) {
+    const double share = options.tiles > 1 ? static_cast<double>(i) / (options.tiles - 1) : 0.0;
+    elevations.push_back(std::round(10.0 * kCloseToHorizon * std::sinh(first + share * (last - first))) / 10.0);
+  }
+  return elevations;
+}
+
+/// Draws and writes the picture, a PNG, and a text beside it that says of each tile where the sun stands and how bright
+/// the sky is; returns the text. Throws `Error`: file_access if one of them would be written over a file that is read.
+std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
+  check(parameters, options);
+  begin_stage("tables");
+  const Sky sky = make_sky(parameters, part_of(control, 0.0, kSweepTables));
+  const Control drawing = part_of(control, kSweepTables, 1.0);
+  begin_stage("draw");
+  const std::vector<double> elevations = sweep_elevations(options);
+  const Lens lens(options.view, options.size);
+  const int columns = std::min(options.tiles, lens.tiles_in_a_row());
+  const int rows = (options.tiles + columns - 1) / columns;
+  PreviewPicture picture(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
+                         glm::vec3(kBackground));
+  std::string text = head_lines(sky, options);
+  const double noon = brightness(sky, sun_direction(elevations.front(), 0.0));
+  for (std::size_t i = 0; i < elevations.size(); ++i) {
+    const Tile tile = tile_at(sky, elevations[i], noon);
+    const auto place = static_cast<int>(i);
+    draw(sky, tile, lens, options.size, place % columns * (lens.width() + kGap),
+         place / columns * (options.size + kGap), picture);
+    text += tile_line(sky, tile, i);
+    if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
+  }
+  picture.save(platform::path_of(options.path));
+  write_text_file(text_beside(options), text);
+  return text;
+}
+
+// The command.
 
 constexpr double kFullTurns = 1e6;
 constexpr double kHighest = 1e9;
@@ -44,26 +272,17 @@ struct SkyOptions {
 };
 
 void add_sun_place(Options& table, SkyParameters& sky) {
-  table.push_back({.names = "--sun-elevation",
-                   .target = &sky.sun_elevation_degrees,
-                   .text =
-                       "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first "
-                       "picture, default 90",
-                   .type = "DEGREES",
-                   .bounds = finite_between(-90.0, 90.0)});
-  table.push_back({.names = "--sun-azimuth",
-                   .target = &sky.sun_azimuth_degrees,
-                   .text = "The sun's azimuth, counted from +z towards +x; default 0",
-                   .type = "DEGREES",
-                   .bounds = finite_between(-kFullTurns, kFullTurns)});
-  table.push_back({.names = "--altitude",
-                   .target = &sky.altitude_m,
-                   .text = "The observer's height above the ground; default 0",
-                   .type = "METRES",
-                   .bounds = finite_between(0.0, kHighest)});
-  table.push_back({.names = "--no-ground",
-                   .target = OnFlag([&sky] { sky.view.ground = false; }),
-                   .text = "Show below the horizon only the air in front of the ground, and not the ground"});
+  add_option(table, "--sun-elevation", &sky.sun_elevation_degrees, "DEGREES",
+             "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first picture, "
+             "default 90",
+             {.bounds = finite_between(-90.0, 90.0)});
+  add_option(table, "--sun-azimuth", &sky.sun_azimuth_degrees, "DEGREES",
+             "The sun's azimuth, counted from +z towards +x; default 0",
+             {.bounds = finite_between(-kFullTurns, kFullTurns)});
+  add_option(table, "--altitude", &sky.altitude_m, "METRES", "The observer's height above the ground; default 0",
+             {.bounds = finite_between(0.0, kHighest)});
+  add_option(table, "--no-ground", OnFlag([&sky] { sky.view.ground = false; }), "",
+             "Show below the horizon only the air in front of the ground, and not the ground");
 }
 
 void set_table_size(SkyTableOptions& tables, const std::vector<int>& sizes) {
@@ -78,21 +297,15 @@ void set_table_size(SkyTableOptions& tables, const std::vector<int>& sizes) {
 
 void add_table_options(Options& table, SkyOptions& options) {
   SkyTableOptions& tables = options.sky.tables;
-  table.push_back({.names = "--orders",
-                   .target = &tables.orders,
-                   .text = "Orders of scattering, ground reflections included, 1 to 64; default 4",
-                   .type = "N",
-                   .bounds = whole_between(1, kMostOrders)});
-  table.push_back(
-      {.names = "--until-change",
-       .target = &tables.until_change,
-       .text = "Stop before --orders when an order adds less than this fraction of the light before it; default "
-               "0: never",
-       .type = "SHARE",
-       .bounds = finite_between(0.0, 1.0)});
-  table.push_back({.names = "--exact-orders",
-                   .target = OnFlag([&tables] { tables.exact_orders = true; }),
-                   .text = "Omit light of more than --orders orders, which is otherwise estimated"});
+  add_option(table, "--orders", &tables.orders, "N",
+             "Orders of scattering, ground reflections included, 1 to 64; default 4",
+             {.bounds = whole_between(1, kMostOrders)});
+  add_option(table, "--until-change", &tables.until_change, "SHARE",
+             "Stop before --orders when an order adds less than this fraction of the light before it; default "
+             "0: never",
+             {.bounds = finite_between(0.0, 1.0)});
+  add_option(table, "--exact-orders", OnFlag([&tables] { tables.exact_orders = true; }), "",
+             "Omit light of more than --orders orders, which is otherwise estimated");
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
       "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm, or luminance in linear sRGB, cd/m2; default "
@@ -101,18 +314,11 @@ void add_table_options(Options& table, SkyOptions& options) {
       "--layout", tables.layout, {{"full", ScatteringLayout::full}, {"compact", ScatteringLayout::compact}},
       "Scattering tables with four dimensions (default) or, smaller and less exact, three"));
   const auto set_size = [&tables](const std::vector<int>& sizes) { set_table_size(tables, sizes); };
-  table.push_back(
-      {.names = "--table-size",
-       .target = On<std::vector<int>>(set_size),
-       .text = "The size of the tables: HEIGHTS,VIEWS,SUNS and, with --layout full, AZIMUTHS; default 32,64,64,8",
-       .type = "LIST",
-       .list = List::commas});
-  table.push_back(
-      {.names = "--tables",
-       .target = &options.sky.tables_file,
-       .text = "Keep the tables in this file. They are loaded if they are the ones asked for, else computed and "
-               "saved",
-       .type = "FILE"});
+  add_option(table, "--table-size", On<std::vector<int>>(set_size), "LIST",
+             "The size of the tables: HEIGHTS,VIEWS,SUNS and, with --layout full, AZIMUTHS; default 32,64,64,8",
+             {.list = List::commas});
+  add_option(table, "--tables", &options.sky.tables_file, "FILE",
+             "Keep the tables in this file. They are loaded if they are the ones asked for, else computed and saved");
 }
 
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
@@ -127,44 +333,25 @@ void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
     options.zeniths = counts[0];
     options.azimuths = counts[1];
   };
-  table.push_back(
-      {.names = "--directions",
-       .target = On<std::vector<int>>(set_counts),
-       .text = "The number of directions: ZENITHS on either side of the horizon (uniform: over both), 2 to 128, and "
-               "AZIMUTHS over half the circle, 2 to 256; the other half is its mirror image; default 16,16",
-       .type = "Z,A",
-       .list = List::commas_or_spaces,
-       .count = 2});
+  add_option(table, "--directions", On<std::vector<int>>(set_counts), "Z,A",
+             "The number of directions: ZENITHS on either side of the horizon (uniform: over both), 2 to 128, and "
+             "AZIMUTHS over half the circle, 2 to 256; the other half is its mirror image; default 16,16",
+             {.list = List::commas_or_spaces, .count = 2});
 }
 
 /// Options that make no sense together are refused rather than one of them ignored.
 void add_sweep_options(Options& table, SweepOptions& sweep) {
   constexpr const char* kSweep = "--sweep";
-  table.push_back(
-      {.names = kSweep,
-       .target = &sweep.path,
-       .text = "Draw a day as pictures side by side, to a PNG; a text file next to it lists the sun of each picture",
-       .type = "FILE.png",
-       .excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
-                    "--for"}});
-  table.push_back({.names = "--sweep-to",
-                   .target = &sweep.last_degrees,
-                   .text = "Sun elevation of the last picture; default -18",
-                   .type = "DEGREES",
-                   .bounds = finite_between(-90.0, 90.0),
-                   .needs = {kSweep}});
-  table.push_back({.names = "--sweep-tiles",
-                   .target = &sweep.tiles,
-                   .text = "How many pictures, 1 to 256; default 16",
-                   .type = "N",
-                   .bounds = whole_between(1, kMostTiles),
-                   .needs = {kSweep}});
-  table.push_back({.names = "--sweep-size",
-                   .target = &sweep.size,
-                   .text = "Height of each in pixels, 8 to 2048; default 192",
-                   .type = "N",
-                   .bounds = whole_between(8, kLargestTile),
-                   .needs = {kSweep}});
+  add_option(table, kSweep, &sweep.path, "FILE.png",
+             "Draw a day as pictures side by side, to a PNG; a text file next to it lists the sun of each picture",
+             {.excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
+                           "--for"}});
+  add_option(table, "--sweep-to", &sweep.last_degrees, "DEGREES", "Sun elevation of the last picture; default -18",
+             {.bounds = finite_between(-90.0, 90.0), .needs = {kSweep}});
+  add_option(table, "--sweep-tiles", &sweep.tiles, "N", "How many pictures, 1 to 256; default 16",
+             {.bounds = whole_between(1, kMostTiles), .needs = {kSweep}});
+  add_option(table, "--sweep-size", &sweep.size, "N", "Height of each in pixels, 8 to 2048; default 192",
+             {.bounds = whole_between(8, kLargestTile), .needs = {kSweep}});
   table.push_back(choice<SweepView>("--sweep-view", sweep.view,
                                     {{"panorama", SweepView::panorama}, {"fisheye", SweepView::fisheye}},
                                     "Half way round with the sun in the middle (default), or all of the sky above"));
@@ -174,23 +361,16 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
 void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
   options.bake.background_size = kSkyBackground;
-  table.push_back({.names = "-o,--output",
-                   .target = &options.bake.directory,
-                   .text =
-                       "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; default none; "
-                       "--json then prints the manifest",
-                   .type = "DIR",
-                   .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
+  add_option(table, "-o,--output", &options.bake.directory, "DIR",
+             "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; default none; --json then "
+             "prints the manifest",
+             {.excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
   const std::size_t before = table.size();
-  table.push_back(
-      {.names = "--picture-height",
-       .target = &options.picture_height,
-       .text = "The height of sky.exr, from which everything else is made; it is twice as wide; default 256",
-       .type = "N",
-       .bounds = whole_between(1, kLargestPicture)});
-  table.push_back({.names = "--sun-disc",
-                   .target = &options.sun_disc,
-                   .text = "Draw the sun's disc into the picture; by default it is left out"});
+  add_option(table, "--picture-height", &options.picture_height, "N",
+             "The height of sky.exr, from which everything else is made; it is twice as wide; default 256",
+             {.bounds = whole_between(1, kLargestPicture)});
+  add_option(table, "--sun-disc", &options.sun_disc, "",
+             "Draw the sun's disc into the picture; by default it is left out");
   in_group(table, "A folder, as 'welkin bake' makes it");
   add_result_options(table, options.bake);
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");
@@ -200,10 +380,8 @@ void add_sky_options(Options& table, SkyOptions& options) {
   add_sun_place(table, options.sky);
   in_group(table, "Sun and observer");
   add_atmosphere_options(table, options.sky.atmosphere);
-  table.push_back(
-      {.names = "--print-atmosphere",
-       .target = &options.print_atmosphere,
-       .text = "Print the atmosphere as JSON, which you can change and give to --atmosphere, and do nothing else"});
+  add_option(table, "--print-atmosphere", &options.print_atmosphere, "",
+             "Print the atmosphere as JSON, which you can change and give to --atmosphere, and do nothing else");
   in_group(table, "Air and ground");
   add_table_options(table, options);
   in_group(table, "Tables of the scattering");

@@ -223,37 +223,25 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
       "gases), earth-bruneton and earth-hillaire (the constants of Bruneton 2017 and Hillaire 2020: almost no "
       "aerosol), "
       "mars"));
-  table.push_back({.names = "--aerosol",
-                   .target = &choice.aerosol_depth,
-                   .text = "The aerosol of earth, hazy, dusty and polluted: its vertical "
-                           "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
-                           "and more)",
-                   .type = "DEPTH",
-                   .bounds = finite_between(0.0, 100.0)});
-  table.push_back({.names = "--atmosphere",
-                   .target = &choice.file,
-                   .text = "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
-                   .type = "FILE",
-                   .excludes = {kPreset}});
-  table.push_back({.names = "--wavelengths",
-                   .target = &choice.wavelengths_nm,
-                   .text =
-                       "For earths but earth-hillaire: wavelengths in nm, separated by commas; three for r, g and b "
-                       "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
-                   .type = "LIST",
-                   .list = List::commas});
-  table.push_back({.names = "--ground-albedo",
-                   .target = &choice.ground_albedo,
-                   .text = "Albedo of the ground, 0 to 1; default that of the preset, earth 0.1",
-                   .type = "A",
-                   .bounds = finite_between(0.0, 1.0)});
-  table.push_back({.names = "--night",
-                   .target = &choice.night_luminance,
-                   .text =
-                       "Add the light of a night without a moon (airglow, stars): the zenith's luminance in cd/m2, 0 "
-                       "to 1; a dark place has 2e-4. Default: none",
-                   .type = "CD",
-                   .bounds = finite_between(0.0, 1.0)});
+  add_option(table, "--aerosol", &choice.aerosol_depth, "DEPTH",
+             "The aerosol of earth, hazy, dusty and polluted: its vertical "
+             "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
+             "and more)",
+             {.bounds = finite_between(0.0, 100.0)});
+  add_option(table, "--atmosphere", &choice.file, "FILE",
+             "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
+             {.excludes = {kPreset}});
+  add_option(table, "--wavelengths", &choice.wavelengths_nm, "LIST",
+             "For earths but earth-hillaire: wavelengths in nm, separated by commas; three for r, g and b "
+             "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
+             {.list = List::commas});
+  add_option(table, "--ground-albedo", &choice.ground_albedo, "A",
+             "Albedo of the ground, 0 to 1; default that of the preset, earth 0.1",
+             {.bounds = finite_between(0.0, 1.0)});
+  add_option(table, "--night", &choice.night_luminance, "CD",
+             "Add the light of a night without a moon (airglow, stars): the zenith's luminance in cd/m2, 0 "
+             "to 1; a dark place has 2e-4. Default: none",
+             {.bounds = finite_between(0.0, 1.0)});
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
@@ -264,10 +252,9 @@ Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
   check(atmosphere);
   const std::size_t wavelengths = atmosphere.wavelengths_nm.size();
   if (colour == SkyColour::spectral && wavelengths != 3) {
-    throw Error(ErrorCode::invalid_argument,
-                std::to_string(wavelengths) +
-                    " wavelengths make no red, green and blue of their own; give three, or --colour srgb, which "
-                    "folds them to colours");
+    throw Error(ErrorCode::invalid_argument, std::to_string(wavelengths) +
+                                                 " wavelengths make no red, green and blue of their own; give three, "
+                                                 "or --colour srgb, which folds them to colours");
   }
   return atmosphere;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <initializer_list>
 #include <span>
@@ -96,5 +97,11 @@ void require_own(const std::filesystem::path& file, std::string_view sign, const
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+/// Calls `use` with each line, without its line feed, and with the line's number from 1. The file is a regular one or a
+/// pipe. Throws `Error`: file_access for anything else, and if it cannot be read to its end; limit_exceeded for a line
+/// of more than a megabyte, and for more than a gigabyte, both as soon as they are read; and what `use` throws.
+void for_each_line(const std::filesystem::path& file,
+                   const std::function<void(std::size_t number, const std::string& line)>& use);
 
 }  // namespace welkin::tool

@@ -75,27 +75,17 @@ void add_engine_option(Options& table, TurnOptions& options) {
 void add_turn_options(Options& table, TurnOptions& options) {
   table.push_back(choice<Engine>(
       "--from", options.from, engine_words(),
-      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture "
-      "for all)"));
+      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture for all)"));
   add_engine_option(table, options);
-  table.push_back(
-      {.names = "--yaw",
-       .target = &options.yaw_degrees,
-       .text =
-           "Rotate the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "
-           "what was at +z to +x",
-       .type = "DEGREES",
-       .bounds = number_between(-1e6, 1e6)});
-  table.push_back({.names = "--mirror",
-                   .target = &options.mirror,
-                   .text = "Mirror the environment left to right (x changes its sign)"});
+  add_option(table, "--yaw", &options.yaw_degrees, "DEGREES",
+             "Rotate the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "
+             "what was at +z to +x",
+             {.bounds = number_between(-1e6, 1e6)});
+  add_option(table, "--mirror", &options.mirror, "", "Mirror the environment left to right (x changes its sign)");
   const auto rotate = [&options](const std::vector<double>& values) { set_rotation(options, values); };
-  table.push_back({.names = "--rotation",
-                   .target = On<std::vector<double>>(rotate),
-                   .text = "Rotate the environment by the quaternion X,Y,Z,W, before --yaw",
-                   .type = "X,Y,Z,W",
-                   .list = List::commas_or_spaces,
-                   .count = 4});
+  add_option(table, "--rotation", On<std::vector<double>>(rotate), "X,Y,Z,W",
+             "Rotate the environment by the quaternion X,Y,Z,W, before --yaw",
+             {.list = List::commas_or_spaces, .count = 4});
   in_group(table, "Orientation");
 }
 

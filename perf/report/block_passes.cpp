@@ -1,14 +1,5 @@
 // Cubemaps in blocks, as graphics cards read them: what each format and effort costs and loses.
-#include <array>
-#include <cstddef>
-#include <cstdio>
-#include <optional>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "welkin/bake_file.h"
 #include "welkin/reflections.h"

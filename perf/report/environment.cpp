@@ -1,14 +1,6 @@
-#include "perf/report/environment.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
-#include <numbers>
-#include <random>
 
+#include "perf/report/measuring.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"
 

@@ -1,17 +1,7 @@
-#include "perf/report/importance_sampling.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
-#include <numbers>
-
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "perf/report/passes.h"
 #include "welkin/resampling.h"
 
 namespace welkin::report {

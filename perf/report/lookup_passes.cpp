@@ -1,15 +1,156 @@
-// The pass about reflections as shaders read them: between texels and between mips, of Welkin's chains and other
-// programs'.
-#include <string>
-#include <vector>
-
-#include "perf/report/lookups.h"
+#include "image/geometry.h"
 #include "perf/report/passes.h"
-#include "perf/report/words.h"
+#include "reflections/lookups.h"
 #include "welkin/environment_file.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 
 namespace welkin::report {
+namespace {
+
+glm::dvec3 value(const Cubemap& chain, int level, const image::CubeTexel& texel) {
+  const float* const rgb = chain.face(level, texel.face) + 3 * (texel.row * chain.level_size(level) + texel.column);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+/// The texel may lie beside the face.
+glm::dvec3 texel_of(const Cubemap& chain, int level, const image::CubeTexel& wanted) {
+  const int size = chain.level_size(level);
+  const auto beyond = [&](const image::CubeTexel& texel) {
+    return value(chain, level, image::across_edge(size, texel));
+  };
+  const int column = std::clamp(wanted.column, 0, size - 1);
+  const int row = std::clamp(wanted.row, 0, size - 1);
+  if (column == wanted.column && row == wanted.row) return value(chain, level, wanted);
+  if (column == wanted.column || row == wanted.row) return beyond(wanted);
+  return (value(chain, level, {wanted.face, column, row}) + beyond({wanted.face, wanted.column, row}) +
+          beyond({wanted.face, column, wanted.row})) /
+         3.0;
+}
+
+/// A unit vector from two numbers in [0, 1).
+glm::dvec3 anywhere(double u, double v) {
+  const double y = 1.0 - 2.0 * u;
+  const double level = std::sqrt(std::max(0.0, 1.0 - y * y));
+  const double azimuth = 2.0 * std::numbers::pi * v;
+  return {level * std::sin(azimuth), y, level * std::cos(azimuth)};
+}
+
+/// Draws numbers in [0, 1), the same on every platform.
+class Draw {
+ public:
+  double operator()() { return static_cast<double>(random_()) / 4294967296.0; }
+
+ private:
+  std::mt19937 random_{23};
+};
+
+/// Draws directions in proportion to the blurred luminance: a texel by its light, then a direction of the lobe about
+/// it.
+class LightDirections {
+ public:
+  explicit LightDirections(const LatLongView& source) : source_(source) {
+    double sum = 0.0;
+    for (int row = 0; row < source.height; ++row) {
+      const double steradians = image::lat_long_texel_solid_angle(source.width, source.height, row);
+      const auto* const rgb = static_cast<const float*>(source.pixels) + std::ptrdiff_t{3} * row * source.width;
+      for (int column = 0; column < source.width; ++column)
+        sums_.push_back(sum +=
+                        steradians * luminance(glm::dvec3(rgb[3 * column], rgb[3 * column + 1], rgb[3 * column + 2])));
+    }
+  }
+
+  static double luminance(const glm::dvec3& light) { return std::max(0.0, light.x + light.y + light.z) / 3.0; }
+
+  [[nodiscard]] double mean() const { return sums_.back() / (4.0 * std::numbers::pi); }
+
+  glm::dvec3 operator()(Draw& draw, double roughness) const {
+    const auto texel = std::lower_bound(sums_.begin(), sums_.end() - 1, draw() * sums_.back()) - sums_.begin();
+    const auto row = static_cast<int>(texel / source_.width);
+    const auto column = static_cast<int>(texel % source_.width);
+    const double x = column + draw();
+    const double y = row + draw();
+    const glm::dvec3 light = image::lat_long_direction(source_.width, source_.height, x, y);
+    const glm::dvec3 other = std::abs(light.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(other, light));
+    const glm::dvec3 v = glm::cross(light, u);
+    const double alpha2 = std::pow(roughness, 4);
+    for (;;) {
+      const double share = draw();
+      const double cosine = (1.0 - share - alpha2 * share) / (1.0 - share + alpha2 * share);
+      const double azimuth = 2.0 * std::numbers::pi * draw();
+      if (draw() >= cosine) continue;  // the lobe is weighted by the cosine
+      const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+      return light * cosine + (u * std::cos(azimuth) + v * std::sin(azimuth)) * sine;
+    }
+  }
+
+ private:
+  LatLongView source_;
+  std::vector<double> sums_;  ///< of the light of all texels up to each
+};
+
+}  // namespace
+
+glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction) {
+  const int size = chain.level_size(level);
+  const int face = image::face_of(direction);
+  const image::Frame& frame = image::face_frame(face);
+  const double depth = glm::dot(direction, frame.normal);
+  const double x = 0.5 * size * (1.0 + glm::dot(direction, frame.u) / depth) - 0.5;
+  const double y = 0.5 * size * (1.0 + glm::dot(direction, frame.v) / depth) - 0.5;
+  const int column = static_cast<int>(std::floor(x));
+  const int row = static_cast<int>(std::floor(y));
+  const double u = x - column;
+  const double v = y - row;
+  const auto texel = [&](int dx, int dy) { return texel_of(chain, level, {face, column + dx, row + dy}); };
+  return (1.0 - v) * ((1.0 - u) * texel(0, 0) + u * texel(1, 0)) + v * ((1.0 - u) * texel(0, 1) + u * texel(1, 1));
+}
+
+glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction) {
+  const int first = std::clamp(static_cast<int>(level), 0, chain.levels() - 1);
+  const int second = std::min(first + 1, chain.levels() - 1);
+  return glm::mix(lookup(chain, first, direction), lookup(chain, second, direction),
+                  std::clamp(level - first, 0.0, 1.0));
+}
+
+LookupTruth::LookupTruth(const LatLongView& source, int directions) {
+  const LightDirections by_light(source);
+  Draw draw;
+  for (int k = 0; k < kRoughnesses; ++k) {
+    const double roughness = (k + 0.5) / kRoughnesses;
+    std::vector<glm::dvec3> all;
+    for (int i = 0; i < directions; i += 2) {
+      const double height = (0.5 * i + draw()) / (0.5 * directions + 1.0);
+      all.push_back(anywhere(height, draw()));
+      all.push_back(by_light(draw, roughness));
+    }
+    const std::vector<glm::dvec3> truths = reference_specular(source, roughness, all);
+    std::vector<Place>& places = places_.emplace_back();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      places.push_back({all[i], truths[i], 1.0 / (1.0 + LightDirections::luminance(truths[i]) / by_light.mean())});
+  }
+}
+
+ErrorNorms LookupTruth::errors(const Cubemap& chain, RoughnessSchedule schedule) const {
+  ErrorNorms norms;
+  for (int k = 0; k < kRoughnesses; ++k) {
+    const double roughness = (k + 0.5) / kRoughnesses;
+    const double mip = reflections::mip_by_formula(schedule, roughness, chain.levels(), chain.level_size(0));
+    double error = 0.0;
+    double whole = 0.0;
+    for (const Place& place : places_[static_cast<std::size_t>(k)]) {
+      const glm::dvec3 off = lookup(chain, mip, place.direction) - place.truth;
+      error += place.weight * glm::dot(off, off);
+      whole += place.weight * glm::dot(place.truth, place.truth);
+    }
+    norms.rms += error / whole / kRoughnesses;
+    norms.maximum = std::max(norms.maximum, std::sqrt(error / whole));
+  }
+  norms.rms = std::sqrt(norms.rms);
+  return norms;
+}
+
 namespace {
 
 constexpr const char* kTruth = "the integral over all texels in double, in some directions";

@@ -1,22 +1,7 @@
 // The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "embedded_texts.h"
-#include "perf/report/comparison.h"
-#include "perf/report/measurement.h"
 #include "perf/report/passes.h"
-#include "perf/report/process.h"
-#include "perf/report/report_json.h"
-#include "perf/report/report_page.h"
-#include "perf/report/run_report.h"
-#include "perf/report/stopwatch.h"
-#include "perf/report/words.h"
 #include "tools/arguments.h"
 #include "tools/json.h"
 #include "tools/terminal.h"
@@ -132,15 +117,10 @@ std::string answer(ReportCommandOptions& options) {
 }
 
 void add_output_files(Options& table, ReportCommandOptions& options) {
-  table.push_back({.names = "-o,--output",
-                   .target = &options.page,
-                   .text = "The page to write; default report.html, or no page if only raw figures are asked for",
-                   .type = "FILE.html"});
-  table.push_back({.names = "--json",
-                   .target = &options.json,
-                   .text = "Write the raw figures as JSON, which --against reads",
-                   .type = "FILE"});
-  table.push_back({.names = "--csv", .target = &options.csv, .text = "Write the raw figures as CSV", .type = "FILE"});
+  add_option(table, "-o,--output", &options.page, "FILE.html",
+             "The page to write; default report.html, or no page if only raw figures are asked for");
+  add_option(table, "--json", &options.json, "FILE", "Write the raw figures as JSON, which --against reads");
+  add_option(table, "--csv", &options.csv, "FILE", "Write the raw figures as CSV");
 }
 
 void add_what_is_measured(Options& table, ReportCommandOptions& options) {
@@ -151,49 +131,30 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
       kScale, options.run.scale, {{"tiny", "tiny"}, {"quick", "quick"}, {"full", "full"}},
       "How much is measured: tiny in seconds (for tests), quick in under a minute, full in minutes; "
       "default full. Errors depend on it"));
-  table.push_back({.names = "--quick", .target = &options.quick, .text = "--scale quick", .excludes = {kScale}});
-  table.push_back({.names = "--passes",
-                   .target = &options.run.passes,
-                   .text = "Measure only passes whose names begin with one of these: " + ids,
-                   .type = "LIST",
-                   .list = List::commas_or_spaces});
-  table.push_back({.names = "--environment",
-                   .target = &options.environment,
-                   .text = "Measure on this image instead of the built-in light",
-                   .type = "FILE"});
-  table.push_back({.names = "--threads",
-                   .target = &options.run.threads,
-                   .text = "Threads of the timed calls, 0 for all that this process may use; default 1: it counts "
-                           "processor time, which repeats best, and more count wall time",
-                   .type = "N",
-                   .bounds = whole_between(0, 1024)});
+  add_option(table, "--quick", &options.quick, "", "--scale quick", {.excludes = {kScale}});
+  add_option(table, "--passes", &options.run.passes, "LIST",
+             "Measure only passes whose names begin with one of these: " + ids, {.list = List::commas_or_spaces});
+  add_option(table, "--environment", &options.environment, "FILE",
+             "Measure on this image instead of the built-in light");
+  add_option(table, "--threads", &options.run.threads, "N",
+             "Threads of the timed calls, 0 for all that this process may use; default 1: it counts "
+             "processor time, which repeats best, and more count wall time",
+             {.bounds = whole_between(0, 1024)});
 }
 
 void add_comparisons(Options& table, ReportCommandOptions& options) {
   constexpr const char* kAgainst = "--against";
-  table.push_back({.names = kAgainst,
-                   .target = &options.against,
-                   .text = "Compare with the JSON of an earlier report",
-                   .type = "OLD.json"});
-  table.push_back({.names = "--error-factor",
-                   .target = &options.factors.error_factor,
-                   .text = "An error that grew by more than this is a regression (default 1.05)",
-                   .type = "X",
-                   .bounds = finite_between(1.0, 1e6),
-                   .needs = {kAgainst}});
-  table.push_back({.names = "--time-factor",
-                   .target = &options.factors.time_factor,
-                   .text = "A time that grew by more than this is a regression (default 1.5)",
-                   .type = "X",
-                   .bounds = finite_between(1.0, 1e6),
-                   .needs = {kAgainst}});
-  table.push_back({.names = "--node-modules",
-                   .target = &options.node_modules,
-                   .text = "The folder that holds node_modules with @babylonjs/core and three, to measure these too "
-                           "(Node.js)",
-                   .type = "DIR",
-                   .environment = "WELKIN_NODE_MODULES"});
-  table.push_back({.names = "--no-peers", .target = &options.no_peers, .text = "Measure Welkin alone"});
+  add_option(table, kAgainst, &options.against, "OLD.json", "Compare with the JSON of an earlier report");
+  add_option(table, "--error-factor", &options.factors.error_factor, "X",
+             "An error that grew by more than this is a regression (default 1.05)",
+             {.bounds = finite_between(1.0, 1e6), .needs = {kAgainst}});
+  add_option(table, "--time-factor", &options.factors.time_factor, "X",
+             "A time that grew by more than this is a regression (default 1.5)",
+             {.bounds = finite_between(1.0, 1e6), .needs = {kAgainst}});
+  add_option(table, "--node-modules", &options.node_modules, "DIR",
+             "The folder that holds node_modules with @babylonjs/core and three, to measure these too (Node.js)",
+             {.environment = "WELKIN_NODE_MODULES"});
+  add_option(table, "--no-peers", &options.no_peers, "", "Measure Welkin alone");
 }
 
 Command report_command() {

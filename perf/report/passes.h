@@ -1,25 +1,143 @@
-// The passes that a report measures, how much of each, and with what.
+// The passes that a report measures, how much of each, and what they are compared with.
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
-#include "perf/report/environment.h"
-#include "perf/report/measurement.h"
-#include "perf/report/peers.h"
-#include "perf/report/stopwatch.h"
+#include "perf/report/measuring.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
+#include "welkin/engines.h"
+#include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::report {
+
+/// Coefficients of radiance in Welkin's convention.
+struct PeerProjection {
+  std::string peer;    ///< name and version
+  std::string method;  ///< what was called
+  int target = 0;      ///< 0: full size
+  SphericalHarmonics radiance{3};
+  double seconds = 0.0;
+};
+
+struct PeerChain {
+  std::string peer;
+  std::string method;  ///< what was called
+  std::string setting;
+  Cubemap cubemap;             ///< in Welkin's axes
+  RoughnessSchedule schedule;  ///< its roughness, and the formula that the peer's shaders read it by
+  double seconds = 0.0;        ///< NaN: drawn by no graphics card, so that its time says nothing
+};
+
+/// Returns a chain in Welkin's axes. `faces`: takes a direction in these to the one in the frames of `CubemapView`'s
+/// faces under which `chain` holds it; a signed permutation.
+[[nodiscard]] Cubemap from_axes(const Cubemap& chain, const dmat3& faces);
+
+struct PeerTable {
+  std::string peer;
+  int size = 0;
+  std::vector<float> values;  ///< size x size x 3: along N.V, row 0 at the lowest roughness
+  double seconds = 0.0;
+};
+
+/// Filament's cmgen (Debian package libfilament-tools) on the PATH; Babylon.js and three.js in Node.js, and in Chromium
+/// where they prefilter by WebGL. What is not there is left out and said in `notes`. Every call that a peer fails gives
+/// nothing for it.
+///
+/// cmgen runs as a process, bound to as many processors as the stopwatch has threads, and its whole life counts, start,
+/// reading and writing included. The others are called in a running Node.js with their data in memory; they count like
+/// Welkin's calls, best of several, after a first one.
+class Peers {
+ public:
+  /// None at all.
+  Peers() = default;
+
+  /// `node_modules`: where @babylonjs/core and three are installed (the folder that holds node_modules); empty: they
+  /// are left out.
+  static Peers find(const std::filesystem::path& node_modules);
+
+  [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
+
+  [[nodiscard]] std::vector<PeerProjection> project(const Cubemap& cube, const std::vector<int>& targets,
+                                                    const std::filesystem::path& folder,
+                                                    const Stopwatch& stopwatch) const;
+  [[nodiscard]] std::vector<PeerProjection> project_file(const std::filesystem::path& file,
+                                                         const std::filesystem::path& folder,
+                                                         const Stopwatch& stopwatch) const;
+  /// cmgen's specular chain from `size` down to 16, its roughness spread as `RoughnessSchedule::filament`.
+  [[nodiscard]] std::vector<PeerChain> prefilter_file(const std::filesystem::path& file, int size,
+                                                      std::span<const int> samples, const std::filesystem::path& folder,
+                                                      const Stopwatch& stopwatch) const;
+  /// The specular chains that Babylon.js (from `size` down to 1) and three.js (from a quarter of the file's width, at
+  /// least 256, down to 8) make by WebGL in Chromium, whose software draws: no graphics card is asked for. Cost: about
+  /// a minute; a later call with the same folder reads what the first one made.
+  [[nodiscard]] std::vector<PeerChain> prefilter_by_webgl(const std::filesystem::path& file, int size,
+                                                          const std::filesystem::path& folder) const;
+  /// The DFG table of `BrdfModel::multiple_scattering`.
+  [[nodiscard]] std::vector<PeerTable> brdf_table(std::span<const int> sizes, const std::filesystem::path& folder,
+                                                  const Stopwatch& stopwatch) const;
+
+ private:
+  std::optional<std::string> cmgen_;    ///< "cmgen 1.9.25" or as the package has it
+  std::optional<std::string> node_;     ///< the program
+  std::optional<std::string> browser_;  ///< Chromium's program
+  std::filesystem::path node_modules_;
+  std::vector<std::string> notes_;
+};
+
+/// Name that its measurements have as those of a peer.
+inline constexpr const char* kSamplingPeer = "plain C++";
+
+/// Prefilters a chain: mip 0 has `size` texels along an edge, mip k the perceptual roughness `roughness[k]`; where that
+/// is 0 the mip is the source's. Each texel reads one list of `samples` directions in the source's own mips,
+/// trilinearly and without seams. Plain C++ on all threads that Welkin works with.
+[[nodiscard]] Cubemap importance_sampled(const LatLongView& source, int size, const std::vector<double>& roughness,
+                                         int samples);
+
+struct BrdfTruth {
+  double scale;
+  double bias;
+};
+
+/// Int D V (n.l) {1 - F, F} dl, F = (1 - v.h)^5: GGX with height-correlated Smith visibility. To 1e-8.
+BrdfTruth ggx_truth(double normal_view, double alpha);
+
+/// Int D V (n.l) dl of Charlie sheen with Neubelt's visibility. To 1e-8 of what is above 1.
+double sheen_truth(double normal_view, double alpha);
+
+/// Returns what a graphics API reads from a level: bilinear within a face, across its edges from the neighbouring face,
+/// and at a corner the mean of the three texels there.
+[[nodiscard]] glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction);
+
+/// Returns the same between two levels, `level` being a fraction.
+[[nodiscard]] glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction);
+
+/// The integral at all roughnesses, in directions that are chosen by the light: half of them evenly over the sphere,
+/// half in proportion to what is reflected there, so that the surroundings of a sun are among them.
+class LookupTruth {
+ public:
+  /// `directions`: how many for each of `kRoughnesses`. Cost: that of `reference_specular` in all of them.
+  LookupTruth(const LatLongView& source, int directions);
+
+  /// Returns the error of a chain that is read by a schedule's formula. rms: of the difference over that of the truth,
+  /// over all roughnesses. Maximum: the rms error of the worst roughness.
+  [[nodiscard]] ErrorNorms errors(const Cubemap& chain, RoughnessSchedule schedule) const;
+
+ private:
+  /// Roughnesses (k + 1/2) / kRoughnesses.
+  static constexpr int kRoughnesses = 16;
+
+  struct Place {
+    glm::dvec3 direction;
+    glm::dvec3 truth;
+    double weight = 0.0;  ///< of its square: one over its density
+  };
+
+  std::vector<std::vector<Place>> places_;  ///< of each roughness
+};
 
 /// Sizes and budgets. Errors depend on the sizes, so reports are compared within a scale.
 struct Scale {

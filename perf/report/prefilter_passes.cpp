@@ -1,20 +1,7 @@
 // The passes about reflections: error against time from the integral in double to the loosest bound, warm and in first
 // calls, beside importance sampling and cmgen.
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <functional>
-#include <map>
-#include <memory>
-#include <random>
-#include <utility>
 
-#include "perf/report/error_norms.h"
-#include "perf/report/importance_sampling.h"
 #include "perf/report/passes.h"
-#include "perf/report/process.h"
-#include "perf/report/words.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
@@ -291,14 +278,14 @@ std::vector<PassRunner> prefilter_passes() {
                    3.0,
                    [blur](const PassContext& context) { return one_roughness(context, blur); }});
   }
-  all.push_back({{kFromFile, "Reflections, a chain from a file",
-                  std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a "
-                              "Radiance .hdr file, reading included. Of cmgen the whole process counts, with writing "
-                              "the levels as OpenEXR.") +
-                      kOfReference,
-                  std::string(kErrors) + kOverMips},
-                 8.0,
-                 from_file});
+  all.push_back(
+      {{kFromFile, "Reflections, a chain from a file",
+        std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a Radiance .hdr "
+                    "file, reading included. Of cmgen the whole process counts, with writing the levels as OpenEXR.") +
+            kOfReference,
+        std::string(kErrors) + kOverMips},
+       8.0,
+       from_file});
   all.push_back({{kFromCube, "Reflections, a chain from a captured cubemap",
                   std::string("The default specular chain, down to 4 texels, from a cubemap of the same size in "
                               "memory: a reflection probe.") +

@@ -1,11 +1,6 @@
 // Processes by Windows' calls.
-#include <array>
-#include <bit>
-#include <chrono>
-#include <cstdint>
-#include <thread>
 
-#include "perf/report/process.h"
+#include "perf/report/measuring.h"
 #include "platform/text.h"
 #include "platform/windows_system.h"
 #include "welkin/core.h"

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
-#include "perf/report/environment.h"
-#include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "reference/reference_projection.h"
 #include "welkin/environment_file.h"
@@ -18,8 +13,7 @@ constexpr ProjectionWay kWays[] = {{"exact", Quadrature::exact, false},
                                    {"exact, from mips", Quadrature::exact, true}};
 constexpr const char* kErrors =
     "rms: |c - c*| / |c*| of the 27 coefficients of radiance. Maximum: the largest error of the irradiance over "
-    "normals, "
-    "over its root mean square.";
+    "normals, over its root mean square.";
 constexpr const char* kTruth = "projection of all texels in double";
 
 std::string target_words(int target) { return target > 0 ? "target " + std::to_string(target) : "full size"; }
@@ -149,30 +143,29 @@ std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<c
 }
 
 std::vector<PassRunner> projection_passes() {
-  return {
-      {{"project-cubemap", "Cubemap to harmonics",
-        "Three bands of a cubemap of RGB floats in memory, at its full size or reduced to a target "
-        "size first. The mip chain of 'from mips' is there already.",
-        kErrors},
-       3.0,
-       by_target},
-      {{"project-format", "Pixel formats",
-        "Three bands of the same cubemap in each pixel format, full size. What the format cannot hold (8 bits end at "
-        "1) is its error.",
-        kErrors},
-       1.0,
-       by_format},
-      {{"project-lat-long", "Lat-long to harmonics",
-        "Three bands of a lat-long of RGB floats in memory: directly, or by way of a cubemap, whose making counts.",
-        kErrors},
-       3.0,
-       from_lat_long},
-      {{"project-file", "File to harmonics",
-        "Three bands of a Radiance .hdr file, reading included. Of cmgen the whole process counts: its start, reading, "
-        "a cubemap, its projection and writing a text file.",
-        kErrors},
-       2.0,
-       from_file}};
+  return {{{"project-cubemap", "Cubemap to harmonics",
+            "Three bands of a cubemap of RGB floats in memory, at its full size or reduced to a target size first. The "
+            "mip chain of 'from mips' is there already.",
+            kErrors},
+           3.0,
+           by_target},
+          {{"project-format", "Pixel formats",
+            "Three bands of the same cubemap in each pixel format, full size. What the format cannot hold (8 bits end "
+            "at 1) is its error.",
+            kErrors},
+           1.0,
+           by_format},
+          {{"project-lat-long", "Lat-long to harmonics",
+            "Three bands of a lat-long of RGB floats in memory: directly, or by way of a cubemap, whose making counts.",
+            kErrors},
+           3.0,
+           from_lat_long},
+          {{"project-file", "File to harmonics",
+            "Three bands of a Radiance .hdr file, reading included. Of cmgen the whole process counts: its start, "
+            "reading, a cubemap, its projection and writing a text file.",
+            kErrors},
+           2.0,
+           from_file}};
 }
 
 namespace {

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <memory>
-
-#include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "reference/sky_reference.h"
 #include "welkin/sky.h"
@@ -129,15 +125,13 @@ std::vector<Measurement> sky_by_method(const std::vector<SkyMethod>& methods, co
 std::vector<PassRunner> sky_passes() {
   return {{{"sky-harmonics", "Sky to harmonics, by directions",
             "Nine coefficients of a clear sky for a moved sun, from tables at hand: an update. Singly scattered light "
-            "of the Earth, "
-            "black ground, seen from sea level.",
+            "of the Earth, black ground, seen from sea level.",
             kErrors},
            5.0,
            by_method},
           {{"sky-tables", "Sky tables by size",
             "Precomputing the tables for one order of scattering. What is measured of them is their nine coefficients "
-            "by a fine "
-            "quadrature (32 x 32).",
+            "by a fine quadrature (32 x 32).",
             kErrors},
            6.0,
            by_table_size}};

@@ -1,5 +1,5 @@
 # cmake -DROOT=<the repository> -P arrows.cmake: every include, and the weight of every room, against the table of rooms
-# in docs/notes/architecture.md.
+# in docs/notes/architecture.md; and the weights of tools/, perf/ and tests/ against the second table there.
 #
 # A row of the table reads
 #   | `room` | `room` `room` or nothing | `header.h` ... or none | lines at most | what it holds |
@@ -116,6 +116,31 @@ foreach(folder IN LISTS folders)
   if(lines GREATER most_lines_${folder})
     message(SEND_ERROR "module/${folder} has ${lines} lines, at most ${most_lines_${folder}} are allowed; remove some, or "
                        "raise the number in docs/notes/architecture.md in a commit of its own that says why")
+  endif()
+endforeach()
+
+# ---- what is not the library: | `folder/` | lines at most | files at most | what it holds |, of C and C++
+file(STRINGS ${ROOT}/docs/notes/architecture.md rows REGEX "^\\| `[a-z]+/` \\|")
+list(LENGTH rows others)
+if(NOT others EQUAL 3)
+  message(SEND_ERROR "docs/notes/architecture.md must have a row each for tools/, perf/ and tests/: ${others} were found")
+endif()
+foreach(row IN LISTS rows)
+  string(REGEX MATCH "^\\| `([a-z]+)/` \\| ([0-9]+) \\| ([0-9]+) \\|" matched "${row}")
+  set(folder ${CMAKE_MATCH_1})
+  set(most_lines ${CMAKE_MATCH_2})
+  set(most_files ${CMAKE_MATCH_3})
+  file(GLOB_RECURSE sources ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.c ${ROOT}/${folder}/*.cpp)
+  list(LENGTH sources files)
+  set(lines 0)
+  foreach(source IN LISTS sources)
+    lines_of(${source} length)
+    math(EXPR lines "${lines} + ${length}")
+  endforeach()
+  string(APPEND weights "\n  ${folder}/: ${lines} of ${most_lines}, ${files} of ${most_files} files")
+  if(lines GREATER most_lines OR files GREATER most_files)
+    message(SEND_ERROR "${folder}/ has ${lines} lines in ${files} files, at most ${most_lines} in ${most_files} are allowed; "
+                       "remove some, or raise the number in docs/notes/architecture.md in a commit of its own that says why")
   endif()
 endforeach()
 

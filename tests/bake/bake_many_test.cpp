@@ -1,11 +1,5 @@
 // Many probes baked in one call: what single calls give, in memory of the caller's.
-
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <string>
-#include <vector>
+#include <memory_resource>
 
 #include "support/catch.h"
 #include "support/same_bits.h"
@@ -13,8 +7,11 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
+#include "welkin/resampling.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::test {
+
 namespace {
 
 /// Room for the chains of many probes, as halves.
@@ -149,6 +146,168 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
                }});
   });
   CHECK(error.code == ErrorCode::cancelled);
+}
+
+// Whose memory a bake's cubemaps are in: targets of the caller's, or what a memory resource of the caller's gives.
+
+namespace {
+
+BakeOptions small_bake() {
+  BakeOptions options;
+  options.background = BackgroundOptions{.size = 16};
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
+  options.irradiance = IrradianceOptions{.size = 5};
+  options.brdf.reset();
+  return options;
+}
+
+/// A block of memory, and what of it is written to.
+struct Block {
+  Block(TexelFormat format, int size, int levels)
+      : layout{.format = format, .size = size, .levels = levels, .row_alignment_bytes = 64},
+        memory(upload_bytes(layout)),
+        targets(upload_targets(layout, memory)) {}
+
+  UploadLayout layout;
+  std::vector<std::byte> memory;
+  std::vector<CubemapTarget> targets;
+};
+
+/// What `store_texels` makes of a chain.
+std::vector<std::byte> stored(const Cubemap& chain, TexelFormat format) {
+  Block block(format, chain.size(), chain.levels());
+  static_cast<void>(store_texels(chain, block.targets));
+  return block.memory;
+}
+
+/// Counts what is taken and given back, on whichever threads.
+class CountingResource final : public std::pmr::memory_resource {
+ public:
+  [[nodiscard]] std::size_t taken() const { return taken_; }
+  [[nodiscard]] std::size_t held() const { return held_; }
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    taken_ += bytes;
+    held_ += bytes;
+    return std::pmr::new_delete_resource()->allocate(bytes, alignment);
+  }
+  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+    held_ -= bytes;
+    std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
+  }
+  [[nodiscard]] bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+  std::atomic<std::size_t> taken_{0};
+  std::atomic<std::size_t> held_{0};
+};
+
+}  // namespace
+
+TEST_CASE("targets: a bake writes the texels that store_texels writes of its result", "[bake]") {
+  const TestLatLong wide = make_lat_long(Content::high_range, 32, 16, 5);
+  const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
+  const auto check = [](const auto& view) {
+    const BakeOptions options = small_bake();
+    const BakeResult whole = bake(view, options);
+    Block background(TexelFormat::b10g11r11, 16, 5);
+    Block specular(TexelFormat::rgba16f, 8, 3);
+    Block irradiance(TexelFormat::rgba32f, 5, 1);
+    const BakeTargets targets{background.targets, specular.targets, irradiance.targets.front()};
+    const BakeResult rest = bake_to(targets, view, options);
+    CHECK(background.memory == stored(*whole.background, TexelFormat::b10g11r11));
+    CHECK(specular.memory == stored(whole.specular->cubemap, TexelFormat::rgba16f));
+    Block expected(TexelFormat::rgba32f, 5, 1);
+    static_cast<void>(store_texels(whole.irradiance->view(), expected.targets.front()));
+    CHECK(irradiance.memory == expected.memory);
+    CHECK_FALSE(rest.background);
+    CHECK_FALSE(rest.irradiance);
+    REQUIRE(rest.specular);
+    CHECK(rest.specular->cubemap.levels() == 0);
+    CHECK(rest.specular->mips.size() == 3);
+    CHECK(rest.radiance.has_value());
+  };
+  check(wide.view());
+  check(cube.view());
+}
+
+TEST_CASE("targets: what has none stays in the result, and what formats cannot hold is counted", "[bake]") {
+  TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 5);
+  picture.pixels[0] = 1e9F;
+  const BakeOptions options = small_bake();
+  Block background(TexelFormat::rgba16f, 16, 5);
+  const BakeResult result = bake_to({.background = background.targets}, picture.view(), options);
+  CHECK(result.values_clamped > 0);
+  CHECK(result.specular->cubemap.levels() == 3);
+  CHECK(result.irradiance.has_value());
+  CHECK(bake_to({}, picture.view(), options).background->levels() == 5);
+}
+
+TEST_CASE("targets: those that do not fit are refused before anything is written", "[bake]") {
+  const TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 5);
+  const auto refused = [&](const BakeTargets& targets, const BakeOptions& options) {
+    return thrown_by([&] { static_cast<void>(bake_to(targets, picture.view(), options)); });
+  };
+  Block specular(TexelFormat::rgba16f, 8, 3);
+  Block background(TexelFormat::rgba16f, 16, 4);
+  const ThrownError few = refused({.background = background.targets, .specular = specular.targets}, small_bake());
+  CHECK(few.code == ErrorCode::invalid_argument);
+  CHECK(few.says("the background has 5 levels, and there are 4 targets"));
+  CHECK(specular.memory == std::vector<std::byte>(specular.memory.size()));
+
+  Block large(TexelFormat::rgba16f, 16, 3);
+  CHECK(refused({.specular = large.targets}, small_bake()).says("have 16 texels per edge"));
+  BakeOptions without = small_bake();
+  without.irradiance.reset();
+  CHECK(refused({.irradiance = specular.targets.front()}, without).says("the irradiance cubemap has 0 levels"));
+  without.specular.reset();
+  CHECK(refused({.specular = specular.targets}, without).says("the specular cubemap has 0 levels"));
+}
+
+TEST_CASE("memory: chains of results are taken from the caller's resource, and given back to it", "[bake]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
+  CountingResource memory;
+  const Control control{.memory = &memory};
+  {
+    const BakeResult result = bake(picture.view(), small_bake(), control);
+    CHECK(memory.held() == result.background->bytes() + result.specular->cubemap.bytes());
+    const BakeResult same = bake(picture.view(), small_bake());
+    CHECK(std::ranges::equal(std::span(result.background->face(0, 0), result.background->bytes() / sizeof(float)),
+                             std::span(same.background->face(0, 0), same.background->bytes() / sizeof(float))));
+    const Cubemap cube = to_cubemap(picture.view(), 8);
+    const std::size_t before = memory.held();
+    const Cubemap mips = build_mips(cube.view(), MipFilter::box, std::nullopt, control);
+    CHECK(memory.held() == before + mips.bytes());
+    Cubemap other(4, 1, &memory);
+    other = Cubemap();
+    CHECK(memory.held() == before + mips.bytes());
+  }
+  CHECK(memory.taken() > 0);
+  CHECK(memory.held() == 0);
+}
+
+TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bake][cache]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
+  ResultCache cache({.memory_bytes = 1 << 20});
+  const BakeOptions options = small_bake();
+  BakeOptions others = options;
+  others.specular->roughness = {0.0, 0.3, 0.8};
+  for (const BakeOptions& each : {options, options, others}) {  // nothing is known, all, and two mips of three
+    CountingResource memory;
+    const BakeResult result = cache.bake(picture.view(), each, {.memory = &memory});
+    const std::size_t bytes = result.background->bytes() + result.specular->cubemap.bytes();
+    CHECK(memory.held() == bytes);
+    CHECK(memory.taken() == bytes);
+  }
+}
+
+TEST_CASE("memory: chains fit into one block of the caller's", "[bake]") {
+  const Cubemap cube = to_cubemap(make_lat_long(Content::smooth, 32, 16, 5).view(), 16);
+  alignas(64) std::byte block[40 * 1024];
+  std::pmr::monotonic_buffer_resource memory(block, sizeof block, std::pmr::null_memory_resource());
+  const Cubemap mips = build_mips(cube.view(), MipFilter::box, std::nullopt, {.memory = &memory});
+  CHECK(static_cast<const void*>(mips.face(0, 0)) == block);
+  CHECK_THROWS_AS(build_mips(cube.view(), MipFilter::box, std::nullopt, {.memory = &memory}), std::bad_alloc);
 }
 
 }  // namespace welkin::test

@@ -1,13 +1,8 @@
 // What bakes are made from: files, with what those bring along, and skies.
-
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <vector>
-
 #include "bake/baked.h"
 #include "places.h"
 #include "support/catch.h"
-#include "support/shared_pictures.h"
+#include "support/pictures.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"

@@ -1,21 +1,12 @@
 // Bakes: all that was asked for, the same bits everywhere, within the predicted memory, or an error and nothing left.
-
 #include "welkin/bake.h"
 
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <stdexcept>
-#include <stop_token>
-#include <string>
 #include <typeinfo>
-#include <vector>
 
 #include "bake/baked.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/outcome.h"
-#include "support/sanitized.h"
+#include "support/jobs.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"

@@ -1,12 +1,7 @@
 // Bakes looked at and compared.
 #pragma once
 
-#include <algorithm>
-#include <cstring>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
+#include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
 #include "welkin/bake.h"

@@ -1,12 +1,4 @@
 // Irradiance cubemaps of bakes: within their bound of the integral.
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <utility>
-#include <vector>
-
 #include "bake/baked.h"
 #include "image/geometry.h"
 #include "support/catch.h"

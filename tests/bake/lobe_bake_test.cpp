@@ -1,18 +1,12 @@
 // Lobes other than GGX in bakes: the bits of the direct calls, whichever way a bake is asked for.
-
-#include <functional>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "bake/baked.h"
 #include "reflections/prefilter_plan.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/heap.h"
-#include "support/sanitized.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"

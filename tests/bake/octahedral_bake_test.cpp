@@ -1,12 +1,8 @@
 // Octahedral maps out of bakes: the bits of the direct call, whichever way a bake is asked for.
-
-#include <string>
-#include <vector>
-
 #include "bake/baked.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/sanitized.h"
+#include "support/trials.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"

@@ -1,11 +1,4 @@
 // Plans: what is not needed is left out, and what is made is what the options of the plan say.
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <span>
-#include <vector>
-
 #include "bake/baked.h"
 #include "jobs/tiles.h"
 #include "reflections/prefilter_plan.h"

@@ -1,15 +1,6 @@
 // What tests of the C interface call it with.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <iterator>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/same_bits.h"
 #include "welkin/image.h"

@@ -1,22 +1,4 @@
 // The C interface: statuses, handles, noise, and the same bits as the C++ calls.
-
-#include <array>
-#include <atomic>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <functional>
-#include <limits>
-#include <new>
-#include <random>
-#include <set>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <system_error>
-#include <thread>
-#include <vector>
-
 #include "c/c_calls.h"
 #include "c/c_support.h"
 #include "support/catch.h"
@@ -409,15 +391,23 @@ std::vector<Wanted> all_wanted() {
   return all;
 }
 
-/// The result of a posted job. `post` gets where the handle is to go.
-welkin_projection posted(const std::function<welkin_status(welkin_job**)>& post) {
-  welkin_job* job = nullptr;
-  REQUIRE(post(&job) == WELKIN_OK);
-  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
-  auto light = c_struct<welkin_projection>();
-  REQUIRE(welkin_job_projection(job, &light) == WELKIN_OK);
-  welkin_job_release(job);
-  return light;
+/// Calls both with each set of options and compares with what `expected` gives for them.
+void check_projections(const std::function<Projection(const ProjectionOptions&)>& expected,
+                       const std::function<welkin_status(const welkin_projection_options*, welkin_projection*)>& call,
+                       const std::function<welkin_status(const welkin_projection_options*, welkin_job**)>& post) {
+  for (const auto& [options, c_options] : all_wanted()) {
+    const Projection wanted = expected(options);
+    auto light = c_struct<welkin_projection>();
+    REQUIRE(call(&c_options, &light) == WELKIN_OK);
+    require_same_projection(light, wanted);
+    welkin_job* job = nullptr;
+    REQUIRE(post(&c_options, &job) == WELKIN_OK);
+    REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
+    light = c_struct<welkin_projection>();
+    REQUIRE(welkin_job_projection(job, &light) == WELKIN_OK);
+    welkin_job_release(job);
+    require_same_projection(light, wanted);
+  }
 }
 
 }  // namespace
@@ -428,18 +418,14 @@ TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_inter
   const auto small = make_cubemap_half(Content::random, 16, 4, 2);
   const std::vector<CubemapView> views{large.view(), small.view()};
   const std::vector<welkin_environment> mips{c_view(views[0]), c_view(views[1])};
-  for (const auto& [options, c_options] : all_wanted()) {
-    for (const std::size_t levels : {1U, 2U}) {
-      const Projection expected = project(std::span(views).first(levels), options);
-      const auto count = static_cast<std::int32_t>(levels);
-      auto light = c_struct<welkin_projection>();
-      REQUIRE(welkin_project(mips.data(), count, &c_options, nullptr, &light) == WELKIN_OK);
-      require_same_projection(light, expected);
-      require_same_projection(posted([&, options = &c_options](welkin_job** job) {
-                                return welkin_post_project(worker.get(), mips.data(), count, options, nullptr, job);
-                              }),
-                              expected);
-    }
+  for (const std::size_t levels : {1U, 2U}) {
+    const auto count = static_cast<std::int32_t>(levels);
+    check_projections(
+        [&](const auto& options) { return project(std::span(views).first(levels), options); },
+        [&](const auto* options, auto* light) { return welkin_project(mips.data(), count, options, nullptr, light); },
+        [&](const auto* options, auto** job) {
+          return welkin_post_project(worker.get(), mips.data(), count, options, nullptr, job);
+        });
   }
 }
 
@@ -481,16 +467,11 @@ TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
   const CWorker worker(2);
   const auto picture = make_lat_long(Content::high_range, 128, 64, 3);
   const welkin_environment view = c_view(picture.view());
-  for (const auto& [options, c_options] : all_wanted()) {
-    const Projection expected = project(picture.view(), options);
-    auto light = c_struct<welkin_projection>();
-    REQUIRE(welkin_project(&view, 1, &c_options, nullptr, &light) == WELKIN_OK);
-    require_same_projection(light, expected);
-    require_same_projection(posted([&, options = &c_options](welkin_job** job) {
-                              return welkin_post_project(worker.get(), &view, 1, options, nullptr, job);
-                            }),
-                            expected);
-  }
+  check_projections([&](const auto& options) { return project(picture.view(), options); },
+                    [&](const auto* options, auto* light) { return welkin_project(&view, 1, options, nullptr, light); },
+                    [&](const auto* options, auto** job) {
+                      return welkin_post_project(worker.get(), &view, 1, options, nullptr, job);
+                    });
 }
 
 TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
@@ -502,17 +483,13 @@ TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
   auto reading = c_struct<welkin_read_options>();
   reading.layout = WELKIN_LAYOUT_LAT_LONG;
   reading.primaries_as_stored = 1;
-  for (const auto& [options, c_options] : all_wanted()) {
-    const Projection expected = project_file(path, {}, options);
-    auto light = c_struct<welkin_projection>();
-    REQUIRE(welkin_project_file(path.c_str(), &reading, &c_options, nullptr, &light) == WELKIN_OK);
-    require_same_projection(light, expected);
-    require_same_projection(posted([&, options = &c_options](welkin_job** job) {
-                              return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr,
-                                                              job);
-                            }),
-                            expected);
-  }
+  check_projections([&](const auto& options) { return project_file(path, {}, options); },
+                    [&](const auto* options, auto* light) {
+                      return welkin_project_file(path.c_str(), &reading, options, nullptr, light);
+                    },
+                    [&](const auto* options, auto** job) {
+                      return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr, job);
+                    });
 }
 
 TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interface]") {

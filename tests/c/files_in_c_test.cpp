@@ -1,14 +1,4 @@
 // Files through the C interface: bakes have the C++ calls' bits, and what is written the same bytes.
-
-#include <cstddef>
-#include <cstdint>
-#include <fstream>
-#include <iterator>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "c/c_calls.h"
 #include "c/c_worker.h"
 #include "support/catch.h"
@@ -22,12 +12,6 @@
 
 namespace welkin::test {
 namespace {
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE(file.good());
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// A chain of 16 texels with Babylon.js's roughness, in both languages.
 struct Reflections {
@@ -107,7 +91,7 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
   std::uint64_t clamped = 99;
   REQUIRE(welkin_write_texture(place("c.ktx2").c_str(), mips.data(), 5, &options, nullptr, &clamped) == WELKIN_OK);
   REQUIRE(clamped == report.values_clamped);
-  REQUIRE(bytes_of(place("c.ktx2")) == bytes_of(place("cpp.ktx2")));
+  REQUIRE(read_text(place("c.ktx2")) == read_text(place("cpp.ktx2")));
 
   // The chain brings its roughness, which a later bake finds.
   REQUIRE(welkin_write_chain(place("chain.ktx2").c_str(), reflections.chain, nullptr, nullptr, nullptr) == WELKIN_OK);
@@ -119,7 +103,7 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
   write_texture_2d(place("cpp.dds"), 2, 1, rgb.data());
   const welkin_environment flat = c_view(LatLongView{rgb.data(), 2, 1});
   REQUIRE(welkin_write_texture(place("c.dds").c_str(), &flat, 1, nullptr, nullptr, nullptr) == WELKIN_OK);
-  REQUIRE(bytes_of(place("c.dds")) == bytes_of(place("cpp.dds")));
+  REQUIRE(read_text(place("c.dds")) == read_text(place("cpp.dds")));
 
   REQUIRE(welkin_write_texture(place("c.gif").c_str(), mips.data(), 5, nullptr, nullptr, nullptr) ==
           WELKIN_UNSUPPORTED_FILE);
@@ -140,7 +124,7 @@ TEST_CASE("C: textures in blocks are the bytes that the C++ calls write, with ea
     with_roughness.metadata = read_texture(directory.file("c.ktx2")).metadata;
     std::erase_if(with_roughness.metadata, [](const auto& entry) { return entry.first.starts_with("KTX"); });
     write_texture(in_cpp, reflections.expected.cubemap.views(), with_roughness);
-    return bytes_of(in_c) == bytes_of(in_cpp.string());
+    return read_text(in_c) == read_text(in_cpp.string());
   };
   auto options = c_struct<welkin_texture_options>();
   const std::pair<welkin_effort, Bc6hEffort> efforts[] = {{WELKIN_EFFORT_DEFAULT, Bc6hEffort::normal},
@@ -189,7 +173,7 @@ TEST_CASE("C: Babylon.js's environments are the bytes that the C++ call writes",
   REQUIRE(welkin_write_babylon_environment(path.c_str(), reflections.chain, 3, radiance.data(), nullptr, &clamped) ==
           WELKIN_OK);
   REQUIRE(clamped == report.values_clamped);
-  REQUIRE(bytes_of(path) == bytes_of(directory.file("cpp.env").string()));
+  REQUIRE(read_text(path) == read_text(directory.file("cpp.env").string()));
 }
 
 TEST_CASE("C: a sky's tables are saved and loaded as the same bits", "[c_interface]") {
@@ -199,7 +183,7 @@ TEST_CASE("C: a sky's tables are saved and loaded as the same bits", "[c_interfa
   const welkin_sky_tables tables{std::make_shared<const SkyTables>(expected)};
   REQUIRE(welkin_sky_tables_save(&tables, path.c_str()) == WELKIN_OK);
   save_sky_tables(expected, directory.file("cpp.tables"));
-  REQUIRE(bytes_of(path) == bytes_of(directory.file("cpp.tables").string()));
+  REQUIRE(read_text(path) == read_text(directory.file("cpp.tables").string()));
   welkin_sky_tables* loaded = nullptr;
   REQUIRE(welkin_sky_tables_load(path.c_str(), 0, &loaded) == WELKIN_OK);
   REQUIRE(same_texels(loaded->tables->scattering, expected.scattering));

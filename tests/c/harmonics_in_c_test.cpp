@@ -1,10 +1,4 @@
 // Harmonics and engines' forms through the C interface: the bits of the C++ calls.
-
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "c/c_calls.h"
 #include "support/catch.h"
 #include "support/test_environments.h"

@@ -1,14 +1,4 @@
 // Skies through the C interface: atmospheres, tables, views, harmonics and the dynamic sky have the C++ calls' bits.
-
-#include <array>
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "c/c_calls.h"
 #include "c/c_worker.h"
 #include "support/catch.h"

@@ -1,17 +1,5 @@
 // Results that the C interface writes to the caller's memory: formats, row pitch, direction, and what is refused.
-
 #include <Imath/half.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "c/c_calls.h"
 #include "image/pixels.h"

@@ -1,12 +1,4 @@
 // What names an entry of the cache, and that no entry is believed.
-#include <chrono>
-#include <cstring>
-#include <functional>
-#include <set>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "support/catch.h"

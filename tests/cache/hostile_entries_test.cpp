@@ -1,13 +1,4 @@
 // Entries of a cache's folder that somebody else made: sizes that cannot be, no memory for what they state.
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <filesystem>
-#include <new>
-#include <optional>
-#include <system_error>
-#include <vector>
-
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "cache/result_cache.h"

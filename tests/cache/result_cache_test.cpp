@@ -1,11 +1,7 @@
 // What comes out of a cache is what would have been computed, whole or put together.
-
 #include "welkin/result_cache.h"
 
-#include <functional>
 #include <glm/gtc/quaternion.hpp>
-#include <limits>
-#include <vector>
 
 #include "support/catch.h"
 #include "support/chains.h"

@@ -1,19 +1,12 @@
 // KTX2 textures in blocks of ASTC.
 #include "files/astc.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <utility>
-
 #include "files/textures.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
-#include "support/sun_chain.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"

@@ -1,9 +1,4 @@
 // Textures of BC6H blocks as environments.
-#include <cmath>
-#include <cstring>
-#include <span>
-#include <utility>
-
 #include "image/pixels.h"
 #include "support/bc6h_files.h"
 #include "support/catch.h"

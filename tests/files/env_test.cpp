@@ -1,15 +1,5 @@
 // `.env` files: ours come back, and Babylon.js's own are read as it means them.
-
 #include "files/env.h"
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <sstream>
-#include <tuple>
 
 #include "places.h"
 #include "support/catch.h"

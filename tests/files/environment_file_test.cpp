@@ -3,23 +3,14 @@
 
 #include <ImfTileDescription.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <vector>
-
 #include "files/row_source.h"
 #include "image/geometry.h"
 #include "support/catch.h"
-#include "support/close.h"
+#include "support/coefficients.h"
 #include "support/exr_files.h"
-#include "support/npy.h"
 #include "support/pfm_files.h"
+#include "support/pictures.h"
 #include "support/png_files.h"
-#include "support/shared_pictures.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 

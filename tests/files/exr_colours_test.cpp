@@ -4,12 +4,6 @@
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
-#include <algorithm>
-#include <cmath>
-#include <glm/vec3.hpp>
-#include <limits>
-#include <random>
-
 #include "files/primaries.h"
 #include "files/row_source.h"
 #include "support/catch.h"

@@ -2,15 +2,11 @@
 #include <ImfFrameBuffer.h>
 #include <ImfTiledInputFile.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-
 #include "files/environment.h"
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
-#include "support/shared_pictures.h"
+#include "support/pictures.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"

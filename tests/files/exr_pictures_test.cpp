@@ -2,11 +2,6 @@
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <random>
-
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"

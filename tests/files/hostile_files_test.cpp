@@ -4,15 +4,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
-#include <functional>
-#include <optional>
-#include <string>
-
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/damaged_files.h"

@@ -1,11 +1,4 @@
 // Layouts: told, read, joined like the cube, and gone through by the labelled map.
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <limits>
-
 #include "files/layout.h"
 #include "files/row_source.h"
 #include "image/geometry.h"

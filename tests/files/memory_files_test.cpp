@@ -1,18 +1,10 @@
 // Files in memory: read from bytes and written to them.
-#include <cstddef>
-#include <filesystem>
-#include <optional>
-#include <span>
-#include <stop_token>
-#include <string>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/damaged_files.h"
 #include "support/exr_files.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
-#include "support/shared_pictures.h"
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"

@@ -1,10 +1,4 @@
 // PNG and PFM: what is read of them, and what is refused.
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <tuple>
-
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"

@@ -1,16 +1,5 @@
 // Grids of probes from files of captures, and to files with a description.
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"

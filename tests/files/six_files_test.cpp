@@ -1,8 +1,5 @@
 // Promises: six files are found by any one of them or by their directory, under every family of names and no other;
 // they are read as one cube, formats mixed; and what is missing or does not fit is said by name.
-
-#include <algorithm>
-
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/cube_pictures.h"

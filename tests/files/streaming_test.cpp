@@ -1,18 +1,9 @@
 // Rows that are read one after the other, and projected while they are read.
-
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <functional>
-#include <mutex>
-#include <stop_token>
-#include <thread>
-
 #include "files/environment.h"
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"

@@ -1,10 +1,5 @@
 // Texture files as environments, and those that are refused.
-
-#include <cmath>
-#include <cstring>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
-#include <stop_token>
 
 #include "harmonics/babylon.h"
 #include "places.h"
@@ -46,18 +41,6 @@ const PassRecord& pass_named(const Projection& projection, const std::string& na
   }
   FAIL("no pass " << name);
   return projection.diagnostics.passes.front();
-}
-
-double distance(const SphericalHarmonics& a, const SphericalHarmonics& b) {
-  double sum = 0.0;
-  double size = 0.0;
-  for (int l = 0; l < a.bands(); ++l) {
-    for (int m = -l; m <= l; ++m) {
-      sum += glm::dot(a.at(l, m) - b.at(l, m), a.at(l, m) - b.at(l, m));
-      size += glm::dot(b.at(l, m), b.at(l, m));
-    }
-  }
-  return std::sqrt(sum / size);
 }
 
 }  // namespace
@@ -158,7 +141,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
     CHECK(same_bytes<float>(pixels_of(read_environment(path, at_level(level))), level_pixels(stored, level)));
   }
   const Projection reused = project_file(path);
-  CHECK(distance(reused.radiance, radiance) < 1e-14);
+  CHECK(relative_error(reused.radiance, radiance) < 1e-14);
   CHECK(pass_named(reused, "project").action == PassAction::reuse);
   CHECK(glm::length(reused.diagnostics.total_radiance - radiance.at(0, 0) * std::sqrt(4.0 * 3.14159265358979)) < 1e-9);
   ProjectionOptions options;
@@ -197,7 +180,7 @@ TEST_CASE("the light that Babylon.js stored is that of its photograph", "[codec]
     options.pixels.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
     const SphericalHarmonics wanted = project_file(shared / "env" / photograph, {}, options).radiance;
     // Through cube faces of 64 and 128 texels, each the nearest pixel's.
-    CHECK(distance(project_file(shared / "cube" / file).radiance, wanted) < 0.04);
+    CHECK(relative_error(project_file(shared / "cube" / file).radiance, wanted) < 0.04);
   }
 }
 

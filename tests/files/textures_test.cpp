@@ -5,14 +5,6 @@
 #include <zlib.h>
 #include <zstd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <thread>
-#include <vector>
-
 #include "files/crc32.h"
 #include "files/env.h"
 #include "image/pixels.h"

@@ -1,10 +1,7 @@
 // Files that are written where POSIX can say more: limits on their size, permissions, symbolic links.
 #include <sys/resource.h>
 
-#include <array>
 #include <csignal>
-#include <cstddef>
-#include <filesystem>
 
 #include "support/catch.h"
 #include "support/exr_files.h"

@@ -1,21 +1,6 @@
 // Babylon.js's polynomial: its formulas, what the real package answered to `record.mjs`, and what it answered to
 // others.
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "harmonics/recorded_cases.h"
 #include "places.h"

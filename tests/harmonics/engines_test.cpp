@@ -1,17 +1,7 @@
 // Conventions of engines: where a lat-long and a cubemap lie in their axes, and what their shaders make of our terms.
-
 #include "welkin/engines.h"
 
-#include <cmath>
-#include <functional>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <map>
-#include <numbers>
-#include <random>
-#include <string>
-#include <tuple>
-#include <utility>
 
 #include "image/geometry.h"
 #include "support/catch.h"

@@ -1,12 +1,4 @@
 // Octahedral maps: where directions lie, what borders hold, and what texels are.
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <vector>
-
 #include "image/geometry.h"
 #include "image/resampling.h"
 #include "support/catch.h"

@@ -1,17 +1,6 @@
 // What the real Babylon.js and three.js said, recorded or shared, against what we have.
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "image/geometry.h"
 #include "places.h"

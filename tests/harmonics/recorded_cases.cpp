@@ -1,13 +1,9 @@
 #include "harmonics/recorded_cases.h"
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "places.h"
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

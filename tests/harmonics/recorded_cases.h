@@ -2,14 +2,9 @@
 // tests/babylon/record.mjs.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
+#include "support/catch.h"
 #include "support/test_environments.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"

@@ -1,12 +1,5 @@
 // Turned harmonics, the one light nearest to them, and the harmonics of a sun.
-
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "harmonics/rotation.h"
 #include "math/quadrature.h"

@@ -1,13 +1,5 @@
 // Spherical harmonics: the basis, evaluation, and what combining coefficients does to the functions.
-
 #include "welkin/spherical_harmonics.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "math/basis.h"
 #include "support/catch.h"

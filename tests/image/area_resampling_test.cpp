@@ -1,13 +1,5 @@
 // Resampling to a cube by area: all weights are kept and give the same bits again, and sources are read where they lie.
-
 #include "image/area_resampling.h"
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <limits>
-#include <utility>
-#include <vector>
 
 #include "image/area_weights.h"
 #include "support/catch.h"

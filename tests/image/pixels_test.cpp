@@ -1,20 +1,9 @@
 // Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, turns by whole texels.
-
 #include "image/pixels.h"
 
 #include <Imath/half.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <numbers>
-#include <set>
-#include <span>
-#include <vector>
 
 #include "image/geometry.h"
 #include "math/quadrature.h"

@@ -1,15 +1,7 @@
 // Grids over the sphere: borders that wrap, splines through the samples, and the faces made of them.
-
 #include "image/sphere_grid.h"
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
 #include <glm/glm.hpp>
-#include <numbers>
-#include <random>
-#include <utility>
-#include <vector>
 
 #include "image/geometry.h"
 #include "support/catch.h"

@@ -1,14 +1,6 @@
 // Texels as graphics APIs hold them: halves, b10g11r11 and e5b9g9r9, value by value.
 #include <Imath/half.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <random>
-#include <vector>
-
 #include "image/pixels.h"
 #include "support/catch.h"
 

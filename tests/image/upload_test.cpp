@@ -1,10 +1,5 @@
 // Promise: a cubemap goes into the caller's memory in the format, the pitch and the order that were asked for, the same
 // texels as in a file; nothing is written beside them.
-#include <algorithm>
-#include <cstring>
-#include <limits>
-#include <vector>
-
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/test_environments.h"

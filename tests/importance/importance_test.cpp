@@ -1,17 +1,6 @@
 // Tables by which directions are picked in proportion to light.
 #include "welkin/importance.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"

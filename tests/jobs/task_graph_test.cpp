@@ -1,27 +1,14 @@
 // The graph that a bake's passes run in.
-
 #include "jobs/task_graph.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <mutex>
-#include <stdexcept>
-#include <stop_token>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 

@@ -1,14 +1,4 @@
 // Directions that callers give: one rule in every call that takes one.
-#include <array>
-#include <cmath>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "math/basis.h"
 #include "support/catch.h"
 #include "support/same_bits.h"

@@ -1,16 +1,4 @@
 // Functions of our own, quadratures, and the cache of tables that depend on a size alone.
-
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <stdexcept>
-#include <thread>
-#include <vector>
-
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"

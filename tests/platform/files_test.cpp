@@ -1,13 +1,5 @@
 // Promises that hold on every system: names of any characters and length, files that are replaced as a whole, folders
 // that one at a time has, places beyond 4 GiB.
-#include <array>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "platform/file.h"
 #include "platform/text.h"
 #include "support/catch.h"

@@ -1,11 +1,8 @@
 // Page faults of warm calls. What Linux counts, and glibc can be told: elsewhere there is nothing to compare.
-#include <cstdlib>
 
 #if defined(__linux__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <malloc.h>
 #include <sys/resource.h>
-
-#include <functional>
 
 #include "support/catch.h"
 #include "support/kept_memory.h"

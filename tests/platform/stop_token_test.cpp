@@ -1,13 +1,4 @@
 // Promise: the stop token of our own, for standard libraries without one, does what std::stop_token does.
-#include <atomic>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <stop_token>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
 #include "welkin/detail/standard_library.h"
 

@@ -1,12 +1,6 @@
 // Working memory that stays between calls: what is kept, what is freed, and that nobody reads what nobody wrote.
 #include "platform/working_memory.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <cstring>
-#include <thread>
-#include <vector>
-
 #include "platform/memory.h"
 #include "support/catch.h"
 #include "support/kept_memory.h"

@@ -1,14 +1,6 @@
 // Captured cubemaps and depths to light, validity and distances.
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"

@@ -1,13 +1,8 @@
 // Made-up captures of a grid of probes.
 #pragma once
 
-#include <cstddef>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <vector>
-
 #include "image/geometry.h"
+#include "support/catch.h"
 #include "welkin/image.h"
 #include "welkin/probes.h"
 

@@ -1,13 +1,6 @@
 #include "probes/room.h"
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <thread>
-#include <utility>
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

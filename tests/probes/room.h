@@ -2,11 +2,8 @@
 // machine but for the last bits of a square root's sums: random numbers are hashes of what they are for.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "probes/probe_captures.h"
+#include "support/catch.h"
 #include "welkin/core.h"
 #include "welkin/probes.h"
 

@@ -1,20 +1,10 @@
 // Irradiance: cubemaps from harmonics, integration over the texels, and how few bands come near to it.
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <span>
-#include <vector>
-
 #include "image/geometry.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/heap.h"
-#include "support/lat_long_of.h"
+#include "support/pictures.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"

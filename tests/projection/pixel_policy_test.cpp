@@ -1,13 +1,4 @@
 // Before the projection: arguments, and what is done to pixels that are no light.
-
-#include <algorithm>
-#include <cstddef>
-#include <limits>
-#include <random>
-#include <stop_token>
-#include <string>
-#include <vector>
-
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"

@@ -1,12 +1,4 @@
 // Many probes in one call: what the calls for each of them give, bit by bit, without the heap.
-
-#include <atomic>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <string>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"

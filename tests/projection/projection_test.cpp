@@ -1,17 +1,9 @@
 // Projections: their symmetries and accuracy, faces one by one, and the same bits everywhere.
-
 #include "welkin/projection.h"
 
 #include <tbb/global_control.h>
 
-#include <array>
-#include <cmath>
-#include <functional>
-#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <limits>
-#include <numbers>
-#include <vector>
 
 #include "image/geometry.h"
 #include "reference/reference_projection.h"

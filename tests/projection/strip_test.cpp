@@ -1,15 +1,5 @@
 // Large faces are read in strips of 16 rows: the kernels against plain loops in double, the weights against the
 // integrals over single texels, and the careful way against the fast one.
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <random>
-#include <utility>
-#include <vector>
-
 #include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "math/basis.h"

@@ -1,23 +1,5 @@
 // Suns in pictures: found where they are and nowhere else, taken out without a loss, real ones as well.
-
 #include "projection/sun_detection.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <limits>
-#include <map>
-#include <numbers>
-#include <random>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "image/geometry.h"
 #include "places.h"

@@ -1,9 +1,4 @@
 // Suns in a lat-long's polar rows: their direction is that of their light, not of texels' centres.
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/sun_maps.h"
 #include "welkin/projection.h"

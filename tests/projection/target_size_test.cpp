@@ -1,14 +1,4 @@
 // Projecting at a smaller size: solid angles of texels, the choice of a level, real environments.
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "places.h"
 #include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"

@@ -1,20 +1,7 @@
 // BRDF tables: the quadrature behind them, their layout, options, cache and errors.
 #include <half.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <bit>
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <random>
-#include <stop_token>
-#include <string>
-#include <thread>
-#include <vector>
-
-#include "perf/report/brdf_truth.h"
+#include "perf/report/passes.h"
 #include "reflections/brdf_kernels.h"
 #include "reflections/brdf_table.h"
 #include "simd/dispatch.h"

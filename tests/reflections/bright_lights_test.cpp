@@ -1,13 +1,6 @@
 // Promise: bright texels are found whole, and the lights that stand for them, merged or cut by the horizon, give what
 // their areas give.
-
 #include "reflections/bright_lights.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <vector>
 
 #include "image/geometry.h"
 #include "reflections/lobe.h"

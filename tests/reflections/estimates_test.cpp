@@ -1,11 +1,5 @@
 // Promise: a result's estimate is at least its true error in 99 % of random environments, and at most five times too
 // careful in the median. `welkin_perf --estimates` measures the same over as many environments as one likes.
-
-#include <algorithm>
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/estimate_trials.h"

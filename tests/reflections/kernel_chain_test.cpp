@@ -1,13 +1,4 @@
 // Chains by kernels: each mip is the integral over its kernel, against the truth and closed forms.
-
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "image/geometry.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_support.h"

@@ -1,16 +1,5 @@
 // Promise: beside lamps of 1e4 to 1e8, however large their texels are beside the narrowest lobe of a chain and wherever
 // they are, every mip is within the bounds at every texel.
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "image/geometry.h"
 #include "reflections/direct.h"
 #include "reflections/lobe.h"

@@ -1,10 +1,4 @@
 // One chain for every lobe: what holds for GGX holds for the others.
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"

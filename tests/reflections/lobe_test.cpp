@@ -1,10 +1,5 @@
 // The lobe of GGX: closed forms, roughness of mips, and the double-precision truth that prefiltered mips are held to.
-
 #include "reflections/lobe.h"
-
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
 
 #include "math/elementary.h"
 #include "reflections/prefilter_support.h"

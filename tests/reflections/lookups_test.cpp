@@ -2,16 +2,11 @@
 // bring it nearer to the truth.
 #include "reflections/lookups.h"
 
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <vector>
-
 #include "image/geometry.h"
-#include "perf/report/lookups.h"
+#include "perf/report/passes.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/shared_pictures.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/environment_file.h"

@@ -1,11 +1,4 @@
 // Lobes below roughness 0.055: the same bounds as everywhere, against the integral in double.
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <vector>
-
 #include "reflections/lobe.h"
 #include "reflections/near_kernels.h"
 #include "reflections/prefilter.h"

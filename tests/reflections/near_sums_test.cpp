@@ -1,18 +1,6 @@
 // Lobes split in sums over texels near by and harmonics of what lies farther: against the truth, and by itself.
 #include "reflections/near_sums.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-#include <memory>
-#include <numbers>
-#include <utility>
-#include <vector>
-
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "reflections/lobe.h"

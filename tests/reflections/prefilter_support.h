@@ -1,14 +1,8 @@
 // What the prefilter's tests share.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstring>
-#include <glm/vec3.hpp>
-#include <vector>
-
 #include "image/geometry.h"
+#include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
 #include "welkin/image.h"

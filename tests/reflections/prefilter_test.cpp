@@ -1,13 +1,5 @@
 // Prefiltered cubemaps: what the calls promise. How near each mip comes to the truth: prefilter_truth_test.cpp.
-
 #include "reflections/prefilter.h"
-
-#include <array>
-#include <atomic>
-#include <filesystem>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <stop_token>
 
 #include "reflections/lobe.h"
 #include "reflections/prefilter_plan.h"
@@ -16,7 +8,7 @@
 #include "support/chains.h"
 #include "support/coefficients.h"
 #include "support/heap.h"
-#include "support/shared_pictures.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"

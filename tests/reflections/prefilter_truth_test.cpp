@@ -1,19 +1,10 @@
 // Prefiltered cubemaps: each mip is the integral over GGX's lobe, against the truth, closed forms, and what any such
 // blur keeps.
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <glm/geometric.hpp>
-#include <string>
-#include <vector>
-
 #include "image/geometry.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
-#include "support/shared_pictures.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"

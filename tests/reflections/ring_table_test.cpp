@@ -1,20 +1,12 @@
 // A cubemap's light on rings of latitude: the same harmonics, whatever the sizes.
 #include "reflections/ring_table.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
 #include "reflections/ring_kernels.h"
 #include "reflections/ring_weights.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/sanitized.h"
 #include "support/test_environments.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"

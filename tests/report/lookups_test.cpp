@@ -1,11 +1,6 @@
 // Promise: chains of any engine are read as its shader reads them, in Welkin's axes, and measured against the integral.
-#include "perf/report/lookups.h"
-
-#include <cmath>
-#include <glm/geometric.hpp>
-
 #include "image/geometry.h"
-#include "perf/report/peers.h"
+#include "perf/report/passes.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/test_environments.h"

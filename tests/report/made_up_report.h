@@ -1,7 +1,7 @@
 // A small report whose figures are chosen, not measured.
 #pragma once
 
-#include "perf/report/measurement.h"
+#include "perf/report/report.h"
 
 namespace welkin::test {
 

@@ -1,21 +1,7 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <map>
-#include <random>
+#include "perf/report/measuring.h"
 
 #include "image/geometry.h"
-#include "perf/report/environment.h"
-#include "perf/report/error_norms.h"
-#include "perf/report/measurement.h"
-#include "perf/report/process.h"
-#include "perf/report/report_json.h"
-#include "perf/report/run_report.h"
-#include "perf/report/stopwatch.h"
-#include "perf/report/words.h"
+#include "perf/report/report.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"

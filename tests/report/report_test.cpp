@@ -1,14 +1,7 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <random>
-#include <string>
+#include "perf/report/report.h"
 
-#include "perf/report/comparison.h"
-#include "perf/report/measurement.h"
-#include "perf/report/report_json.h"
-#include "perf/report/report_page.h"
+#include <nlohmann/json.hpp>
+
 #include "report/made_up_report.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"

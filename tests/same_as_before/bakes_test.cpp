@@ -1,11 +1,5 @@
 // Promise: bakes, whole, planned, from files, from the cache and in a worker, have the bits of before
 // (see projections_test.cpp).
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <stdexcept>
-#include <utility>
-
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/recorded_results.h"

@@ -3,11 +3,6 @@
 //
 // Bytes that zlib or Zstandard packed are those of its version: they are on record in a group with that version's name,
 // and not compared where it is another one. What is unpacked from them is compared everywhere.
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <utility>
-
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/process_threads.h"

@@ -1,9 +1,5 @@
 // Promise: what is done with harmonics, irradiance, suns and content hashes has the bits of before
 // (see projections_test.cpp).
-#include <array>
-#include <memory>
-#include <utility>
-
 #include "support/catch.h"
 #include "support/random_harmonics.h"
 #include "support/recorded_results.h"

@@ -1,7 +1,4 @@
 // Promise: resampled, prefiltered and tabulated pictures have the bits of before (see projections_test.cpp).
-#include <array>
-#include <utility>
-
 #include "reflections/prefilter.h"
 #include "support/catch.h"
 #include "support/recorded_results.h"

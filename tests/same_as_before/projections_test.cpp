@@ -4,9 +4,6 @@
 //
 // Left out are results that are made with libm, and so differ between C libraries: the reference projection, the
 // reference sky and its paths. Left out are words and times, too.
-#include <array>
-#include <utility>
-
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"

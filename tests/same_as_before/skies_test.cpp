@@ -1,8 +1,4 @@
 // Promise: computed skies have the bits of before (see projections_test.cpp).
-#include <array>
-#include <memory>
-#include <utility>
-
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/small_skies.h"

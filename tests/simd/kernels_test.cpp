@@ -1,14 +1,5 @@
 // Kernels on 16 lanes: which instruction set is chosen, and that each kernel gives what its double-precision twin
 // gives.
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "math/basis.h"

@@ -1,15 +1,6 @@
 // The vector layer, function by function: every instruction set gives the bits of a plain loop, also where processors
 // by themselves would not agree. NaNs are NaNs: their signs and payloads differ between processors, and no result shows
 // them.
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <random>
-#include <vector>
-
 #include "image/pixels.h"
 #include "platform/memory.h"
 #include "simd/vector_kernels.h"

@@ -1,14 +1,4 @@
 // Atmospheres: what is refused, densities, phase functions, spectra.
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "sky/air.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"

@@ -1,12 +1,4 @@
 // The light of the night, and skies by suns deep below the horizon.
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <memory>
-#include <numbers>
-#include <vector>
-
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
 #include "sky/sky_projection.h"

@@ -1,11 +1,4 @@
 // The references that skies are held to: a path tracer and closed forms.
-
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <vector>
-
 #include "reference/path_sampling.h"
 #include "reference/path_shells.h"
 #include "reference/path_tracer.h"

@@ -1,12 +1,4 @@
 // Skies neither make light nor lose it.
-
-#include <algorithm>
-#include <cmath>
-#include <glm/vec2.hpp>
-#include <memory>
-#include <numbers>
-#include <vector>
-
 #include "math/quadrature.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"

@@ -1,15 +1,5 @@
 // Harmonics of skies, for one sun and along a curve of suns.
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <numbers>
-#include <random>
-#include <vector>
-
-#include "perf/report/error_norms.h"
+#include "perf/report/measuring.h"
 #include "reference/sky_reference.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"

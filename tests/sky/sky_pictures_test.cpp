@@ -1,15 +1,6 @@
 // Pictures of skies, small skies for reflections, and skies that keep an environment.
 #include "sky/sky_pictures.h"
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <span>
-#include <stop_token>
-#include <vector>
-
 #include "float_environment/modes.h"
 #include "image/geometry.h"
 #include "reference/path_tracer.h"

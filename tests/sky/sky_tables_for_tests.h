@@ -1,10 +1,8 @@
 // Tables that several tests look things up in: precomputed once a program.
 #pragma once
 
-#include <algorithm>
-#include <memory>
-#include <utility>
-
+#include "support/catch.h"
+#include "support/small_skies.h"
 #include "welkin/sky.h"
 
 namespace welkin::test {
@@ -25,17 +23,12 @@ namespace welkin::test {
 [[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth_bruneton(),
                                                                    ScatteringLayout layout = ScatteringLayout::full,
                                                                    SkyColour colour = SkyColour::spectral) {
-  SkyTableOptions options;
+  SkyTableOptions options = tiny_tables();
   options.layout = layout;
   options.colour = colour;
   options.heights = 6;
-  options.view_zeniths = 16;
   options.sun_zeniths = 12;
   options.sun_angles = 5;
-  options.transmittance_heights = 16;
-  options.transmittance_zeniths = 64;
-  options.irradiance_heights = 4;
-  options.irradiance_sun_zeniths = 16;
   options.orders = 2;
   return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options));
 }

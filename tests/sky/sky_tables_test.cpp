@@ -1,11 +1,4 @@
 // Sky tables: how texels stand for states, quadratures, and what the calls that make them promise.
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "float_environment/modes.h"
 #include "math/quadrature.h"
 #include "sky/air.h"

@@ -1,12 +1,4 @@
 // Sky tables and views against quadratures of another kind, in double precision.
-
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "math/basis.h"
 #include "math/quadrature.h"
 #include "reference/path_tracer.h"

@@ -1,11 +1,5 @@
 // Skies by low suns and after sunset: light falls by decades between the suns at the tables' nodes.
-
-#include <algorithm>
-#include <cmath>
 #include <glm/common.hpp>
-#include <memory>
-#include <numbers>
-#include <vector>
 
 #include "math/quadrature.h"
 #include "reference/sky_monte_carlo.h"

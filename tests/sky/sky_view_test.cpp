@@ -1,15 +1,4 @@
 // What a view of a sky gives, at every height and under every sun.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <memory>
-#include <random>
-#include <vector>
-
 #include "float_environment/modes.h"
 #include "jobs/tiles.h"
 #include "reference/sky_reference.h"

@@ -1,12 +1,4 @@
 // Promise: the kernels that carry scattered light along rays are their twins in double, on every instruction set.
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "sky/sky_kernels.h"
 #include "sky/sun_brightness.h"
 #include "support/catch.h"

@@ -1,11 +1,8 @@
 // The cases, by subject.
 #pragma once
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "stability/stability.h"
+#include "standard_headers.h"
 
 namespace welkin::test::stability {
 

@@ -1,14 +1,9 @@
 // Turns of coefficients, and windows that are hard to find.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <limits>
-#include <numbers>
 
 #include "stability/cases.h"
 #include "stability/measures.h"
+#include "standard_headers.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test::stability {

@@ -1,10 +1,6 @@
 // docs/notes/stability_table.md.
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
-
 #include "stability/stability.h"
+#include "standard_headers.h"
 
 namespace welkin::test {
 namespace {

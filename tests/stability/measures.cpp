@@ -1,15 +1,8 @@
 #include "stability/measures.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <numbers>
-
 #include "image/geometry.h"
 #include "reference/sky_reference.h"
+#include "standard_headers.h"
 
 namespace welkin::test::stability {
 namespace {

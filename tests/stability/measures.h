@@ -1,14 +1,7 @@
 // What the cases share: small environments, how far a result is from its truth, skies where they are hard.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <functional>
-#include <glm/vec3.hpp>
-#include <memory>
-#include <span>
-#include <vector>
-
+#include "standard_headers.h"
 #include "support/values_of.h"
 #include "welkin/core.h"
 #include "welkin/image.h"

@@ -1,13 +1,9 @@
 // Pixels with extreme values: the range of projections and of images, and what policies make of NaN, infinities,
 // negatives.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "reference/reference_projection.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
+#include "standard_headers.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"

@@ -1,14 +1,8 @@
 // Lobes of any roughness, grazing kernels, and the split sum's table.
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <glm/geometric.hpp>
-#include <numbers>
-
-#include "perf/report/brdf_truth.h"
+#include "perf/report/passes.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
+#include "standard_headers.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 

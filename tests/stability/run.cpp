@@ -1,10 +1,7 @@
 // The suite: all cases in order, each measured or caught.
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "stability/cases.h"
 #include "stability/stability.h"
+#include "standard_headers.h"
 #include "welkin/core.h"
 
 namespace welkin::test {

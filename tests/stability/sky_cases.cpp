@@ -1,12 +1,8 @@
 // Skies: rays that graze a planet, suns anywhere, air of any density, planets of any size.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "reference/sky_reference.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
+#include "standard_headers.h"
 #include "welkin/sky.h"
 
 namespace welkin::test::stability {

@@ -2,9 +2,7 @@
 // deterministic (the library gives the same bits everywhere), so a result can be compared with a recorded one.
 #pragma once
 
-#include <string>
-#include <vector>
-
+#include "standard_headers.h"
 #include "welkin/core.h"
 
 namespace welkin::test {

@@ -3,22 +3,12 @@
 // file anew: `welkin_tests "[stability]"`, all in one process.
 #include "stability/stability.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <vector>
 
-#include "perf/report/process.h"
-#include "perf/report/stopwatch.h"
+#include "perf/report/measuring.h"
 #include "places.h"
-#include "support/catch.h"
-#include "support/sanitized.h"
+#include "standard_headers.h"
+#include "support/trials.h"
 
 namespace welkin::test {
 namespace {

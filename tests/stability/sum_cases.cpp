@@ -1,18 +1,9 @@
 // Sums: over few and over many texels, and whose terms cancel; maps, tables and chains of 1 and 2 texels.
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
-#include <map>
-#include <numbers>
-#include <vector>
-
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "stability/cases.h"
 #include "stability/measures.h"
+#include "standard_headers.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"

@@ -1,15 +1,9 @@
 // BC6H blocks with the texels that another decoder makes of them, and files of such blocks.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "image/bc6h.h"
 #include "places.h"
+#include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "welkin/image.h"
 

@@ -1,15 +1,15 @@
-// Comparing spherical harmonics.
+// Comparing numbers and spherical harmonics.
 #pragma once
 
-#include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <glm/geometric.hpp>
-
+#include "support/catch.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
+
+/// Whether two numbers differ by no more than `relative` times the second.
+inline bool close(double found, double wanted, double relative = 1e-12) {
+  return std::abs(found - wanted) <= relative * std::abs(wanted);
+}
 
 /// |c| over all coefficients and channels.
 inline double norm(const SphericalHarmonics& c) {

@@ -2,11 +2,7 @@
 // of layouts is in it.
 #pragma once
 
-#include <cstddef>
-#include <span>
-#include <string>
-#include <vector>
-
+#include "support/catch.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::test {

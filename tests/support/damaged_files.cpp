@@ -1,9 +1,6 @@
 #include "support/damaged_files.h"
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-
+#include "support/catch.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
 #include "support/pfm_files.h"

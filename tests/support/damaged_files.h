@@ -1,11 +1,7 @@
 // What can become of a file on its way: cut off, bytes changed, fields of its header set to extremes.
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
-#include <functional>
-#include <string>
-#include <vector>
+#include "support/catch.h"
 
 namespace welkin::test {
 

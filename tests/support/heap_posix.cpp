@@ -2,10 +2,7 @@
 #include <dlfcn.h>
 #include <malloc.h>
 
-#include <cstddef>
-#include <cstdlib>
-#include <new>
-
+#include "support/catch.h"
 #include "support/heap_counting.h"
 
 using welkin::test::heap::count, welkin::test::heap::must_fail;

@@ -2,10 +2,7 @@
 // the program and of what is linked into it. Blocks of greater alignment are not watched.
 #include <malloc.h>
 
-#include <cstddef>
-#include <cstdlib>
-#include <new>
-
+#include "support/catch.h"
 #include "support/heap_counting.h"
 
 using welkin::test::heap::count, welkin::test::heap::must_fail;

@@ -1,9 +1,7 @@
 // Bytes to be kept and found again.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
+#include "support/catch.h"
 
 namespace welkin::test {
 

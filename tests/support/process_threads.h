@@ -1,8 +1,7 @@
 // The threads of this process, as the system has them, and the functions of the libraries that it has loaded.
 #pragma once
 
-#include <set>
-#include <string>
+#include "support/catch.h"
 
 namespace welkin::test {
 

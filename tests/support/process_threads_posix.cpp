@@ -2,9 +2,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-
+#include "support/catch.h"
 #include "support/process_threads.h"
 
 namespace welkin::test {

@@ -2,15 +2,7 @@
 // a thousand Earths' of it, lobes of any sharpness.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <random>
-#include <string>
-#include <vector>
-
+#include "support/catch.h"
 #include "support/trials.h"
 #include "welkin/sky.h"
 

@@ -1,15 +1,8 @@
 #include "support/recorded_results.h"
 
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <fstream>
-#include <map>
-#include <sstream>
-
 #include "places.h"
 #include "support/catch.h"
-#include "support/sanitized.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 
 namespace welkin::test {

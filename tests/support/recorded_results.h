@@ -1,14 +1,8 @@
 // Hashes of results on record: today's code must give the bits that it gave when they were recorded.
 #pragma once
 
-#include <concepts>
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "support/bit_hash.h"
+#include "support/catch.h"
 
 namespace welkin::test {
 

@@ -1,12 +1,7 @@
 // Whether two results are the same, bit by bit. Times are left out.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <cstring>
-#include <span>
-#include <vector>
-
+#include "support/catch.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"

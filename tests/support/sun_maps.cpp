@@ -1,11 +1,7 @@
 #include "support/sun_maps.h"
 
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
-
 #include "image/geometry.h"
+#include "support/catch.h"
 
 namespace welkin::test {
 namespace {

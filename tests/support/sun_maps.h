@@ -1,11 +1,8 @@
 // Maps with suns painted on, for both kinds of picture.
 #pragma once
 
-#include <cstdint>
-#include <glm/vec3.hpp>
-#include <vector>
-
 #include "image/geometry.h"
+#include "support/catch.h"
 #include "welkin/image.h"
 
 namespace welkin::test {

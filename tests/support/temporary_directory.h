@@ -50,4 +50,14 @@ inline void write_bytes(const std::filesystem::path& path, const std::vector<cha
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
+/// Empty if there is no such file.
+inline std::string read_text(const std::filesystem::path& path) {
+  const std::vector<char> bytes = read_bytes(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_bytes(path, {text.begin(), text.end()});
+}
+
 }  // namespace welkin::test

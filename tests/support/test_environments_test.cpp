@@ -2,9 +2,6 @@
 // against their JavaScript twin: every recorded Babylon.js case carries a checksum.)
 #include "support/test_environments.h"
 
-#include <array>
-#include <cstdint>
-
 #include "support/catch.h"
 
 using namespace welkin;

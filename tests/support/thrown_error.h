@@ -1,8 +1,6 @@
 // The welkin::Error that a call throws.
 #pragma once
 
-#include <string>
-
 #include "support/catch.h"
 #include "welkin/core.h"
 

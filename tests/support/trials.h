@@ -1,13 +1,23 @@
 // How much of a large set of cases a test looks at: a fixed sample, unless WELKIN_RANDOM_TRIALS asks for more
-// (`scripts/test --all`).
+// (`scripts/test --all`), and less under a sanitizer.
 #pragma once
 
-#include <algorithm>
-#include <cstdlib>
-
-#include "support/sanitized.h"
+#include "support/catch.h"
 
 namespace welkin::test {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+/// Whether leaks are looked for.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kAddressSanitized = true;
+#else
+inline constexpr bool kAddressSanitized = false;
+#endif
 
 /// Returns the number of random cases: `usual`, a tenth of it under a sanitizer, or WELKIN_RANDOM_TRIALS times as many.
 inline int trials(int usual) {

@@ -1,9 +1,4 @@
 // What `welkin bake` packs in ASTC.
-#include <cstddef>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/chains.h"
 #include "tools/baked_folder.h"
@@ -14,7 +9,7 @@ namespace welkin::test {
 
 TEST_CASE("bake: --ktx2-format astc4x4 and astc6x6 pack background and reflections of KTX2",
           "[tools][bake][astc][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string options = "--sky --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto floats = scratch.path() / "floats";
   bake_into(floats, options + "--ktx2-format rgba32f");

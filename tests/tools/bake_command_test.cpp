@@ -1,5 +1,3 @@
-#include <cmath>
-#include <sstream>
 
 #include "support/exr_files.h"
 #include "tools/baked_folder.h"
@@ -41,7 +39,7 @@ std::vector<float> texels(const Cubemap& chain, int level) {
 }  // namespace
 
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "some" / "where";
   const CommandResult result = run_welkin("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
   INFO(result.errors);
@@ -57,7 +55,7 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
 }
 
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   const auto manifest = bake_into(
       folder, "--sky --size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7 --formats ktx2,env");
@@ -88,7 +86,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 }
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder,
             "--sky --size 32 --irradiance 8 --brdf 8 --no-previews --formats ktx2,exr --ktx2-format rgba32f "
@@ -116,7 +114,7 @@ TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular 
 }
 
 TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string options =
       "--sky --size 8 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
   const auto said = [&](const std::string& more) {
@@ -145,7 +143,7 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
 }
 
 TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a formula", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto manifest = [&](const std::string& more) {
     return bake_into(scratch.path() / "out", "--sky --size 32 --mips 4 --irradiance 4 --no-brdf --no-previews " + more);
   };
@@ -169,7 +167,7 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder,
             std::string("--sky --formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5") +
@@ -204,7 +202,7 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
 }
 
 TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothing else", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string options = "--sky --size 64 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto blocks = scratch.path() / "blocks";
   const auto floats = scratch.path() / "floats";
@@ -233,7 +231,7 @@ TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothin
 }
 
 TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
   bake_into(first, std::string("--sky --ktx2-format rgba32f --formats ktx2,dds,env --no-previews") + kSmall);
@@ -258,7 +256,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
 
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
           "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --no-previews") + kSmall);
   std::ofstream(folder / "mine.txt") << "keep";
@@ -273,7 +271,7 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
 }
 
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --no-previews --for three --bands 4") + kSmall);
   const nlohmann::json baked = nlohmann::json::parse(file_text(folder / "sh.json"));
@@ -297,7 +295,7 @@ TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools
 }
 
 TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto plain = scratch.path() / "plain";
   const auto babylon = scratch.path() / "babylon";
   const std::string options = "--sky --ktx2-format rgba32f --formats ktx2,env --roughness filament";
@@ -318,7 +316,7 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
 }
 
 TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto in = scratch.path() / "bright.pfm";
   std::vector<float> pixels = grey_picture(16, 96, 0.5F);
   pixels[0] = 1e5F;
@@ -338,7 +336,7 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
 }
 
 TEST_CASE("bake: the .env's own chain counts towards the memory limit, before any work", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string options = " --no-previews --size 64 --background-size 1 --mips 1 --irradiance 1 --brdf 8";
   const auto needed = [&](const std::string& formats) {
     const auto out = scratch.path() / "none";
@@ -361,7 +359,7 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
 }
 
 TEST_CASE("bake: the examples of --help-all work", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(scratch.path() / "city.hdr")).exit_code == 0);
   std::ofstream(scratch.path() / "scene.json") << R"({"glossy": null})";
   std::istringstream help(run_welkin("bake --help-all").output);

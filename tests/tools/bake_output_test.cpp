@@ -1,5 +1,3 @@
-#include <array>
-#include <cmath>
 
 #include "places.h"
 #include "tools/baked_folder.h"
@@ -72,7 +70,7 @@ std::array<float, 3> on_sphere(const Preview& spheres, int column, int row, doub
 }  // namespace
 
 TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
   const Preview picture(scratch.path() / "out" / "preview_environment.png");
@@ -91,7 +89,7 @@ TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]"
 }
 
 TEST_CASE("bake: the spheres mirror what is behind the viewer, and are lit from above by the sky", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
   const Preview spheres(scratch.path() / "out" / "preview_spheres.png");
@@ -126,7 +124,7 @@ std::vector<float> half_lit(double share, float lit, float dark, float sun) {
 }  // namespace
 
 TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto in = scratch.path() / "in.pfm";
   const auto exposure_of = [&](const std::vector<float>& pixels, const std::string& options = "") {
     write_pfm(in, 64, 32, pixels);
@@ -175,7 +173,7 @@ const std::string kOptions = "--sky --size 64 --irradiance 16 --brdf 16 --format
 }  // namespace
 
 TEST_CASE("bake: the same files on any number of threads", "[tools][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto expected = scratch.path() / "one";
   bake_into(expected, kOptions + "--threads 1");
   for (const char* threads : {"--threads 2", "--threads 5", ""}) {

@@ -1,4 +1,3 @@
-#include <fstream>
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -14,7 +13,7 @@ namespace {
 
 constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 --formats ktx2 ";
 
-std::filesystem::path needs_file(const TemporaryFolder& folder, const std::string& text) {
+std::filesystem::path needs_file(const TemporaryDirectory& folder, const std::string& text) {
   std::ofstream(folder.path() / "needs.json") << text;
   return folder.path() / "needs.json";
 }
@@ -26,7 +25,7 @@ bool has(const std::filesystem::path& folder, const std::string& name) {
 }  // namespace
 
 TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "[command][plan][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   bake_into(folder.path() / "all", "--sky" + std::string(kSmall));
   const std::filesystem::path needs = needs_file(folder, R"({"glossy": null, "diffuse_bands": 3})");
   const nlohmann::json manifest = bake_into(folder.path() / "some", kSmall + ("--sky --needs " + quoted(needs)));
@@ -44,7 +43,7 @@ TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "
 }
 
 TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const nlohmann::json all = bake_into(folder.path() / "all", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2");
   const nlohmann::json some =
       bake_into(folder.path() / "some", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --glossy 0.6,1");
@@ -55,7 +54,7 @@ TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]
 }
 
 TEST_CASE("A bake explains itself", "[command][plan][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string bake = "bake --sky" + std::string(kSmall) + "--no-glossy -o " + quoted(folder.path() / "out");
   const CommandResult ahead = run_welkin(bake + " --plan-only");
   CHECK(ahead.exit_code == 0);
@@ -74,7 +73,7 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
 }
 
 TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto options_of = [&](const std::string& budget) {
     return bake_into(folder.path() / "out",
                      "--sky --size 16 --irradiance 8 --brdf 16 --formats ktx2 --no-previews --error-budget " + budget)
@@ -89,7 +88,7 @@ TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {
 }
 
 TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto refused = [&](const std::string& text, const std::string& key) {
     const std::filesystem::path needs = needs_file(folder, text);
     const CommandResult result =
@@ -115,7 +114,7 @@ namespace {
 
 constexpr const char* kSmallKept = " --size 64 --irradiance 8 --brdf 8 --no-previews --formats ktx2,env ";
 
-std::string with_cache(const TemporaryFolder& folder) { return "--cache " + quoted(folder.path() / "cache") + ' '; }
+std::string with_cache(const TemporaryDirectory& folder) { return "--cache " + quoted(folder.path() / "cache") + ' '; }
 
 std::string action_of(const nlohmann::json& passes, const std::string& name) {
   for (const auto& pass : passes) {
@@ -147,7 +146,7 @@ bool notes_say(const nlohmann::json& report, const std::string& part) {
 }
 
 /// Written by `testmap`, so that there is a file.
-std::filesystem::path environment(const TemporaryFolder& folder) {
+std::filesystem::path environment(const TemporaryDirectory& folder) {
   std::filesystem::path path = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap -o " + quoted(path)).exit_code == 0);
   return path;
@@ -157,7 +156,7 @@ std::filesystem::path environment(const TemporaryFolder& folder) {
 
 TEST_CASE("A bake with a cache gives the same files, and the second time makes none of them",
           "[command][cache][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string bake = quoted(environment(folder)) + kSmallKept;
   const nlohmann::json without = bake_into(folder.path() / "without", bake);
   const nlohmann::json first = bake_into(folder.path() / "first", bake + with_cache(folder));
@@ -182,7 +181,7 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
 }
 
 TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command][cache][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string map = quoted(environment(folder));
   std::ofstream(folder.path() / "cache") << "a file, where a folder should be";
   bake_into(folder.path() / "without", map + kSmallKept);

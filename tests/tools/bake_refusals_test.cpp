@@ -1,4 +1,3 @@
-#include <limits>
 
 #include "support/exr_files.h"
 #include "tools/baked_folder.h"
@@ -17,7 +16,7 @@ constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 ";
 
 TEST_CASE("bake: an input that would be written over is refused before any work, and kept",
           "[tools][bake][posix][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto own = scratch.path() / "own";
   const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
   bake_into(own, "--sky" + all);
@@ -54,7 +53,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
 }
 
 TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto faces = scratch.path() / "faces";
   const auto own = scratch.path() / "own";
   std::filesystem::create_directory(faces);
@@ -77,7 +76,7 @@ TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
 }
 
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto out = scratch.path() / "out";
   const std::string start = "bake --sky -o " + quoted(out) + " ";
   CHECK(contains(failure("bake", 2), "INPUT is missing"));
@@ -126,7 +125,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
 }
 
 TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto out = scratch.path() / "out";
   const std::string start = "bake -o " + quoted(out) + " ";
   CHECK(contains(failure(start + quoted(scratch.path() / "missing.exr"), 1), "missing.exr"));
@@ -144,7 +143,7 @@ TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") 
 }
 
 TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto file = scratch.path() / "file";
   std::ofstream(file) << "no folder";
   CHECK(contains(failure("bake --sky -o " + quoted(file), 1), file.string()));

@@ -1,13 +1,7 @@
 // What `welkin bake` left in a folder, for the tests of the command.
 #pragma once
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "support/catch.h"
 #include "tools/command.h"

@@ -1,15 +1,7 @@
 // Batches for the tests of `welkin batch`: small pictures, plans, results and reports.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "support/catch.h"
 #include "tools/baked_folder.h"
@@ -95,7 +87,7 @@ class Batch {
   }
 
  private:
-  TemporaryFolder folder_;
+  TemporaryDirectory folder_;
 };
 
 }  // namespace welkin::test

@@ -1,6 +1,3 @@
-#include <filesystem>
-#include <fstream>
-#include <string>
 
 #include "places.h"
 #include "tools/batch_folder.h"

@@ -1,10 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <fstream>
-#include <numeric>
-#include <random>
 
 #include "places.h"
 #include "tools/batch_folder.h"

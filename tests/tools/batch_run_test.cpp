@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <fstream>
-#include <set>
 
 #include "tools/batch_folder.h"
 

@@ -1,18 +1,9 @@
 #include "tools/command.h"
 
-#include <cstddef>
-#include <fstream>
-#include <system_error>
-
 #include "places.h"
 #include "support/catch.h"
 
 namespace welkin::test {
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 CommandResult run_welkin(const std::string& arguments, const std::string& environment) {
   return run_program(WELKIN_COMMAND, arguments, environment);

@@ -1,27 +1,12 @@
-// Runs the built `welkin` as a user does, through a shell; a folder of a test's own, and small files to read.
+// Runs the built `welkin` as a user does, through a shell, and makes small files to read.
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <string_view>
-#include <vector>
+
+#include "support/catch.h"
+#include "support/temporary_directory.h"
 
 namespace welkin::test {
-
-/// A folder of a test's own, gone when the test is.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct CommandResult {
   int exit_code = -1;

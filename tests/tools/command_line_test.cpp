@@ -1,5 +1,3 @@
-#include <fstream>
-#include <string>
 
 #include "places.h"
 #include "support/catch.h"
@@ -64,7 +62,7 @@ TEST_CASE("command: bad usage exits with 2", "[tools]") {
 }
 
 TEST_CASE("command: bad input exits with 1 and names the file", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto missing = folder.path() / "missing.exr";
   require_failure("sh " + quoted(missing), 1, "missing.exr");
   require_failure("sh --json " + quoted(missing), 1, "missing.exr");

@@ -1,27 +1,14 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
-#include <array>
-#include <cstddef>
-#include <cstdio>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-
 #include "support/catch.h"
 #include "tools/command.h"
 
 namespace welkin::test {
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "welkin-test-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path errors = folder.path() / "errors";
   const std::string line = environment + " " + quoted(program) + " " + arguments + " 2>" + quoted(errors);
   FILE* pipe = popen(line.c_str(), "r");

@@ -1,8 +1,4 @@
 // Without a shell: its words are taken apart here, and nothing but words and 'quotes' is understood.
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-
 #include "platform/windows_system.h"
 #include "support/catch.h"
 #include "tools/command.h"
@@ -69,23 +65,11 @@ HANDLE inherited_file(const std::filesystem::path& path, DWORD access, DWORD dis
   return CreateFileW(path.c_str(), access, platform::kSharedByAll, &inherited, disposition, 0, nullptr);
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  static int count = 0;
-  const auto number = std::to_string(GetCurrentProcessId()) + '-' + std::to_string(count++);
-  path_ = std::filesystem::temp_directory_path() / ("welkin-tools-" + number);
-  std::filesystem::create_directories(path_);
-}
 
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const Environment variables(environment);
   STARTUPINFOW start{};
   start.cb = sizeof start;
@@ -104,7 +88,7 @@ CommandResult run_program(const std::filesystem::path& program, const std::strin
   GetExitCodeProcess(started.hProcess, &code);
   CloseHandle(started.hThread);
   CloseHandle(started.hProcess);
-  return {static_cast<int>(code), text_of(folder.path() / "output"), text_of(folder.path() / "errors")};
+  return {static_cast<int>(code), read_text(folder.path() / "output"), read_text(folder.path() / "errors")};
 }
 
 }  // namespace welkin::test

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cstring>
-#include <fstream>
-#include <string>
 
 #include "support/catch.h"
 #include "support/exr_files.h"
@@ -142,7 +138,7 @@ TEST_CASE("command: convert refuses with the right exit code", "[tools][convert]
 // `welkin convert` and `welkin testmap` refuse what they cannot write before they begin.
 
 TEST_CASE("command: convert refuses an OUT that cannot be written before it decodes IN", "[tools][convert]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   // A sound header and first scanline (its form is looked at when the file is opened), and no sound one after that:
   // whoever decodes it says so instead.
   const auto in = folder.path() / "in.hdr";

@@ -1,6 +1,3 @@
-#include <filesystem>
-#include <fstream>
-#include <string>
 
 #include "support/catch.h"
 #include "tools/baked_folder.h"
@@ -15,7 +12,7 @@ namespace {
 constexpr const char* kSmall = " --size 4 --irradiance 0 --no-brdf --no-previews";
 
 struct Workplace {
-  TemporaryFolder folder;
+  TemporaryDirectory folder;
 
   Workplace() {
     std::filesystem::create_directory(folder.path() / "hdr");

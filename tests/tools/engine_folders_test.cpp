@@ -1,9 +1,4 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <map>
 #include <regex>
-#include <sstream>
 
 #include "files/env.h"
 #include "support/chains.h"
@@ -178,7 +173,7 @@ double mean(const Cubemap& chain, int level) {
 
 TEST_CASE("bake --for: each engine's folder has its files and no other, and our readers take them",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   for (const auto& [engine, files] : folders()) {
     INFO(engine);
     const auto folder = scratch.path() / engine;
@@ -209,7 +204,7 @@ TEST_CASE("bake --for: each engine's folder has its files and no other, and our 
 
 TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no file of the one before",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   for (const auto& [engine, names] : folders()) {
     for (const int run : {1, 2}) {
       INFO(engine << ", run " << run);
@@ -220,7 +215,7 @@ TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no
 }
 
 TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto formats = scratch.path() / "formats";
   const auto folder = scratch.path() / "folder";
   bake_into(formats, std::string("--sky --for three --formats ktx2,dds") + kSmall);
@@ -241,7 +236,7 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
 
 TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --for filament") + kSmall);
   const CubemapTexture reflections = read_texture(folder / "environment_ibl.ktx");
@@ -275,7 +270,7 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
     WARN("left out: there is no cmgen (Debian's libfilament-tools)");
     return;
   }
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto source = scratch.path() / "source";
   std::filesystem::create_directory(source);
   const LatLongImage picture = smooth_picture(256);
@@ -310,7 +305,7 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
 
 TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irradiance over pi",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string options = std::string(" --roughness linear --fit-lookups off --ktx2-format rgba32f") + kSmall;
   const auto plain = scratch.path() / "plain";
   const auto folder = scratch.path() / "out";
@@ -333,7 +328,7 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
 
 TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and whose coefficients are sh.json's",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   const nlohmann::json manifest = bake_into(folder, std::string("--sky --for gltf") + kSmall);
   const Glb glb(file_text(folder / "environment.glb"));
@@ -389,7 +384,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
 }
 
 TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --for usd") + kSmall);
   const std::string stage = file_text(folder / "environment.usda");
@@ -408,7 +403,7 @@ TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it
 }
 
 TEST_CASE("bake --for: what the engine's loader does not take is refused", "[tools][bake][engine_folders]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const std::string folder = " -o " + quoted(scratch.path() / "out") + kSmall;
   const auto refused = [&](const std::string& options, const char* words) {
     const CommandResult result = run_welkin("bake --sky " + options + folder);
@@ -428,7 +423,7 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
 }
 
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   const std::string bake = std::string("--sky --for godot --no-previews") + kSmall;
   bake_into(folder, bake);

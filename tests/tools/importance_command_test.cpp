@@ -1,14 +1,8 @@
 // `welkin importance`: the files it writes and what it says of them.
-
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "support/catch.h"
-#include "support/npy.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
@@ -17,15 +11,10 @@
 namespace welkin::test {
 namespace {
 
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// What follows a .npy header that names this shape and type.
 template <class Value>
 std::vector<Value> values_of(const std::filesystem::path& path, const std::string& type, const std::string& shape) {
-  const std::string bytes = contents(path);
+  const std::string bytes = read_text(path);
   REQUIRE(bytes.size() > 10);
   CHECK(bytes.substr(0, 8) == std::string("\x93NUMPY\x01\x00", 8));
   const std::size_t header = static_cast<unsigned char>(bytes[8]) + 256U * static_cast<unsigned char>(bytes[9]);
@@ -40,7 +29,7 @@ std::vector<Value> values_of(const std::filesystem::path& path, const std::strin
 }  // namespace
 
 TEST_CASE("importance: files hold the library's tables", "[tools][importance]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto input = scratch.path() / "sky.exr";
   const TestLatLong picture = make_lat_long(Content::high_range, 20, 10, 3);
   write_environment(input, picture.view(), {.type = SampleType::float32});
@@ -69,7 +58,7 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
                            "(" + std::to_string(each.height) + ", " + std::to_string(each.width) + ")") ==
           each.probabilities);
   }
-  const auto said = nlohmann::json::parse(contents(folder / "importance.json"));
+  const auto said = nlohmann::json::parse(read_text(folder / "importance.json"));
   CHECK(said.at("width") == 8);
   CHECK(said.at("height") == 5);
   CHECK(said.at("weight") == "largest");
@@ -79,7 +68,7 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
 }
 
 TEST_CASE("importance: cubemaps do, and what cannot be is refused", "[tools][importance]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto cube = scratch.path() / "cube.pfm";
   REQUIRE(run_welkin("testmap --size 8 --layout vertical-strip -o " + quoted(cube)).exit_code == 0);
   const CommandResult result =

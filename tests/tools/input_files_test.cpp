@@ -1,10 +1,3 @@
-#include <cmath>
-#include <filesystem>
-#include <limits>
-#include <numbers>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "places.h"
 #include "support/catch.h"
@@ -30,7 +23,7 @@ nlohmann::json info_json(const std::filesystem::path& file) {
 }
 
 /// 16 x 8, grey 0.5, with a NaN, an infinity, a negative and a bright texel (column 4, row 3).
-std::filesystem::path odd_file(const TemporaryFolder& folder) {
+std::filesystem::path odd_file(const TemporaryDirectory& folder) {
   std::vector<float> rgb = grey_picture(16, 8, 0.5F);
   rgb[0] = std::numeric_limits<float>::quiet_NaN();
   rgb[4] = -std::numeric_limits<float>::infinity();
@@ -44,7 +37,7 @@ std::filesystem::path odd_file(const TemporaryFolder& folder) {
 }  // namespace
 
 TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const nlohmann::json document = info_json(odd_file(folder));
   CHECK(document.at("source").at("width") == 16);
   CHECK(document.at("source").at("height") == 8);
@@ -68,7 +61,7 @@ TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
 }
 
 TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "strip.pfm";
   write_pfm(file, 5, 30, grey_picture(5, 30, 3.0F));
   const nlohmann::json document = info_json(file);

@@ -1,13 +1,7 @@
 // `welkin bake --for unity, unreal, blender, godot, usd`: the lat-long is the source's own, and nothing is baked that
 // no file of the folder holds.
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <random>
-
 #include "places.h"
-#include "support/sharpness.h"
+#include "support/pictures.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
@@ -52,7 +46,7 @@ constexpr const char* kQuick = " --size 8 --no-previews ";
 }  // namespace
 
 TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's own pixels", "[tools][bake][lat_long]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const LatLongImage picture = noise(100, 50);
   const auto pfm = scratch.path() / "picture.pfm";
   write_environment(pfm, picture.view());
@@ -81,7 +75,7 @@ TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's o
 
 TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names and no other",
           "[tools][bake][lat_long]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   LatLongImage picture = noise(64, 32);
   picture.pixels[3 * 70] = std::numeric_limits<float>::quiet_NaN();
   picture.pixels[3 * 71 + 1] = 4096.0F;
@@ -108,7 +102,7 @@ TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names a
 
 TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan says so",
           "[tools][bake][lat_long][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto pass_of = [](const nlohmann::json& list, const std::string& name) {
     const auto found =
         std::find_if(list.begin(), list.end(), [&](const auto& pass) { return pass.at("name") == name; });
@@ -142,7 +136,7 @@ TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan s
 }
 
 TEST_CASE("The table of sharpness in docs/notes/measurements.md", "[.sharpness]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   for (const char* name : {"venice_sunset_1k.hdr", "potsdamer_platz_1k.hdr", "spruit_sunrise_4k.hdr"}) {
     const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
     if (!std::filesystem::exists(path)) continue;

@@ -1,8 +1,5 @@
 // Promises: the command takes and names files by any characters and of any length, and its output is UTF-8 with the
 // same bytes on every system.
-#include <filesystem>
-#include <string>
-
 #include "platform/text.h"
 #include "support/catch.h"
 #include "tools/command.h"
@@ -10,7 +7,7 @@
 namespace welkin::test {
 
 TEST_CASE("command: files whose names have characters of any language are written, read and named", "[command][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   // Of two, three and four bytes in UTF-8; the last is a pair in UTF-16.
   for (const char* const name : {"H\xC3\xB6he.pfm", "\xE5\xA4\xA9\xE7\xA9\xBA.pfm", "\xF0\x9F\x8C\x84 sunrise.pfm"}) {
     CAPTURE(name);

@@ -1,6 +1,4 @@
 // Which files of a folder `welkin bake` and `welkin importance` replace and remove: those that they wrote themselves.
-#include <fstream>
-
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 
@@ -10,10 +8,6 @@ using namespace welkin::test;
 namespace {
 
 constexpr const char* kSmall = " --size 8 --irradiance 4 --brdf 8 --no-previews ";
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 std::string bake_line(const std::filesystem::path& folder, const std::string& options = "") {
   return "bake --sky" + std::string(kSmall) + options + " -o " + quoted(folder);
@@ -42,7 +36,7 @@ void check_refused(const std::string& line, const std::filesystem::path& folder,
 }  // namespace
 
 TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "[tools][bake][own_files]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "web";
   std::filesystem::create_directory(folder);
   for (const char* text : {R"({"name": "My app", "icons": []})", "", "{", R"({"welkin": 1, "files": []})",
@@ -59,7 +53,7 @@ TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "
 }
 
 TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][bake][own_files][posix][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky") + kSmall);
   for (const char* name : {"irradiance.ktx2", "sh.json", "manifest.json"}) {
@@ -80,7 +74,7 @@ TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][b
 }
 
 TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][own_files][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   std::filesystem::create_directory(folder);
   for (const char* name : {"sh.json", "background.ktx2"}) {
@@ -99,7 +93,7 @@ TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][
 }
 
 TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bake][own_files][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --for unreal") + kSmall);
   // As a killed bake with --formats ktx2 leaves it: with a list of what it replaces, and no manifest.
@@ -117,7 +111,7 @@ TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bak
 
 TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if it is as it was",
           "[tools][bake][own_files][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky") + kSmall);
   const CommandResult result = run_welkin(bake_line(folder, "--for three"));
@@ -150,7 +144,7 @@ TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if
 
 TEST_CASE("bake: a manifest that lies makes it remove nothing that is not a bake's",
           "[tools][bake][own_files][posix]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   const auto outside = scratch.path() / "background.dds";
   std::filesystem::create_directory(folder);

@@ -1,7 +1,4 @@
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "places.h"
 #include "support/catch.h"
@@ -15,11 +12,6 @@ namespace {
 
 /// Small enough for a test: one pass at the tests' scale.
 const std::string kTiny = "report --scale tiny --no-peers --passes irradiance ";
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 CommandResult run_well(const std::string& arguments) {
   CommandResult result = run_welkin(arguments);
@@ -40,15 +32,15 @@ void require_refused(const std::string& arguments, int exit_code, const std::str
 }  // namespace
 
 TEST_CASE("report: a page and figures", "[tools][report]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string base = (folder.path() / "r").string();
   const CommandResult result = run_well(kTiny + "-o " + base + ".html --json " + base + ".json --csv " + base + ".csv");
   CHECK(contains(result.output, "Which setting to take"));
   CHECK(contains(result.output, base + ".html"));
-  CHECK(contains(text_of(base + ".html"), "<!DOCTYPE html>"));
-  CHECK(contains(text_of(base + ".html"), "Irradiance by bands"));
-  CHECK(contains(text_of(base + ".csv"), "irradiance,harmonics,3 bands,,"));
-  const auto figures = nlohmann::json::parse(text_of(base + ".json"));
+  CHECK(contains(read_text(base + ".html"), "<!DOCTYPE html>"));
+  CHECK(contains(read_text(base + ".html"), "Irradiance by bands"));
+  CHECK(contains(read_text(base + ".csv"), "irradiance,harmonics,3 bands,,"));
+  const auto figures = nlohmann::json::parse(read_text(base + ".json"));
   CHECK(figures.at("format") == "welkin report");
   CHECK(figures.at("machine").at("threads") == 1);
   REQUIRE(figures.at("measurements").size() > 5);
@@ -60,10 +52,10 @@ TEST_CASE("report: a page and figures", "[tools][report]") {
 }
 
 TEST_CASE("report: reflections from the integral to the loosest bound, in first calls too", "[tools][report][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path csv = folder.path() / "r.csv";
   run_well("report --scale tiny --no-peers --passes prefilter-cube --csv " + quoted(csv));
-  const std::string figures = text_of(csv);
+  const std::string figures = read_text(csv);
   for (const char* setting : {"bound 3 %", "bound 0.1 %", "bound 0.01 %"}) {
     CHECK(contains(figures, std::string("prefilter-cube,automatic,") + setting + ",,"));
     CHECK(contains(figures, std::string("prefilter-cube,automatic,") + setting + ",first call of a process,"));
@@ -72,11 +64,11 @@ TEST_CASE("report: reflections from the integral to the loosest bound, in first 
 }
 
 TEST_CASE("report: two reports have the same errors, and are compared", "[tools][report][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string old = quoted(folder.path() / "old.json");
   run_well(kTiny + "--json " + old);
   require_refused("report --quick --against " + old, 2, "--scale tiny");
-  auto elsewhere = nlohmann::json::parse(text_of(folder.path() / "old.json"));
+  auto elsewhere = nlohmann::json::parse(read_text(folder.path() / "old.json"));
   elsewhere["environment"] = "a hall";
   std::ofstream(folder.path() / "elsewhere.json") << elsewhere;
   require_refused(kTiny + "--against " + quoted(folder.path() / "elsewhere.json"), 2, "a report on a hall");
@@ -84,9 +76,9 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
       run_well(kTiny + "--threads 2 -o " + quoted(folder.path() / "new.html") + " --against " + old);
   CHECK(contains(again.output, "none is worse"));
   CHECK(contains(again.output, "threads or clocks differ"));
-  CHECK(contains(text_of(folder.path() / "new.html"), "Against the older report"));
+  CHECK(contains(read_text(folder.path() / "new.html"), "Against the older report"));
 
-  auto figures = nlohmann::json::parse(text_of(folder.path() / "old.json"));
+  auto figures = nlohmann::json::parse(read_text(folder.path() / "old.json"));
   for (auto& one : figures.at("measurements")) {
     if (one.at("setting") == "2 bands") one["error_rms"] = 0.5 * one.at("error_rms").get<double>();
   }
@@ -99,7 +91,7 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
 }
 
 TEST_CASE("report: what cannot be done is refused before any work", "[tools][report]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   require_refused("report --scale huge", 2, "--scale");
   require_refused("report --quick --scale tiny", 2, "--scale");
   require_refused("report --passes nonsense", 2, "nonsense");
@@ -119,7 +111,7 @@ TEST_CASE("report: what cannot be done is refused before any work", "[tools][rep
 
 TEST_CASE("The report's program is found beside the command, then on the PATH; without it the command says so",
           "[command][report]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path built = WELKIN_COMMAND;
   const std::filesystem::path copy = folder.path() / "welkin";
   std::filesystem::copy_file(built, copy);

@@ -1,10 +1,4 @@
 // Promises: `welkin sample` makes an environment like a photograph's in range, out of nothing, the same everywhere.
-#include <algorithm>
-#include <cstddef>
-#include <cstring>
-#include <string>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"

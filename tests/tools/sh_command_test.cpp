@@ -1,14 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
-#include <iterator>
-#include <limits>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "support/catch.h"
 #include "tools/command.h"
@@ -96,7 +85,7 @@ TEST_CASE("sh --json: the built-in sky to the last bit", "[tools][slow]") {
 }
 
 TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "odd.pfm";
   std::vector<float> rgb = grey_picture(16, 8, 1.0F);
   rgb[0] = std::numeric_limits<float>::quiet_NaN();
@@ -172,7 +161,7 @@ bool run_shell(const std::string& command) { return std::system(command.c_str())
 
 // What a C program that includes the header prints for `expression`s, one a line.
 std::string printed_by_c(const std::string& header, const std::string& expressions) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   std::ofstream(folder.path() / "light.h") << header;
   std::ofstream(folder.path() / "main.c") << "#include \"light.h\"\n#include \"light.h\"\n#include <stdio.h>\n"
                                           << "int main(void) {\n"
@@ -263,7 +252,7 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
     check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_in_place(light, Engine::welkin));
     CHECK(contains(result.output, "vec3 diffuse_light(vec3 n) {"));
     if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
-    const TemporaryFolder folder;
+    const TemporaryDirectory folder;
     for (const char* const version : {"330", "300 es\nprecision highp float;"}) {
       std::ofstream(folder.path() / "light.frag") << "#version " << version << '\n'
                                                   << result.output
@@ -325,7 +314,7 @@ TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by
 }
 
 TEST_CASE("convert: the map without its sun, plus the sun that is reported, is the map", "[tools][convert]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto sky = folder.path() / "sky.pfm";
   const auto rest = folder.path() / "rest.pfm";
   std::vector<float> pixels = grey_picture(128, 64, 0.5F);
@@ -397,7 +386,7 @@ TEST_CASE("sh: what cannot be turned is refused", "[tools]") {
   CHECK(run_welkin("sh --sky --rotation 1,2,3").exit_code == 2);
   CHECK(run_welkin("sh --sky --yaw nan").exit_code == 2);
   CHECK(run_welkin("sh --sky --for godzilla").exit_code == 2);
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto path = folder.path() / "faces.pfm";
   write_pfm(path, 4, 24, uneven_strip(4));
   const CommandResult blender = run_welkin("sh --from blender " + quoted(path));

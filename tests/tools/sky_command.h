@@ -1,10 +1,6 @@
 // Runs `welkin sky` with tables that are quickly made.
 #pragma once
 
-#include <glm/vec3.hpp>
-#include <memory>
-#include <string>
-
 #include "support/catch.h"
 #include "tools/command.h"
 #include "welkin/image.h"

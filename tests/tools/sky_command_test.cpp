@@ -1,10 +1,5 @@
 #include "tools/sky_command.h"
 
-#include <filesystem>
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
@@ -191,7 +186,7 @@ TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
 }
 
 TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string out = quoted(folder.path() / "out");
   const std::string day = "--sweep " + quoted(folder.path() / "day.png");
   for (const std::string& arguments : {std::string("--size 64"),
@@ -241,7 +236,7 @@ std::string tables_action(const nlohmann::json& document) {
 }  // namespace
 
 TEST_CASE("sky: tables are saved, and used again for any sun and height", "[tools][sky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "earth.sky";
   const std::string tables = "--tables " + quoted(file);
   const nlohmann::json first = sky_json("--sun-elevation 20 " + tables);
@@ -259,7 +254,7 @@ TEST_CASE("sky: tables are saved, and used again for any sun and height", "[tool
 }
 
 TEST_CASE("sky: tables of another sky are made anew, and replace those in the file", "[tools][sky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string tables = "--sun-elevation 20 --tables " + quoted(folder.path() / "some.sky");
   sky_json(tables);
   for (const char* other : {"--ground-albedo 0.5 ", "--preset mars ", "--until-change 0.5 ", "--layout compact ", ""}) {
@@ -272,7 +267,7 @@ TEST_CASE("sky: tables of another sky are made anew, and replace those in the fi
 }
 
 TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky][posix]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "broken.sky";
   const std::string tables = kSmallSky + "--tables " + quoted(file);
   std::ofstream(file) << "my holiday pictures\n";

@@ -1,6 +1,3 @@
-#include <fstream>
-#include <glm/geometric.hpp>
-#include <sstream>
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -29,7 +26,7 @@ nlohmann::json bake_sky(const std::filesystem::path& folder, const std::string& 
 }  // namespace
 
 TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake][slow]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto sky = scratch.path() / "sky";
   const auto baked = scratch.path() / "baked";
   for (const std::string& engine : {std::string(), std::string("--for unreal ")}) {
@@ -54,7 +51,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
 }
 
 TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake]") {
-  const TemporaryFolder scratch;
+  const TemporaryDirectory scratch;
   const auto out = scratch.path() / "out";
   const auto tables = small_sky();
   const SkyView view(tables, 0.0);
@@ -119,7 +116,7 @@ std::vector<double> elevations(const std::string& text) {
 }  // namespace
 
 TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "day.png";
   struct Case {
     const char* arguments;
@@ -171,7 +168,7 @@ nlohmann::json same_light(const nlohmann::json& document) {
 }  // namespace
 
 TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "air.json";
   for (const char* preset : {"earth", "dusty", "earth-bruneton", "earth-hillaire", "mars", "no-aerosol"}) {
     INFO(preset);
@@ -187,7 +184,7 @@ TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky][slo
 }
 
 TEST_CASE("sky: files that hold no air are refused", "[tools][sky][posix]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto file = folder.path() / "air.json";
   const auto refused = [&](const std::string& text, const std::string& message) {
     write(file, text);

@@ -1,7 +1,3 @@
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
 
 #include "places.h"
 #include "support/catch.h"
@@ -19,7 +15,7 @@ namespace {
 
 /// As it comes out of a terminal of its own: script(1) makes one.
 std::string on_terminal(const std::string& arguments, const std::string& environment = "") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto typed = folder.path() / "typed";
   const std::string command = environment + " TERM=xterm " + quoted(WELKIN_COMMAND) + " " + arguments;
   const CommandResult result =
@@ -52,7 +48,7 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
 }
 
 TEST_CASE("command: options may stand before their command", "[tools][posix][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string small = " --sky --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto baked = [&](const std::string& arguments, const char* name) {
     const CommandResult result = run_welkin(arguments, "cd " + quoted(folder.path()) + " &&");
@@ -69,7 +65,7 @@ TEST_CASE("command: options may stand before their command", "[tools][posix][slo
 TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
   const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
   CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string small = " --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto manifest = bake_into(folder.path() / "out", "--sky --formats KTX2,Exr --roughness Unity" + small);
   CHECK(manifest.at("options").at("roughness") == "unity");
@@ -77,7 +73,7 @@ TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
 }
 
 TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string bake =
       "bake --sky --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
   for (const std::string& quiet :
@@ -112,7 +108,7 @@ TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
 
 TEST_CASE("command: a terminal is told stage, share and time left", "[tools][slow]") {
   if (run_program("/usr/bin/env", "script --version").exit_code != 0) return;
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string slow =
       "bake --sky --size 8 --method reference --threads 1 --no-previews -o " + (folder.path() / "o").string();
   const std::string shown = on_terminal(slow);
@@ -128,7 +124,7 @@ TEST_CASE("command: a terminal is told stage, share and time left", "[tools][slo
 // Promise: - is standard input and output, with the results of files.
 
 TEST_CASE("command: - reads standard input", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto in = folder.path() / "in.pfm";
   std::vector<float> pixels = grey_picture(32, 16, 1.0F);
   pixels[77] = 9.0F;
@@ -155,7 +151,7 @@ TEST_CASE("command: - reads standard input", "[tools]") {
 }
 
 TEST_CASE("command: - writes standard output, and nothing else there", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto in = folder.path() / "in.pfm";
   write_pfm(in, 32, 16, grey_picture(32, 16, 0.5F));
   for (const std::string format : {"exr", "hdr", "pfm", "png"}) {
@@ -173,7 +169,7 @@ TEST_CASE("command: - writes standard output, and nothing else there", "[tools]"
 // Promise: shells and man know what the tables know.
 
 TEST_CASE("command: bash completes commands, options and words", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto script = folder.path() / "welkin.bash";
   std::ofstream(script) << run_welkin("completion bash").output;
   const auto completed = [&](const std::string& words, int last) {
@@ -198,7 +194,7 @@ TEST_CASE("command: zsh completes commands, options and words where there is a z
   CHECK(script.rfind("#compdef welkin", 0) == 0);
   CHECK(contains(script, "'--for["));
   CHECK(contains(script, "(welkin openexr babylon"));
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   std::ofstream(folder.path() / "_welkin") << script;
   const CommandResult checked = run_program("/usr/bin/env", "zsh -n " + quoted(folder.path() / "_welkin"));
   if (checked.exit_code == 127) {
@@ -219,7 +215,7 @@ TEST_CASE("command: zsh completes commands, options and words where there is a z
 }
 
 TEST_CASE("command: the manual page names every command and option", "[tools]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto page = folder.path() / "welkin.1";
   std::ofstream(page) << run_welkin("completion manual").output;
   const CommandResult shown = run_program("/usr/bin/env", "groff -man -Tascii -P-cbu -ww " + quoted(page));
@@ -238,7 +234,7 @@ TEST_CASE("command: the manual page names every command and option", "[tools]") 
 // Promise: what is written can be given away. It says nothing of the folders of the machine that wrote it.
 
 TEST_CASE("bake: no file that is written holds an absolute path", "[tools][bake]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto in = folder.path() / "city.pfm";
   write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
   const auto out = folder.path() / "out";
@@ -258,7 +254,7 @@ TEST_CASE("bake: no file that is written holds an absolute path", "[tools][bake]
 // Promise: what is baked for an engine has the roughness that its shader looks for.
 
 TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string small = " --irradiance 0 --no-brdf --no-previews ";
   const auto roughness = [&](const std::string& options) {
     std::vector<double> table;

@@ -1,8 +1,4 @@
 // Promises about the command and Windows' consoles: Ctrl-C and Ctrl-Break stop it as SIGINT does elsewhere.
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "places.h"
 #include "platform/windows_system.h"
 #include "support/catch.h"
@@ -15,7 +11,7 @@ TEST_CASE("command: Ctrl-Break stops a bake with the code of an interrupt and le
     WARN("there is no console here, and none can be made: no key can be pressed");
     return;
   }
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path input = folder.path() / "large.pfm";
   write_pfm(input, 2048, 1024, grey_picture(2048, 1024, 0.5F));
   const std::filesystem::path out = folder.path() / "out";

@@ -5,28 +5,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "places.h"
 #include "platform/file.h"
 #include "support/catch.h"
-#include "support/sanitized.h"
+#include "support/trials.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 
 namespace welkin::test {
 namespace {
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 bool has_temporary(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);
@@ -34,7 +21,7 @@ bool has_temporary(const std::filesystem::path& folder) {
 }
 
 /// A picture that takes seconds to bake.
-std::filesystem::path large_picture(const TemporaryFolder& folder) {
+std::filesystem::path large_picture(const TemporaryDirectory& folder) {
   const std::filesystem::path path = folder.path() / "large.pfm";
   write_pfm(path, 2048, 1024, grey_picture(2048, 1024, 0.5F));
   return path;
@@ -46,7 +33,7 @@ struct Ended {
 };
 
 /// Starts a bake into `folder`/out, sends it the signal after a while, and waits for its end.
-Ended bake_and_signal(const TemporaryFolder& folder, const std::filesystem::path& input, int signal) {
+Ended bake_and_signal(const TemporaryDirectory& folder, const std::filesystem::path& input, int signal) {
   const std::filesystem::path errors = folder.path() / "errors";
   const std::filesystem::path out = folder.path() / "out";
   const pid_t child = fork();
@@ -72,7 +59,7 @@ Ended bake_and_signal(const TemporaryFolder& folder, const std::filesystem::path
 
 TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no temporary file",
           "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path input = large_picture(folder);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Ended ended = bake_and_signal(folder, input, signal);
@@ -88,7 +75,7 @@ TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no tempo
 }
 
 TEST_CASE("A file that outgrows its limit ends the command by the error that names it", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path input = large_picture(folder);
   const std::filesystem::path out = folder.path() / "made.pfm";
   const CommandResult result = run_program(
@@ -101,7 +88,7 @@ TEST_CASE("A file that outgrows its limit ends the command by the error that nam
 }
 
 TEST_CASE("What killed runs left in a folder is tidied by the next one, and blocks none", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path out = folder.path() / "out";
   std::filesystem::create_directory(out);
   write_text(out / ".welkin-1-0.part", "left");
@@ -121,7 +108,7 @@ TEST_CASE("What killed runs left in a folder is tidied by the next one, and bloc
 }
 
 TEST_CASE("Files that options name are read once, so that pipes do, and are not written over", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string small = "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --json ";
   const std::filesystem::path out = folder.path() / "out";
   const std::string needs = R"({"background": false, "diffuse_bands": 2})";
@@ -141,7 +128,7 @@ TEST_CASE("Files that options name are read once, so that pipes do, and are not 
 }
 
 TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto refused = [](const std::filesystem::path& kept, const std::string& arguments) {
     const std::string before = file_text(kept);
     const CommandResult result = run_welkin("convert " + arguments);
@@ -166,7 +153,7 @@ TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]"
 
 TEST_CASE("Two bakes into one folder come one after the other, and caches keep none of the other's files",
           "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path input = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(input)).exit_code == 0);
   const auto bake = [&](const std::string& size, const std::string& out) {
@@ -200,7 +187,7 @@ TEST_CASE("Two bakes into one folder come one after the other, and caches keep n
 }
 
 TEST_CASE("A bake that waits for another in its folder ends by a signal", "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path out = folder.path() / "out";
   std::filesystem::create_directory(out);
   platform::FolderLock other(out);
@@ -217,7 +204,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
 }
 
 TEST_CASE("Standard streams that the caller has closed become nobody's", "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const auto run = [&](const std::string& command, const std::string& closed) {
     write_text(folder.path() / "run.sh", "exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
     return run_program("/bin/sh", quoted(folder.path() / "run.sh"));
@@ -241,7 +228,7 @@ TEST_CASE("Standard streams that the caller has closed become nobody's", "[comma
 }
 
 TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path input = folder.path() / "in.pfm";
   const std::filesystem::path pipe = folder.path() / "pipe";
   write_pfm(input, 8, 4, grey_picture(8, 4, 0.5F));
@@ -264,7 +251,7 @@ TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
 }
 
 TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky][slow]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path pipe = folder.path() / "pipe";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   for (const std::string& command :
@@ -279,7 +266,7 @@ TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky
 }
 
 TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const CommandResult printed = run_welkin("sky --print-atmosphere");
   REQUIRE(printed.exit_code == 0);
   const std::filesystem::path out = folder.path() / "out";
@@ -306,7 +293,7 @@ TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
 }
 
 TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::filesystem::path bright = folder.path() / "bright.pfm";
   write_pfm(bright, 8, 4, grey_picture(8, 4, 3e38F));
   const CommandResult header = run_welkin("sh --format c " + quoted(bright));
@@ -339,7 +326,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
 }
 
 TEST_CASE("Memory is refused by the header, before pixels are read, with a remedy that helps", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   // Its pixels are not there, so that reading them would be another error.
   const std::filesystem::path large = folder.path() / "large.pfm";
   write_text(large, "PF\n16384 8192\n-1.0\n");
@@ -369,7 +356,7 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
 }
 
 TEST_CASE("Control characters in names of files never reach a terminal", "[command][unlucky]") {
-  const TemporaryFolder folder;
+  const TemporaryDirectory folder;
   const std::string name =
       "a\x1b[31m\x07\xc2\x9b"
       "2J\nb\x9b\xe2\x80\xae\xed\xa0\x80\xc3\xa9";

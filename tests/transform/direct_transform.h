@@ -1,14 +1,8 @@
 // The spherical harmonic transform by its definition, in double: slow, and sharing no table with the fast one.
 #pragma once
 
-#include <cmath>
-#include <complex>
-#include <cstddef>
-#include <cstdint>
-#include <numbers>
-#include <vector>
-
 #include "math/quadrature.h"
+#include "support/catch.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
 

@@ -1,15 +1,4 @@
 // The fast transform between grids and hundreds of bands, and the Fourier transforms of its rings.
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <cstdint>
-#include <glm/geometric.hpp>
-#include <numbers>
-#include <stop_token>
-#include <utility>
-#include <vector>
-
 #include "math/quadrature.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"

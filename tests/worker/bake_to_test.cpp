@@ -1,18 +1,7 @@
 // Bakes into the caller's memory, as requests: whose bits they write, and what is written if there is no result.
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "bake/baked.h"
 #include "support/catch.h"
-#include "support/gate.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/test_environments.h"
 #include "welkin/worker.h"
 

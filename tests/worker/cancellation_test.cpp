@@ -1,17 +1,7 @@
 // Jobs that are given up, and the progress of those that are not.
-
-#include <atomic>
-#include <limits>
-#include <optional>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "jobs/tiles.h"
 #include "support/catch.h"
-#include "support/gate.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

@@ -1,22 +1,12 @@
 // Whatever goes wrong in a job arrives as its error, a lack of memory as well.
-
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/detached.h"
-#include "support/gate.h"
 #include "support/heap.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/same_bits.h"
-#include "support/sanitized.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/worker.h"

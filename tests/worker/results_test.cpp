@@ -1,25 +1,14 @@
 // Results of a worker: the direct call's bits, moved and not copied, hot loops without allocations.
-
 #include <tbb/task_arena.h>
-
-#include <atomic>
-#include <functional>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "bake/baked.h"
 #include "support/catch.h"
-#include "support/detached.h"
-#include "support/gate.h"
 #include "support/heap.h"
-#include "support/lent.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/same_bits.h"
-#include "support/sanitized.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
+#include "support/trials.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"

@@ -1,19 +1,10 @@
 // Promise: `terminate()` and the destructor leave no thread, no task and no broken promise, wherever they are called.
-
 #include <tbb/parallel_for.h>
 
-#include <atomic>
-#include <functional>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/gate.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/process_threads.h"
-#include "support/sanitized.h"
+#include "support/trials.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

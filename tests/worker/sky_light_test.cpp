@@ -1,21 +1,9 @@
 // Promise: a dynamic sky does what a change asks for and no more, never holds up a frame, and lets nothing pop.
-
 #include "welkin/sky_light.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstring>
-#include <glm/geometric.hpp>
-#include <memory>
-#include <stdexcept>
-#include <thread>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/gate.h"
 #include "support/heap.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"

@@ -1,12 +1,6 @@
 // What is posted and what is held: sources, the pixels behind them, handles of jobs.
-
-#include <memory>
-#include <string>
-#include <utility>
-
 #include "support/catch.h"
-#include "support/gate.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"

@@ -2,35 +2,14 @@
 // error that was asked for, every callback and coroutine is called or freed, and nothing hangs.
 //
 // WELKIN_STRESS_SEED=n repeats what a run chose; how its threads took turns cannot be repeated.
-
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <mutex>
-#include <random>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/detached.h"
-#include "support/gate.h"
-#include "support/lent.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/process_threads.h"
-#include "support/sanitized.h"
 #include "support/test_environments.h"
+#include "support/trials.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

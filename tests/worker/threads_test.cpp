@@ -6,26 +6,9 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cctype>
-#include <deque>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/detached.h"
-#include "support/gate.h"
 #include "support/heap.h"
-#include "support/lent.h"
-#include "support/outcome.h"
+#include "support/jobs.h"
 #include "support/process_threads.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"

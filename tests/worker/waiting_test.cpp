@@ -2,16 +2,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <atomic>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
-#include "support/gate.h"
-#include "support/lent.h"
-#include "support/outcome.h"
-#include "support/sanitized.h"
+#include "support/jobs.h"
+#include "support/trials.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

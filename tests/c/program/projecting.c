@@ -29,26 +29,7 @@ static void cubemaps(void) {
   check_uniform_light(&light, 3);
   CHECK(light.texels == 6 * 16 * 16);
   CHECK(light.struct_size == sizeof light);
-
-  const welkin_pixel_policy policy = {.struct_size = sizeof policy, .clamp_maximum = 2.0F};
-  welkin_projection_options options = {.struct_size = sizeof options, .bands = 16, .pixels = &policy};
-  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, &options, NULL, &light));
-  CHECK(light.bands == 16);
-  CHECK(light.texels_clamped == 6 * 16 * 16);
-  CHECK(close_to(light.total_radiance[2], 4.0 * pi * 2.0, 1e-5));
-  CHECK(close_to(light.total_radiance_before_clamp[2], 4.0 * pi * 3.0, 1e-5));
   free(pixels_of(&cubemap));
-}
-
-static void mip_chains(void) {
-  welkin_environment mips[2] = {uniform_cubemap(16, 9.0F, 9.0F, 9.0F), uniform_cubemap(8, 1.0F, 2.0F, 3.0F)};
-  const welkin_projection_options options = {.struct_size = sizeof options, .target_size = 8};
-  welkin_projection light = {.struct_size = sizeof light};
-  CHECK_STATUS(WELKIN_OK, welkin_project(mips, 2, &options, NULL, &light));
-  check_uniform_light(&light, 3);
-  CHECK(light.texels == 6 * 8 * 8);
-  free(pixels_of(&mips[0]));
-  free(pixels_of(&mips[1]));
 }
 
 static void lat_longs(void) {
@@ -89,30 +70,8 @@ static void files(void) {
   check_uniform_light(&light, 3); /* a call that fails writes nothing */
 }
 
-static void conversions(void) {
-  welkin_environment cubemap = uniform_cubemap(4, 1.0F, 2.0F, 3.0F);
-  welkin_projection light = {.struct_size = sizeof light};
-  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &light));
-  free(pixels_of(&cubemap));
-
-  welkin_engine_light form = {.struct_size = sizeof form};
-  CHECK_STATUS(WELKIN_OK,
-               welkin_engine_light_from_radiance(light.bands, light.coefficients, WELKIN_ENGINE_THREE, 0, &form));
-  CHECK(form.engine == WELKIN_ENGINE_THREE && form.term_count == 9 && form.vector_count == 0);
-  CHECK(form.terms[0][2] == light.coefficients[2]);
-
-  /* The irradiance of a uniform environment is pi times its radiance; in place. */
-  CHECK_STATUS(WELKIN_OK, welkin_irradiance_from_radiance(light.bands, light.coefficients, light.coefficients));
-  const double up[3] = {0.0, 1.0, 0.0};
-  double irradiance[3];
-  CHECK_STATUS(WELKIN_OK, welkin_evaluate(light.bands, light.coefficients, up, irradiance));
-  for (int channel = 0; channel < 3; ++channel) CHECK(close_to(irradiance[channel], pi * (channel + 1), 1e-5));
-}
-
 void projecting(void) {
   cubemaps();
-  mip_chains();
   lat_longs();
   files();
-  conversions();
 }

@@ -1,0 +1,265 @@
+// What welkin_perf measures: benchmarks that are registered, named Subject/variant/size/threads, tables of errors, and
+// what both work on.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include "perf/report/measuring.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+#include "welkin/requests.h"
+#include "welkin/sky.h"
+#include "welkin/worker.h"
+
+namespace welkin::perf {
+
+using report::name;
+using report::number;
+
+using Paths = std::vector<std::filesystem::path>;
+
+/// The words after a mode: options, `--name` or `--name=value`, and files. Throws `Error` (invalid_argument) for an
+/// option that is not among `known`.
+class Arguments {
+ public:
+  Arguments(const Paths& words, const std::vector<std::string>& known);
+
+  Paths files;
+
+  [[nodiscard]] bool has(const std::string& option) const { return values_.contains(option); }
+  [[nodiscard]] std::string text(const std::string& option, const std::string& otherwise = "") const;
+  [[nodiscard]] double value(const std::string& option, double otherwise) const;
+  [[nodiscard]] int count(const std::string& option, int otherwise) const;
+  [[nodiscard]] std::vector<std::string> list(const std::string& option, const std::string& otherwise = "") const;
+
+ private:
+  std::map<std::string, std::string> values_;
+};
+
+/// A table as Markdown, row by row.
+class Table {
+ public:
+  explicit Table(const std::vector<std::string>& heads);
+
+  void add(const std::vector<std::string>& cells);
+  [[nodiscard]] bool empty() const { return rows_ == 0; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  int rows_ = 0;
+};
+
+/// Memory for the chains of `count` probes of `size`, as halves, mip after mip.
+struct ProbeTargets {
+  ProbeTargets(std::size_t count, int size, int mips);
+
+  std::vector<std::byte> memory;
+  std::vector<CubemapTarget> targets;
+};
+
+/// The values of a level's six faces.
+[[nodiscard]] std::span<const float> values_of(const Cubemap& chain, int level);
+
+/// A cubemap of positive noise, kept until another format or size is asked for: the largest takes 400 MB.
+[[nodiscard]] CubemapView noise_cubemap(PixelFormat format, int size);
+
+/// A lat-long of positive noise, likewise.
+[[nodiscard]] LatLongView noise_lat_long(PixelFormat format, int width, int height);
+
+/// Registers a benchmark that runs `body` once an iteration in an arena of `threads` threads, by wall
+/// time, and reports nanoseconds a texel and gigabytes a second.
+void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
+                   double texels, double bytes, const std::function<std::function<void()>()>& prepare);
+
+// A made-up sky that packers and encoders have as much to do with as with a photograph.
+
+struct SkyPictureOptions {
+  double grain = 0.1;    ///< noise from 0 to this, beside a sky of 1
+  double ripples = 0.1;  ///< of fine clouds
+  bool tinted = false;   ///< colours change from place to place, and grain is grey: else all has one colour
+  double sun = 0.0;      ///< radiance of a disc of four texels; 0: none
+};
+
+/// A sky over ground with clouds, 1024 x 512.
+[[nodiscard]] LatLongImage sky_picture(const SkyPictureOptions& options = {});
+
+/// Default tables of Bruneton's Earth, two orders; made once.
+[[nodiscard]] std::shared_ptr<const SkyTables> earth_tables();
+
+/// The file of that name in a folder of this run's own, made by `write(path)` if it is not there. The folder is gone
+/// when the program ends.
+[[nodiscard]] std::filesystem::path scratch_file(const std::string& name,
+                                                 const std::function<void(const std::filesystem::path&)>& write);
+
+[[nodiscard]] inline double seconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+class Samples {
+ public:
+  void add(std::chrono::nanoseconds time) { times_.push_back(time); }
+
+  [[nodiscard]] bool empty() const { return times_.empty(); }
+
+  /// The time that `share` of the samples do not exceed: 0.5 is the median, 1 the maximum.
+  [[nodiscard]] std::chrono::nanoseconds quantile(double share) const;
+  [[nodiscard]] double microseconds(double share) const { return 1e6 * seconds(quantile(share)); }
+
+  /// As the counters median_us, p99_us and max_us.
+  void report(benchmark::State& state) const;
+
+ private:
+  std::vector<std::chrono::nanoseconds> times_;
+};
+
+using Clock = std::chrono::steady_clock;
+
+/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
+[[nodiscard]] WorkerOptions worker_options(int threads);
+
+/// A request that does nothing. (It has no ==, so that none stands in for another.)
+struct Nothing {
+  void operator()(const Control& /*control*/) const {}
+};
+
+/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
+void stay_busy(std::chrono::nanoseconds time);
+
+/// `[--runs=N] LATLONG`: a table of warm processor milliseconds on one thread, by subject and `rms_error`, each the
+/// least of N calls (20): default and short chains of cubemaps and of the lat-long itself, sheen, irradiance, and 64
+/// probes of halves in one call.
+[[nodiscard]] std::string bounds_table(const Paths& arguments);
+
+/// EncodeBc6h/fast|normal|slow/<size>/<threads>: the prefiltered chain of a sky with a sun and noise.
+/// DecodeBc6h/halves/<size>/<threads>.
+void add_bc6h(const std::vector<int>& thread_counts);
+
+/// The table of docs/notes/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
+/// the error of each mip and of all, and the largest bias of a mip's mean, of BC6H and ASTC at each effort.
+[[nodiscard]] std::string block_error_table(const Paths& files);
+
+/// CancelRunning/REQUEST/SIZE/THREADS: from `cancel()` of a running job, at moments spread over its whole length, to
+/// its future being ready. Beside it, from calls alone on one thread, what bounds it: `tile_us` and `longest_tile_us`,
+/// the median and the longest time between two tiles' ends; `first_tile_us`, from the call to the first tile's end
+/// (opening a file, tables); `last_us`, from the last tile's end to the call's; and `whole_ms`. `worst_at` is the
+/// moment of the cancel that took longest, as a share of the job's length.
+void add_cancel_latency(const std::vector<int>& thread_counts);
+
+/// Runs each operation in processes of its own and returns a Markdown table per number of threads: times of the first,
+/// second and last call, the fastest one after the first, page faults, and resident memory; then whole processes of
+/// `welkin bake`, if that program lies beside `program`, which is this one. Arguments: `--threads=1,2` (default 1),
+/// `--runs=N` processes per row (default 3; each number is its least), `--only=WORD` for names that contain it,
+/// `--processor` for processor time of the calling thread where other programs use the machine, and a lat-long file in
+/// place of the built-in environment.
+[[nodiscard]] std::string cold_tables(const std::filesystem::path& program, const Paths& arguments);
+
+/// The child process of a row. Arguments: operation, folder of pixels, threads, clock. Returns what it measured as one
+/// line.
+[[nodiscard]] std::string cold_calls(const Paths& arguments);
+
+/// Command/<bake or bake-again>/<size>/<threads>: `welkin bake` of a picture of 1024 x 512 with all its default files;
+/// "again" finds them in a cache. A texel is one of the picture.
+void add_command(const std::vector<int>& thread_counts);
+
+/// `[COUNT] [--seed=N] [--rms-error=X] [PICTURE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
+/// random environments (10 000), of which a fifth are of the pictures if there are any. After each 500 the table so far
+/// goes to standard error.
+[[nodiscard]] std::string estimate_table(const Paths& arguments);
+
+/// Markdown tables for the environments in `files`: how far the irradiance cubemap of a bake is from direct cosine
+/// integration, from three bands and by default, how far the irradiance of some bands is from direct cosine
+/// integration, the least irradiance of three bands with each window, and for environments with a sun the first errors
+/// beside those with the sun as a directional light. Every number is the same on every machine.
+[[nodiscard]] std::string irradiance_error_tables(const Paths& files);
+
+/// Prefilter/METHOD/SIZE/THREADS: the whole chain of a cubemap, roughness k / (mips - 1), from a 1024 x 512 lat-long of
+/// noise; and Prefilter/spectral-bright, the same with a sun of 1e6 in one texel. Sampled: importance sampling by 64
+/// samples, which is not the library's. Sheen is a chain of five Charlie lobes. Octahedral/chain/SIZE/THREADS: five
+/// levels of a map of so many texels.
+void add_prefilter(const std::vector<int>& thread_counts);
+
+/// The tables of docs/maths/reflections.md: for each lat-long of `files`, and each made-up one where an entry says
+/// "--synthetic", the error and time of each method's mips against the integral in double, at `--texels=N` (256)
+/// texels a mip, or all if there are fewer. "--size=N": texels along an edge of mip 0 (512). "--methods=A,B": which
+/// (automatic).
+[[nodiscard]] std::string prefilter_error_tables(const Paths& files);
+
+/// Previews/<spheres>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the pictures.
+void add_previews(const std::vector<int>& thread_counts);
+
+/// Benchmarks Probes/VARIANT/64x10000/threads.
+void add_probes(const std::vector<int>& thread_counts);
+
+/// ProjectCubemap/FORMAT/SIZE/THREADS with default options; the same with other options, formats and
+/// instruction sets at a few sizes; ProjectMany, in one call and in single ones; and ReferenceTwin, the readable scalar
+/// version.
+void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& thread_counts);
+
+/// ProjectFile/FORMAT/2048x1024/THREADS: from a file in the page cache to coefficients, decoding overlapped. And
+/// ReadFile for the same file's bytes, read and looked at once: the floor.
+void add_project_file(const std::vector<int>& thread_counts);
+
+/// ProjectLatLong/FORMAT/4096x2048/THREADS.
+void add_project_lat_long(const std::vector<int>& thread_counts);
+
+/// ReadBandwidth/FORMAT/SIZE/THREADS for cubemaps of each size, and for a lat-long of 4096 x 2048.
+void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts);
+
+void add_resampling(const std::vector<int>& thread_counts);
+
+/// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
+/// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
+///   a cache; the first time, stored in memory or in a folder too; found in memory, on disk; with another last mip.
+/// - Cache/hash: the lat-long's hash alone.
+/// - Cache/cubemap-...: three bands of a cubemap of 1024: hashed, projected, one face of it, and the sum of all faces.
+void add_result_cache();
+
+/// The tables of docs/maths/sky.md, as Markdown: errors of precomputed skies against the truth in double. Options
+/// choose:
+/// "--radiance" (single scattering by table size and sun), "--orders" (orders 2 to 4 as harmonics against path
+/// tracing), "--methods" (nine coefficients of singly scattered light by every method and sun, against the truth and
+/// the converged integral, and lines of tabs for scripts/plot-sky-errors); none: all. "--directions=N" (400),
+/// "--paths=N" (4000000),
+/// "--altitude=METRES" (0).
+[[nodiscard]] std::string sky_error_tables(const Paths& options);
+
+/// SkyTables/LAYOUT/ORDERS/THREADS: precomputing an Earth of the usual sizes (compact: 32 x 64 x 32), all tables.
+/// SkyTransmittance/table/64x256/1: what one order of the smallest scattering table takes, nearly all of it lengths.
+void add_sky_tables(const std::vector<int>& thread_counts);
+
+/// SkyRadiance, SkyView, SkyCubemap, SkyLatLong, SkySpecular.
+void add_sky_views(const std::vector<int>& thread_counts);
+
+/// Runs the registered benchmarks and prints the usual table and, when all has run, how each projection's time compares
+/// with ReadBandwidth's for the same bytes, those passes' rates that read and write with CopyBandwidth's, and two
+/// threads' times with one's. Of repetitions the fastest counts.
+void run_benchmarks();
+
+/// Runs the benchmarks that the page shows (they are registered, and Google Benchmark is initialised) and returns the
+/// page as Markdown. Of repetitions the fastest counts. Names of running benchmarks go to standard error.
+[[nodiscard]] std::string speed_page();
+
+/// Tables by which path tracers pick directions, of a picture of 4096 x 2048, into memory that is there.
+void add_importance(const std::vector<int>& thread_counts);
+
+/// PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's thread;
+/// the worker has just finished a job (warm) or has been asleep for a while. Without a priority in the name, threads
+/// are of normal priority.
+///
+/// PostToResult/HOW/SIZE/THREADS: from the call of `post` with a cubemap of SIZE texels an edge to its result in the
+/// caller's hands, which waits on the future or polls; back to back, or after a frame's pause. Beside it `sync_us`, the
+/// call of `project` in an arena of as many threads, in turn with the posts, and `overhead_us`, what posting takes
+/// longer: medians, and the fastest of each. Large cubemaps vary by more than that from call to call: `outside_us` is
+/// the part of each post that is not in the request, `to_start_us` before and `to_caller_us` after it (medians).
+void add_worker_latency(const std::vector<int>& thread_counts);
+
+/// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, others, and BRDF tables.
+/// - Bake/512: cubemap (mip 0), prefiltered mips 1.., 64-texel irradiance, 64 x 64 BRDF table, into new memory; the
+///   table from the cache. `-again`: into the memory of the last. `-cold-brdf`: the table is made each time.
+///   `-background`: with a background cubemap of its own and its mips as well. `-sun`: of a picture with a sun.
+///   Bake/N/WxH: a chain of N from W x H, into the memory of the last.
+/// - BrdfTable/split_sum/64: made, without the cache; `-sheen` with the third channel.
+void add_bakes(const std::vector<int>& thread_counts);
+
+}  // namespace welkin::perf

@@ -1,0 +1,245 @@
+#include "welkin/projection.h"
+
+#include "files/row_source.h"
+#include "image/image_kernels.h"
+#include "jobs/tiles.h"
+#include "perf.h"
+#include "reference/reference_projection.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+
+namespace welkin::perf {
+namespace {
+
+double texels_of(int size) { return 6.0 * size * size; }
+
+void add(const std::string& variant, PixelFormat format, int size, int threads, const ProjectionOptions& options) {
+  const double bytes = texels_of(size) * static_cast<double>(bytes_per_texel(format));
+  add_benchmark("ProjectCubemap", variant, std::to_string(size), threads, texels_of(size), bytes,
+                [=]() -> std::function<void()> {
+                  const CubemapView view = noise_cubemap(format, size);
+                  return [=] { benchmark::DoNotOptimize(project(view, options)); };
+                });
+}
+
+void add_instruction_set(InstructionSet set, int size) {
+  const double bytes = texels_of(size) * 12.0;
+  add_benchmark("ProjectCubemap", std::string("rgb32f-") + name(set), std::to_string(size), 1, texels_of(size), bytes,
+                [=]() -> std::function<void()> {
+                  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
+                  return [=] {
+                    const InstructionSet before = active_instruction_set();
+                    force_instruction_set(set);
+                    benchmark::DoNotOptimize(project(view));
+                    force_instruction_set(before);
+                  };
+                });
+}
+
+/// `count` probes of 64 halves, 64 different ones over and over: in one call, or in a call for each, on one thread or
+/// as tasks of our own.
+void add_many(int count, int threads) {
+  constexpr int kSize = 64;
+  constexpr std::size_t kDifferent = 64;
+  const double texels = texels_of(kSize) * count;
+  const std::string size = "64x" + std::to_string(count);
+  const auto probes = [count] {
+    const CubemapView noise = noise_cubemap(PixelFormat::rgba16f, 512);  // 64 probes
+    const auto* const pixels = static_cast<const std::byte*>(noise.faces[0]);
+    constexpr std::size_t kFaceBytes = std::size_t{kSize} * kSize * 8;
+    std::vector<CubemapView> views;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      CubemapView view{{}, kSize, 0, PixelFormat::rgba16f};
+      for (std::size_t face = 0; face < 6; ++face)
+        view.faces[face] = pixels + (6 * (k % kDifferent) + face) * kFaceBytes;
+      views.push_back(view);
+    }
+    return views;
+  };
+  add_benchmark("ProjectMany", "rgba16f", size, threads, texels, 8.0 * texels, [=]() -> std::function<void()> {
+    return [views = probes(), light = std::vector<dvec3>(9 * static_cast<std::size_t>(count))]() mutable {
+      benchmark::DoNotOptimize(project_many(views, light));
+    };
+  });
+  if (threads > 1) return;
+  add_benchmark("ProjectMany", "rgba16f-single-calls", size, 1, texels, 8.0 * texels, [=]() -> std::function<void()> {
+    return [views = probes()] {
+      for (const CubemapView& view : views) benchmark::DoNotOptimize(project(view));
+    };
+  });
+}
+
+}  // namespace
+
+void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
+    for (const int size : sizes) {
+      for (const int threads : thread_counts) add(name(format), format, size, threads, {});
+    }
+  }
+  for (const PixelFormat format : {PixelFormat::rgb16f, PixelFormat::rgb8, PixelFormat::srgba8}) {
+    for (const int size : {64, 1024}) add(name(format), format, size, 1, {});
+  }
+  for (const int bands : {1, 2, 4, 6, 10}) {
+    ProjectionOptions options;
+    options.bands = bands;
+    for (const int size : {64, 1024})
+      add("rgb32f-bands" + std::to_string(bands), PixelFormat::rgb32f, size, 1, options);
+  }
+  ProjectionOptions clamped;
+  clamped.pixels.clamp = RadianceClamp{};
+  ProjectionOptions midpoint;
+  midpoint.quadrature = Quadrature::midpoint;
+  ProjectionOptions gamma;
+  gamma.pixels.gamma = true;
+  const std::pair<const char*, ProjectionOptions> variants[] = {
+      {"rgb32f-clamp", clamped}, {"rgb32f-midpoint", midpoint}, {"rgb32f-gamma", gamma}};
+  for (const auto& [variant, options] : variants) add(variant, PixelFormat::rgb32f, 1024, 1, options);
+  for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
+    ProjectionOptions options;
+    options.quadrature = quadrature;
+    options.target_size = 64;
+    const std::string variant = quadrature == Quadrature::exact ? "rgb32f-target64" : "rgb32f-target64-midpoint";
+    add(variant, PixelFormat::rgb32f, 1024, 1, options);
+  }
+  for (const int threads : thread_counts) add_many(10'000, threads);
+  for (const InstructionSet set : available_instruction_sets()) {
+    for (const int size : {64, 1024}) add_instruction_set(set, size);
+  }
+  add_benchmark("ReferenceTwin", "rgb32f", "64", 1, texels_of(64), texels_of(64) * 12.0, []() -> std::function<void()> {
+    const CubemapView view = noise_cubemap(PixelFormat::rgb32f, 64);
+    return [=] { benchmark::DoNotOptimize(reference_projection(view)); };
+  });
+}
+
+void add_project_lat_long(const std::vector<int>& thread_counts) {
+  constexpr int width = 4096;
+  constexpr int height = 2048;
+  constexpr double texels = 1.0 * width * height;
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
+    for (const int threads : thread_counts) {
+      add_benchmark("ProjectLatLong", name(format), "4096x2048", threads, texels,
+                    texels * static_cast<double>(bytes_per_texel(format)), [=]() -> std::function<void()> {
+                      const LatLongView view = noise_lat_long(format, width, height);
+                      return [=] { benchmark::DoNotOptimize(project(view)); };
+                    });
+    }
+  }
+}
+
+namespace {
+
+constexpr int kWidth = 2048;
+constexpr int kHeight = 1024;
+
+struct Variant {
+  const char* name;
+  const char* extension;
+  WriteOptions options;
+};
+
+constexpr std::array<Variant, 5> kVariants{{{"hdr", ".hdr", {}},
+                                            {"exr-half-zip", ".exr", {Layout::automatic, SampleType::half}},
+                                            {"exr-float-zip", ".exr", {Layout::automatic, SampleType::float32}},
+                                            {"pfm", ".pfm", {}},
+                                            {"png8", ".png", {}}}};
+
+std::filesystem::path file_of(const Variant& variant) {
+  return scratch_file(std::string(variant.name) + variant.extension, [&](const std::filesystem::path& path) {
+    (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), variant.options);
+  });
+}
+
+void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {
+  std::ifstream file(path, std::ios::binary);
+  long sum = 0;
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+    sum = std::accumulate(block.data(), block.data() + file.gcount(), sum);
+  }
+  benchmark::DoNotOptimize(sum);
+}
+
+/// The decoder alone: rows to floats in one thread, each block of them forgotten.
+void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
+  const std::unique_ptr<files::RowSource> source = files::open_picture(path, ReadOptions{});
+  const int rows = source->natural_rows() * std::max(1, 16 / source->natural_rows());
+  rgb.resize(std::size_t{3} * kWidth * static_cast<std::size_t>(rows));
+  const std::unique_ptr<files::RowReader> reader = source->open_reader();
+  for (int row = 0; row < kHeight; row += rows) {
+    reader->read(row, std::min(rows, kHeight - row), rgb.data());
+    benchmark::DoNotOptimize(rgb.data());
+  }
+}
+
+}  // namespace
+
+void add_project_file(const std::vector<int>& thread_counts) {
+  constexpr double texels = 1.0 * kWidth * kHeight;
+  const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
+  for (const Variant& variant : kVariants) {
+    for (const int threads : thread_counts) {
+      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels,
+                    [&variant]() -> std::function<void()> {
+                      const std::filesystem::path path = file_of(variant);
+                      return [path] { benchmark::DoNotOptimize(project_file(path)); };
+                    });
+    }
+    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, rgb = std::vector<float>()]() mutable { decode(path, rgb); };
+    });
+    add_benchmark("ReadFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, block = std::vector<char>(std::size_t{1} << 20U)]() mutable { read_bytes(path, block); };
+    });
+  }
+}
+
+namespace {
+
+constexpr std::int64_t kTileBytes = std::int64_t{512} << 10U;  // about a projection tile
+constexpr std::int64_t kGroupBytes = 64;
+
+/// Reads `bytes` bytes in tiles, inline or as tasks just like the projection does.
+std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_t texels) {
+  const jobs::Placement placement = jobs::placement_for(texels);
+  const std::int64_t groups = bytes / kGroupBytes;
+  const std::int64_t tile_groups = kTileBytes / kGroupBytes;
+  const auto tiles = static_cast<std::size_t>((groups + tile_groups - 1) / tile_groups);
+  return [=] {
+    std::vector<float> sums(tiles);
+    jobs::run_tiles(tiles, placement, jobs::worker_count(placement), {}, [&](std::size_t tile, std::size_t) {
+      const std::int64_t first = static_cast<std::int64_t>(tile) * tile_groups;
+      sums[tile] = image::image_kernels().read_all(static_cast<const float*>(pixels) + first * 16,
+                                                   std::min(tile_groups, groups - first));
+    });
+    benchmark::DoNotOptimize(sums.data());
+  };
+}
+
+}  // namespace
+
+void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
+    for (const int size : sizes) {
+      for (const int threads : thread_counts) {
+        const std::int64_t texels = std::int64_t{6} * size * size;
+        const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
+        add_benchmark("ReadBandwidth", name(format), std::to_string(size), threads, static_cast<double>(texels),
+                      static_cast<double>(bytes),
+                      [=] { return reader(noise_cubemap(format, size).faces[0], bytes, texels); });
+      }
+    }
+  }
+  for (const int threads : thread_counts) {
+    constexpr int width = 4096;
+    constexpr int height = 2048;
+    constexpr std::int64_t texels = std::int64_t{width} * height;
+    constexpr std::int64_t bytes = texels * 12;
+    add_benchmark("ReadBandwidth", "rgb32f", "4096x2048", threads, static_cast<double>(texels),
+                  static_cast<double>(bytes),
+                  [=] { return reader(noise_lat_long(PixelFormat::rgb32f, width, height).pixels, bytes, texels); });
+  }
+}
+
+}  // namespace welkin::perf

@@ -1,0 +1,187 @@
+// Jobs of workers: threads held where a test wants them, what became of a future, waiting that ends, threads that a
+// test lends, and a coroutine that nobody waits for.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include "support/catch.h"
+#include "welkin/core.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+/// Far beyond anything that a test waits for, sanitizers and a busy machine included.
+inline constexpr std::chrono::seconds kPatience{120};
+
+/// Waits until `condition()` holds; false if it never does.
+template <class Condition>
+bool eventually(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  return true;
+}
+
+/// Nobody can unwind a hang: other threads use what this one's stack owns. The program ends, and Catch2 says where.
+[[noreturn]] inline void give_up(const char* what) {
+  std::fprintf(stderr, "hangs: %s\n", what);
+  std::abort();
+}
+
+/// What the future gives, or throws.
+template <class Result>
+Result take(std::future<Result> future) {
+  if (future.wait_for(kPatience) != std::future_status::ready) give_up("a future");
+  return future.get();
+}
+
+/// "result", the name of an Error's code, "bad_alloc", "broken promise", or what another exception says.
+template <class Call>
+std::string outcome_of(const Call& call) {
+  try {
+    call();
+    return "result";
+  } catch (const Error& error) {
+    return name(error.code());
+  } catch (const std::bad_alloc&) {
+    return "bad_alloc";
+  } catch (const std::future_error& error) {
+    return error.code() == std::future_errc::broken_promise ? "broken promise" : error.what();
+  } catch (const std::exception& exception) {
+    return exception.what();
+  } catch (...) {
+    return "something";
+  }
+}
+
+template <class Result>
+std::string outcome(std::future<Result> future) {
+  return outcome_of([&] { static_cast<void>(take(std::move(future))); });
+}
+
+/// What the job gives, or throws.
+template <class Result>
+Result take(Job<Result>& job) {
+  if (job.valid() && !eventually([&] { return job.ready(); })) give_up("a job");
+  return job.get();
+}
+template <class Result>
+Result take(Job<Result>&& job) {
+  return take(job);
+}
+
+template <class Result>
+std::string outcome(Job<Result>& job) {
+  return outcome_of([&] { static_cast<void>(take(job)); });
+}
+template <class Result>
+std::string outcome(Job<Result>&& job) {
+  return outcome(job);
+}
+
+/// A request that runs until it is told to stop, awake all the time.
+inline void run_until_stopped(const Control& control) {
+  while (!control.stop.stop_requested()) std::this_thread::yield();
+}
+
+/// Holds those who pass until it is open.
+class Gate {
+ public:
+  void open() noexcept { open_.store(true, std::memory_order_release); }
+  [[nodiscard]] bool is_open() const noexcept { return open_.load(std::memory_order_acquire); }
+
+  void pass() noexcept {
+    inside_.fetch_add(1, std::memory_order_acq_rel);
+    while (!is_open()) std::this_thread::yield();
+  }
+
+  /// How many came to the gate so far.
+  [[nodiscard]] int arrived() const noexcept { return inside_.load(std::memory_order_acquire); }
+
+  void wait_for_arrivals(int count) const {
+    if (!eventually([&] { return arrived() >= count; })) give_up("nobody came to the gate");
+  }
+
+ private:
+  std::atomic<bool> open_{false};
+  std::atomic<int> inside_{0};
+};
+
+/// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
+inline WorkerOptions options_with(int threads) {
+  WorkerOptions options;
+  options.threads = threads;
+  options.thread_priority = ThreadPriority::normal;
+  return options;
+}
+
+/// Keeps all threads of a worker busy until it is let go.
+class Hold {
+ public:
+  explicit Hold(Worker& worker, int threads = 1) : gate_(std::make_shared<Gate>()) {
+    for (int k = 0; k < threads; ++k) {
+      held_.push_back(worker.post([gate = gate_](const Control&) { gate->pass(); }, {.priority = TaskPriority::high}));
+    }
+    gate_->wait_for_arrivals(threads);
+  }
+  ~Hold() { gate_->open(); }
+  Hold(const Hold&) = delete;
+  Hold& operator=(const Hold&) = delete;
+
+  void let_go() {
+    gate_->open();
+    for (const Job<void>& job : held_) {
+      if (!eventually([&] { return job.ready(); })) give_up("a thread that was let go");
+    }
+  }
+
+ private:
+  std::shared_ptr<Gate> gate_;
+  std::vector<Job<void>> held_;
+};
+
+/// A TBB arena as an engine would lend it.
+class ArenaExecutor final : public Executor {
+ public:
+  explicit ArenaExecutor(tbb::task_arena& arena) : arena_(arena) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return arena_.max_concurrency(); }
+  void enqueue(void (*run)(void* job), void* job) override {
+    arena_.enqueue([run, job] { run(job); });
+  }
+
+ private:
+  tbb::task_arena& arena_;
+};
+
+inline WorkerOptions lent(std::shared_ptr<Executor> executor) {
+  WorkerOptions options;
+  options.executor = std::move(executor);
+  return options;
+}
+
+inline WorkerOptions lent(tbb::task_arena& arena) { return lent(std::make_shared<ArenaExecutor>(arena)); }
+
+struct Detached {
+  /// How many have begun and not ended. A test that leaks one sees it here.
+  inline static std::atomic<int> alive{0};
+
+  // NOLINTBEGIN(readability-convert-member-functions-to-static): the names are the language's
+  struct promise_type {
+    promise_type() { ++alive; }
+    ~promise_type() { --alive; }
+    promise_type(const promise_type&) = delete;
+    promise_type& operator=(const promise_type&) = delete;
+
+    Detached get_return_object() noexcept { return {}; }
+    std::suspend_never initial_suspend() noexcept { return {}; }
+    std::suspend_never final_suspend() noexcept { return {}; }
+    void return_void() noexcept {}
+    void unhandled_exception() noexcept { std::terminate(); }
+  };
+  // NOLINTEND(readability-convert-member-functions-to-static)
+};
+
+}  // namespace welkin::test

@@ -1,0 +1,354 @@
+// Of jobs with the same key the latest wins.
+#include "support/catch.h"
+#include "support/jobs.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: of jobs with the same key the newest wins: it replaces one that waits and stops one that runs.
+
+namespace {
+
+auto value_request(int value) {
+  return [value](const Control&) { return value; };
+}
+
+}  // namespace
+
+TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
+  Worker worker(options_with(1));
+  std::atomic<bool> ran{false};
+  Hold hold(worker);
+  auto old = worker.post([&](const Control&) { ran = true; }, {.key = "probe 7"});
+  auto stranger = worker.post(value_request(1), {.key = "probe 8"});
+  auto keyless = worker.post(value_request(2));
+  auto newer = worker.post(value_request(3), {.key = "probe 7"});
+  CHECK(old.ready());  // at once, with the only thread busy
+  CHECK(outcome(old) == "replaced");
+  CHECK_FALSE(old.cancel());
+  hold.let_go();
+  CHECK(stranger.get() == 1);
+  CHECK(keyless.get() == 2);
+  CHECK(newer.get() == 3);
+  CHECK_FALSE(ran);
+}
+
+TEST_CASE("a newer job stops one of its key that runs", "[worker]") {
+  Worker worker(options_with(1));
+  std::atomic<bool> inside{false};
+  auto old = worker.post(
+      [&](const Control& control) {
+        inside = true;
+        run_until_stopped(control);
+        return 1;
+      },
+      {.key = "sky"});
+  CHECK(eventually([&] { return inside.load(); }));
+  auto newer = worker.post(value_request(2), {.key = "sky"});
+  CHECK(outcome(old) == "replaced");
+  CHECK(newer.get() == 2);
+}
+
+TEST_CASE("the newest wins when posts race, and always gets its result", "[worker]") {
+  Worker worker(options_with(2));
+  constexpr int kThreads = 4;
+  std::vector<std::vector<Job<int>>> jobs(kThreads);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (int k = 0; k < 300; ++k) {
+        jobs[static_cast<std::size_t>(t)].push_back(worker.post(value_request(k), {.key = "sky"}));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  std::uint64_t newest = 0;
+  for (const auto& own : jobs) newest = std::max(newest, own.back().id());
+  for (auto& own : jobs) {
+    for (int k = 0; k < 300; ++k) {
+      auto& job = own[static_cast<std::size_t>(k)];
+      const std::uint64_t id = job.id();
+      std::string end;
+      try {
+        end = take(job) == k ? "result" : "wrong";
+      } catch (const Error& error) {
+        end = name(error.code());
+      }
+      if (id == newest) CHECK(end == "result");
+      CHECK((end == "result" || end == "replaced"));
+    }
+  }
+}
+
+TEST_CASE("what follows a replaced job gets its error", "[worker]") {
+  Worker worker(options_with(1));
+  Hold hold(worker);
+  bool called = false;
+  auto follower = worker.post(value_request(1), {.key = "sky"}).then([&](int) { called = true; });
+  std::string drained;
+  worker.post(value_request(2), {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
+  auto newer_sky = worker.post(value_request(3), {.key = "sky"});
+  auto newer_probe = worker.post(value_request(4), {.key = "probe"});
+  CHECK(worker.drain() == 1);
+  CHECK(drained == "replaced");
+  hold.let_go();
+  CHECK(outcome(follower) == "replaced");
+  CHECK_FALSE(called);
+  CHECK(newer_sky.get() == 3);
+  CHECK(newer_probe.get() == 4);
+}
+
+TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_jobs = 2;
+  Worker worker(options);
+  Hold hold(worker);
+  auto old = worker.post(value_request(1), {.key = "sky"});
+  CHECK(outcome(worker.post(value_request(2))) == "queue_full");
+  auto newer = worker.post(value_request(3), {.key = "sky"});
+  CHECK(outcome(old) == "replaced");
+  hold.let_go();
+  CHECK(outcome(newer) == "result");
+}
+
+TEST_CASE("a job that can never be let in replaces nothing", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_bytes = 1000;
+  Worker worker(options);
+  Hold hold(worker);
+  auto old = worker.post(value_request(1), {.key = "sky"});
+  CHECK(outcome(worker.post(value_request(2), {.key = "sky", .bytes = 1001})) == "limit_exceeded");
+  hold.let_go();
+  CHECK(outcome(old) == "result");
+}
+
+// Which job starts next, and how many a worker holds.
+
+// Promise: the waiting job of the highest priority starts next, and of equals the oldest.
+
+namespace {
+
+using Order = std::vector<std::string>;
+
+/// Posts requests that note their names in the order in which they run, once the worker's one thread is let go.
+class Line {
+ public:
+  Job<void> post(std::string name, TaskPriority priority) {
+    return worker_.post([this, name = std::move(name)](const Control&) { order_.push_back(name); },
+                        {.priority = priority});
+  }
+
+  /// For continuations.
+  auto note(std::string name) {
+    return [this, name = std::move(name)] { order_.push_back(name); };
+  }
+
+  Order run() {
+    hold_.let_go();
+    worker_.wait_until_idle();
+    return order_;
+  }
+
+ private:
+  Order order_;
+  Worker worker_{options_with(1)};
+  Hold hold_{worker_};
+};
+
+}  // namespace
+
+TEST_CASE("higher priorities start first, older ones before newer ones", "[worker]") {
+  Line line;
+  line.post("low 1", TaskPriority::low);
+  line.post("normal 1", TaskPriority::normal);
+  line.post("high 1", TaskPriority::high);
+  line.post("low 2", TaskPriority::low);
+  line.post("high 2", TaskPriority::high);
+  line.post("normal 2", TaskPriority::normal);
+  CHECK(line.run() == Order{"high 1", "high 2", "normal 1", "normal 2", "low 1", "low 2"});
+}
+
+TEST_CASE("a waiting job moves to the end of those of its new priority", "[worker]") {
+  Line line;
+  auto raised = line.post("raised", TaskPriority::low);
+  line.post("high", TaskPriority::high);
+  auto lowered = line.post("lowered", TaskPriority::normal);
+  line.post("normal", TaskPriority::normal);
+  line.post("low", TaskPriority::low);
+  auto kept = line.post("kept", TaskPriority::low);
+  line.post("last", TaskPriority::low);
+  CHECK(raised.priority() == TaskPriority::low);
+  raised.set_priority(TaskPriority::high);
+  lowered.set_priority(TaskPriority::low);
+  CHECK(raised.priority() == TaskPriority::high);
+  CHECK(lowered.priority() == TaskPriority::low);
+  kept.set_priority(TaskPriority::low);  // as it was: it keeps its place
+  CHECK(line.run() == Order{"high", "raised", "normal", "low", "kept", "last", "lowered"});
+}
+
+TEST_CASE("a worker's load tells how long the oldest job waits", "[worker]") {
+  using Clock = std::chrono::steady_clock;
+  Worker worker(options_with(1));
+  CHECK(worker.load().oldest_wait.count() == 0);
+  Hold hold(worker);
+  CHECK(worker.load().oldest_wait.count() == 0);  // that one runs
+  const auto before = Clock::now();
+  const JobHandle oldest = worker.post([](const Control&) {}, {.priority = TaskPriority::low});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const auto between = Clock::now();
+  const JobHandle newer = worker.post([](const Control&) {}, {.priority = TaskPriority::high});
+  const auto waited = worker.load().oldest_wait;
+  CHECK(waited >= std::chrono::milliseconds(2));
+  CHECK(waited <= Clock::now() - before);
+  oldest.set_priority(TaskPriority::high);  // to the end of its new queue, and no younger
+  CHECK(worker.load().oldest_wait >= waited);
+  CHECK(oldest.cancel());
+  const auto of_newer = worker.load().oldest_wait;
+  CHECK(of_newer <= Clock::now() - between);
+  hold.let_go();
+  worker.wait_until_idle();
+  CHECK(worker.load().oldest_wait.count() == 0);
+}
+
+TEST_CASE("continuations keep the priority of the job that they follow, and come first in it", "[worker]") {
+  Line line;
+  auto low = line.post("low", TaskPriority::low).then(line.note("after low"));
+  CHECK(low.priority() == TaskPriority::low);
+  auto high = line.post("high", TaskPriority::high).then(line.note("after high"));
+  CHECK(high.priority() == TaskPriority::high);
+  line.post("high 2", TaskPriority::high);
+  line.post("normal", TaskPriority::normal);
+  line.post("low 2", TaskPriority::low);
+  CHECK(line.run() == Order{"high", "after high", "high 2", "normal", "low", "after low", "low 2"});
+}
+
+// Promise: a worker holds no more jobs and bytes than it may; beyond that posts are refused.
+
+namespace {
+
+/// Beside the job that holds the thread.
+WorkerOptions options_for(std::size_t waiting_jobs) {
+  WorkerOptions options = options_with(1);
+  options.max_jobs = waiting_jobs + 1;
+  return options;
+}
+
+Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std::uint64_t bytes = 0) {
+  return worker.post([held = 1](const Control&) { return held; }, {.priority = priority, .bytes = bytes});
+}
+
+}  // namespace
+
+TEST_CASE("a full worker refuses", "[worker]") {
+  Worker worker(options_for(2));
+  Hold hold(worker);
+  auto first = post(worker);
+  auto second = post(worker);
+  auto third = post(worker, TaskPriority::high);
+  CHECK(third.ready());
+  CHECK(outcome(third) == "queue_full");
+  CHECK(worker.load().jobs == 3);
+
+  // A job that goes makes room.
+  CHECK(first.cancel());
+  auto fourth = post(worker);
+  hold.let_go();
+  CHECK(outcome(second) == "result");
+  CHECK(outcome(fourth) == "result");
+  worker.wait_until_idle();
+  CHECK(worker.load().jobs == 0);
+}
+
+TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_bytes = 6 * 8 * 8 * 12 + 100;
+  Worker worker(options);
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  const auto request = [&] { return Project{Cubemap{8, cubemap.pixels}}; };
+  Hold hold(worker);
+  auto first = worker.post(request());
+  CHECK(worker.load().bytes == 6 * 8 * 8 * 12);
+  CHECK(outcome(worker.post(request())) == "queue_full");
+  CHECK(outcome(post(worker, TaskPriority::normal, 101)) == "queue_full");
+  auto named = post(worker, TaskPriority::normal, 100);
+  auto nothing = post(worker);
+  auto underrated = worker.post(request(), {.bytes = 0});
+  CHECK(worker.load().bytes == options.max_bytes);
+  hold.let_go();
+  CHECK(outcome(first) == "result");
+  CHECK(outcome(named) == "result");
+  CHECK(outcome(nothing) == "result");
+  CHECK(outcome(underrated) == "result");
+  worker.wait_until_idle();
+  CHECK(worker.load().bytes == 0);
+}
+
+TEST_CASE("a request larger than the limit can never be let in", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_bytes = 100;
+  Worker worker(options);
+  Hold hold(worker);
+  auto bystander = post(worker, TaskPriority::low, 100);
+  auto large = post(worker, TaskPriority::high, 101);
+  CHECK(large.ready());
+  CHECK(outcome(large) == "limit_exceeded");
+  hold.let_go();
+  CHECK(outcome(bystander) == "result");
+  CHECK(outcome(post(worker, TaskPriority::normal, 100)) == "result");
+}
+
+TEST_CASE("what the worker's own threads post is refused at the limits too", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.max_jobs = 1;
+  options.max_bytes = 100;
+  Worker worker(options);
+  auto job = worker.post(
+      [&](const Control&) {
+        std::vector<std::string> ends;
+        for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, TaskPriority::low, 60).get(); }));
+        auto followed = post(worker, TaskPriority::normal, 60).then([](int value) { return value + 10; });
+        ends.push_back(outcome_of([&] { followed.get(); }));
+        return ends;
+      },
+      {.bytes = 100});
+  CHECK(take(job) == std::vector<std::string>(4, "queue_full"));
+}
+
+TEST_CASE("continuations are never refused", "[worker]") {
+  Worker worker(options_for(1));
+  Hold hold(worker);
+  auto last = post(worker);
+  for (int k = 0; k < 10; ++k) {
+    last = std::move(last).then([](int value) { return value + 1; });
+  }
+  hold.let_go();
+  CHECK(take(last) == 11);
+}
+
+TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]") {
+  Worker worker(options_for(0));
+  Hold hold(worker);
+  std::atomic<bool> ran{false};
+  auto refused = worker.post([&](const Control&) { ran = true; });
+  CHECK(refused.ready());
+  CHECK_FALSE(refused.cancel());
+  refused.set_priority(TaskPriority::high);
+  hold.let_go();
+  worker.wait_until_idle();
+  CHECK(outcome(refused) == "queue_full");
+  CHECK_FALSE(ran);
+}
+
+TEST_CASE("a worker refuses options out of range", "[worker]") {
+  for (const int threads : {-1, 1025}) {
+    WorkerOptions options;
+    options.threads = threads;
+    const ThrownError error = thrown_by([&] { const Worker worker(options); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says(std::to_string(threads)));
+  }
+}
+
+}  // namespace welkin::test
