@@ -4,6 +4,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/heap.h"
+#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"

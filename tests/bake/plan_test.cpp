@@ -6,6 +6,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/random_environments.h"
+#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/row_reduction.h"

@@ -3,6 +3,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/pictures.h"
+#include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"

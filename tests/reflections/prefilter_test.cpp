@@ -9,6 +9,7 @@
 #include "support/coefficients.h"
 #include "support/heap.h"
 #include "support/pictures.h"
+#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"

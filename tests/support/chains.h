@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <span>
 #include <vector>
 
-#include "support/same_bits.h"
 #include "welkin/image.h"
 
 namespace welkin::test {

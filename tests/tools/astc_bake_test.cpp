@@ -1,6 +1,7 @@
 // What `welkin bake` packs in ASTC.
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/same_bits.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/bake_file.h"

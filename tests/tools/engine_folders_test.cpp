@@ -2,6 +2,7 @@
 
 #include "files/env.h"
 #include "support/chains.h"
+#include "support/same_bits.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/bake_file.h"
