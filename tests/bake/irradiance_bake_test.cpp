@@ -189,7 +189,8 @@ TEST_CASE("Irradiance keeps negative light, and huge and tiny radiance", "[irrad
       REQUIRE(huge.pixels()[k] == Approx(usual.pixels()[k] * scale).epsilon(1e-5));
   }
   const LatLongImage most = grey(16, std::numeric_limits<float>::max());
-  for (const float value : irradiance_of(most.view(), 3).pixels())
+  const Cubemap most_irradiance = irradiance_of(most.view(), 3);
+  for (const float value : most_irradiance.pixels())
     REQUIRE(value == std::numeric_limits<float>::max());  // pi times that is no float
 }
 

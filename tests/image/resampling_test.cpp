@@ -233,7 +233,8 @@ TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][sl
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
     const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
     for (const int size : {1, 2, 3, 7, 64, 257}) {
-      for (const float value : to_cubemap(map.view(), size).pixels()) REQUIRE(value == 0.1F);
+      const Cubemap cube = to_cubemap(map.view(), size);
+      for (const float value : cube.pixels()) REQUIRE(value == 0.1F);
     }
   }
 }

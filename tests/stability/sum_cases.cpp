@@ -388,7 +388,8 @@ double one_texel_irradiance() {
   const Cubemap map = uniform_cube(1, 2.0F);
   const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
   double worst = 0.0;
-  for (const float value : irradiance_cubemap(light, 1).pixels()) {
+  const Cubemap irradiance = irradiance_cubemap(light, 1);
+  for (const float value : irradiance.pixels()) {
     worst = worse(worst, float_ulps(value, 2.0 * 3.14159265358979323846));
   }
   return worst;

@@ -420,7 +420,7 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
   const auto manifest =
       bake_into(bevy, std::string("--sky --for bevy --ktx2-format bc6h --supercompression zlib") + kSmall);
   CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 bc6h zlib");
-  CHECK(contains(file_text(bevy / "README.md"), "cards that have them"));
+  CHECK(contains(file_text(bevy / "README.md"), "a GPU that supports it"));
 }
 
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
