@@ -94,10 +94,10 @@ enum class EnvironmentKind { lat_long, cubemap };
 /// A lat-long or a cubemap, for calls that read either. Both kinds of view convert to it.
 class EnvironmentView {
  public:
-  /// Wraps a lat-long. NOLINT(google-explicit-constructor)
-  EnvironmentView(const LatLongView& view) noexcept : view_(view) {}
-  /// Wraps a cubemap. NOLINT(google-explicit-constructor)
-  EnvironmentView(const CubemapView& view) noexcept : view_(view) {}
+  /// Wraps a lat-long.
+  EnvironmentView(const LatLongView& view) noexcept : view_(view) {}  // NOLINT(google-explicit-constructor)
+  /// Wraps a cubemap.
+  EnvironmentView(const CubemapView& view) noexcept : view_(view) {}  // NOLINT(google-explicit-constructor)
 
   /// Returns the kind of the wrapped view.
   [[nodiscard]] EnvironmentKind kind() const noexcept {

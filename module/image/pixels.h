@@ -142,10 +142,10 @@ void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, Resamp
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
 
-/// `chain` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
-[[nodiscard]] Cubemap shaped(Cubemap chain, int size, int levels, memory_resource* memory);
+/// `cubemap` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
+[[nodiscard]] Cubemap shaped(Cubemap cubemap, int size, int levels, memory_resource* memory);
 
 /// The six faces of a level.
-[[nodiscard]] std::array<float*, 6> faces_of(Cubemap& chain, int level) noexcept;
+[[nodiscard]] std::array<float*, 6> faces_of(Cubemap& cubemap, int level) noexcept;
 
 }  // namespace welkin::image

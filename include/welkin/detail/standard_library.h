@@ -231,7 +231,7 @@ class HeapResource final : public memory_resource {
 
 [[nodiscard]] inline memory_resource* new_delete_resource() noexcept {
   // Never destroyed, because global objects may still free memory at exit.
-  static auto& heap = *new HeapResource;
+  static auto& heap = *new HeapResource;  // NOLINT(bugprone-unhandled-exception-at-new): no memory at the start
   return &heap;
 }
 
