@@ -138,6 +138,7 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
 
 std::vector<const float*> rows_of(const projection::SanitizedSource& source) {
   std::vector<const float*> rows;
+  rows.reserve(static_cast<std::size_t>(source.rows()));
   for (int row = 0; row < source.rows(); ++row) rows.push_back(source.row(row));
   return rows;
 }
