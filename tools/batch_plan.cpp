@@ -180,7 +180,7 @@ class Planner {
       } catch (const Flaw& flaw) {
         throw Error(
             ErrorCode::invalid_argument,
-            where + flaw.message + "; a line is {\"input\": PATH, \"name\": NAME, \"options\": [\"--size\", \"128\"]}");
+            where + flaw.message + R"(; a line is {"input": PATH, "name": NAME, "options": ["--size", "128"]})");
       } catch (const Error& error) {
         throw Error(error.code(), where + error.what());
       }

@@ -12,8 +12,8 @@ test('npm packs what the package needs, and nothing else', () => {
   const [{ files }] = JSON.parse(execFileSync('npm', ['pack', '--dry-run', '--json'],
     { cwd: packageFolder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }));
   const names = files.map(({ path: name }) => name).sort();
-  const wanted = ['LICENSE', 'README.md', 'babylon.d.ts', 'babylon.js', 'spheres.png', 'engine.js', 'index.d.ts', 'index.js',
-    'options.js', 'package.json', 'platform-browser.js', 'platform-node.js', 'script/welkin.js', 'three.d.ts', 'three.js',
+  const wanted = ['LICENSE', 'README.md', 'babylon.d.ts', 'babylon.js', 'engine.js', 'index.d.ts', 'index.js', 'options.js',
+    'package.json', 'platform-browser.js', 'platform-node.js', 'script/welkin.js', 'spheres.png', 'three.d.ts', 'three.js',
     'welkin-codecs.wasm', 'welkin-environment.wasm', 'welkin-prefilter.wasm', 'welkin-project.wasm', 'worker-node.js', 'worker.js'];
   assert.deepEqual(names, wanted);
 });
