@@ -17,7 +17,6 @@ namespace welkin::test {
 namespace {
 
 constexpr int kProbes = 96;         ///< texels of a mip that are held to the truth; of up to 192 texels, all
-constexpr int kNormals = 100;       ///< of irradiance
 constexpr double kRounding = 1e-7;  ///< true errors below this say nothing of how careful an estimate is
 
 double distance_between(const SphericalHarmonics& found, const SphericalHarmonics& truth) {
