@@ -155,7 +155,7 @@ void bake_into(BakeResult& result, const EnvironmentView& source, const BakeOpti
 
 /// Bakes with cubemaps in the caller's memory: each is written to its targets as soon as it is made, while other passes
 /// still run. Texels are those that `store_texels` writes. A background or irradiance cubemap that was written to
-/// targets is absent from the result; `specular` then has its records and a chain without levels.
+/// targets is absent from the result. A specular chain that was leaves its records and an empty cubemap there.
 ///
 /// Throws as `bake`, and `Error` (invalid_argument) for targets whose size or number differs from what the bake makes,
 /// and for targets of a cubemap that the options leave out; nothing has been written then. After any other exception

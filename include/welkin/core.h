@@ -89,8 +89,8 @@ enum class ErrorCode {
 /// Returns the name of a code as it is spelled here, such as "invalid_argument".
 [[nodiscard]] const char* name(ErrorCode code) noexcept;
 
-/// The exception that every call throws on failure. Apart from it, only `std::bad_alloc` and exceptions thrown by the
-/// caller's own callbacks leave the library.
+/// The exception that every call throws on failure. Apart from it, only `std::bad_alloc`, `std::system_error` of the
+/// constructor of `Worker`, and exceptions thrown by the caller's own callbacks leave the library.
 class Error : public std::runtime_error {
  public:
   /// Creates an error. `message` should name the input, the fault and the remedy.

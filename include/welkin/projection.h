@@ -48,7 +48,7 @@ enum class NegativePolicy {
 /// An upper bound on radiance.
 struct RadianceClamp {
   float maximum = 4096.0F;  ///< above 0; 4096 is Babylon.js's default
-  /// scales r, g and b by one factor, without a lower bound, instead of clamping each to [0, maximum]
+  /// true: if a channel exceeds `maximum`, scales all three by one factor; false: clamps each to [0, maximum]
   bool preserve_colour = false;
 
   friend bool operator==(const RadianceClamp&, const RadianceClamp&) = default;
@@ -68,7 +68,7 @@ struct PixelPolicy {
   NonFinitePolicy nan = NonFinitePolicy::replace;
   NonFinitePolicy infinity = NonFinitePolicy::replace;  ///< treatment of infinities
 
-  /// Negative values are replaced by 0. The default keeps them, because real files contain small negative values.
+  /// Finite negative values are kept by default, because real files contain small ones; `replace` makes them 0.
   NegativePolicy negative = NegativePolicy::keep;
 
   friend bool operator==(const PixelPolicy&, const PixelPolicy&) = default;

@@ -303,8 +303,8 @@ class ZonalKernel {
 /// The lowest roughness of `charlie_roughness_of_mips`.
 inline constexpr double kLeastCharlieRoughness = 0.05;
 
-/// Returns the roughness of each mip of a sheen chain as glTF's sample renderer looks it up: t = mip / (floor(log2
-/// size) - 1), clamped to [`kLeastCharlieRoughness`, 1], because the lobe degenerates to the horizon at 0. Throws
+/// Returns the roughness of each mip of a sheen chain as glTF's sample renderer looks it up: mip / max(1,
+/// floor(log2(size)) - 1), clamped to [`kLeastCharlieRoughness`, 1]: at 0 the lobe degenerates to the horizon. Throws
 /// `Error` (invalid_argument) unless 1 <= mips <= 16 and 1 <= size <= 8192.
 [[nodiscard]] std::vector<double> charlie_roughness_of_mips(int mips, int size);
 

@@ -13,13 +13,13 @@
  * library must be zero. Structures that are written are filled up to `struct_size`, unknown fields with zeros.
  *
  * Errors. Calls that can fail return a `welkin_status`. No exception leaves a call, and none may leave a callback. A
- * call that fails writes no result, and sets the handle that it would have created to null. Null pointers, and sizes
- * and enumeration values out of range, return WELKIN_INVALID_ARGUMENT. Calls that compute can also return
- * WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED and WELKIN_OUT_OF_MEMORY.
+ * call that fails writes no result unless its comment says so, and sets the handle that it would have created to null.
+ * Required pointers that are null, and values out of range, make it return WELKIN_INVALID_ARGUMENT. Calls that compute
+ * can also return WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED and WELKIN_OUT_OF_MEMORY.
  *
  * Handles belong to the caller. Each kind has a function that destroys it and accepts null. Other functions refuse a
- * null handle. Handles of results are immutable and may be read from any number of threads. Objects from which a handle
- * was created may be destroyed before it.
+ * null handle. Handles of results are immutable and may be read from any number of threads. An object from which
+ * a handle was created may be destroyed before it, except a worker with a `welkin_sky_light`.
  *
  * Threads. All functions may be called from any thread. Functions that compute use the oneTBB arena of the calling
  * thread. `control` may be null; inside a function that a worker runs, pass the one that it received.
@@ -356,7 +356,7 @@ enum {
   WELKIN_ROUGHNESS_LINEAR = 1,   /* t; down to 4 texels, but at least five mips where `size` has five */
   WELKIN_ROUGHNESS_FILAMENT = 2, /* 1 - sqrt(1 - t), also three.js; mips as LINEAR */
   WELKIN_ROUGHNESS_BABYLON = 3,  /* 0 at mip 0, else sqrt(2^(mip / 0.8) / size), at most 1; down to 1 texel */
-  WELKIN_ROUGHNESS_UNITY = 4,    /* r with mip = 6 r (1.7 - 0.7 r), for any number of mips; at most seven */
+  WELKIN_ROUGHNESS_UNITY = 4,    /* r with mip = 6 r (1.7 - 0.7 r); by default at most seven mips */
   WELKIN_ROUGHNESS_UNREAL = 5    /* 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1; down to 1 texel */
 };
 

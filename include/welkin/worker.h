@@ -8,7 +8,7 @@
 // or, with callbacks that run when the engine calls `drain`:
 //
 //   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
-//   worker.drain(std::chrono::microseconds(500));              // once per frame, for at most half a millisecond
+//   worker.drain(std::chrono::microseconds(500));              // once per frame; begins no callback after 0.5 ms
 //
 // Members of `Worker` and `JobHandle` may be called from any thread at any time, including the worker's threads.
 // docs/guides/worker.md states which thread runs what.
@@ -366,8 +366,8 @@ struct PostOptions {
   TaskPriority priority = TaskPriority::normal;  ///< position among waiting jobs
 
   /// Replaces older jobs with the same key, whether they wait or run: those complete with ErrorCode::replaced. A
-  /// replaced job that runs reads its pixels until it is ready. If every post replaces a job before it is done, none
-  /// ever completes. An empty key replaces nothing. The key is copied.
+  /// replaced job that runs reads its pixels until it is ready. If each post replaces the job before it, none ever
+  /// has a result. An empty key replaces nothing. The key is copied.
   std::string_view key{};
 
   /// Bytes to count against `WorkerOptions::max_bytes`. If empty: the request's `bytes()`, or 0 if it has none.
@@ -424,12 +424,12 @@ class Worker {
     return job;
   }
 
-  /// Calls the callbacks of jobs that completed before this call, in the order of completion, on this thread: at least
-  /// one if there is any, then until the budget is spent. Returns the number of callbacks called. An exception thrown
-  /// by a callback leaves this function; the remaining callbacks run in the next call.
+  /// Calls the callbacks of jobs that completed before this call, in the order of completion, on this thread. Calls at
+  /// least one if any is waiting, and begins no other after the budget is spent. Returns how many it called. An
+  /// exception thrown by a callback leaves this function; the remaining callbacks run in the next call.
   ///
-  /// Calls none if a thread of the worker holds the scheduler's lock while the system has suspended it: `drain` stops
-  /// waiting for that thread after 0.1 ms, or after the budget if that is longer.
+  /// Exception: if the system has suspended a thread of the worker that holds the scheduler's lock, `drain` returns
+  /// after 0.1 ms, or after the budget if that is longer, and may call none.
   std::size_t drain(std::chrono::nanoseconds budget = std::chrono::nanoseconds::max());
 
   /// Cancels all jobs, which complete with ErrorCode::stopped, waits until none runs, and ends the threads. Later posts

@@ -210,7 +210,7 @@ EngineLight filament(const SphericalHarmonics& radiance) {
           "float3 sh[9], IndirectLight::Builder::irradiance(3, sh)",
           "U(l, m) A(l)/pi K(l, m), K the basis functions' constants: pre-scaled for the shader, no sign turned.\n"
           "  E(n)/pi = sh0 + sh1 y + sh2 z + sh3 x + sh4 xy + sh5 yz + sh6 (3zz - 1) + sh7 xz + sh8 (xx - yy)\n"
-          "As cmgen --sh-shader prints it, but without its window (--window says which one).",
+          "As cmgen --sh-shader --sh-window=no prints it; cmgen applies a window by default.",
           indexed("sh", pre_scaled(radiance)),
           {}};
 }
