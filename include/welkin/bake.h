@@ -59,7 +59,7 @@ struct IrradianceOptions {
   /// 1e-7 / rms_error of that root mean square.
   ///
   /// If the bake prefilters a specular chain by harmonics to this bound or a tighter one, irradiance is made from the
-  /// same harmonics, so its bits depend on the chain's options; they never depend on the contents of a cache. Where the
+  /// same harmonics. Its bits then depend on the chain's options, but never on the contents of a cache. If the
   /// estimated error exceeds the bound, the integral is computed instead. If that would take more than a second, the
   /// bake throws `Error` (limit_exceeded).
   double rms_error = 1e-3;
@@ -109,7 +109,7 @@ struct BakeResult {
   /// How the irradiance cubemap was made, as a mip of roughness 1 with its estimated error. There is no estimate for
   /// irradiance from the returned harmonics or from a file. The time is 0 for a result from a cache.
   std::optional<MipRecord> irradiance_record;
-  std::optional<SphericalHarmonics> radiance;  ///< coefficients, with the bits of `project` (for .env files see below)
+  std::optional<SphericalHarmonics> radiance;  ///< bit-identical to `project` (for .env files see below)
   std::shared_ptr<const BrdfTable> brdf;       ///< shared with other bakes; null if not requested
 
   /// Polynomial of an .env file as stored, in Babylon.js's axes. Up to three bands of `radiance` and the irradiance
@@ -136,7 +136,7 @@ struct BakeTargets {
 };
 
 /// Returns the memory in bytes that `bake` needs at most on the threads of the caller's arena, including results but
-/// not the source. Throws `Error` (invalid_argument) as `bake`.
+/// not the source. Throws `Error` (invalid_argument) for arguments that `bake` refuses.
 [[nodiscard]] std::uint64_t bake_bytes(const EnvironmentView& source, const BakeOptions& options = {});
 
 /// Bakes an environment. Independent passes run concurrently in the caller's arena, and each pass is parallel over
@@ -147,19 +147,19 @@ struct BakeTargets {
 [[nodiscard]] BakeResult bake(const EnvironmentView& source, const BakeOptions& options = {},
                               const Control& control = {});
 
-/// Bakes into an older result, whose background and specular cubemap keep their memory where sizes match. That avoids
-/// the cost of fresh pages. Memory that is kept belongs to the resource that allocated it, regardless of
-/// `control.memory`. After an exception `result` can only be baked into again or destroyed. Throws as `bake`.
+/// Bakes into an older result. Its background and specular cubemaps keep their memory where sizes match, which saves
+/// the cost of fresh pages. Kept memory belongs to the resource that allocated it, not to `control.memory`. After
+/// an exception, `result` can only be baked into again or destroyed. Throws the same errors as `bake`.
 void bake_into(BakeResult& result, const EnvironmentView& source, const BakeOptions& options = {},
                const Control& control = {});
 
 /// Bakes with cubemaps in the caller's memory: each is written to its targets as soon as it is made, while other passes
-/// still run. Texels are those that `store_texels` writes. A background or irradiance cubemap that was written to
-/// targets is absent from the result. A specular chain that was leaves its records and an empty cubemap there.
+/// still run. Texels are those that `store_texels` writes. The result omits a background or irradiance cubemap that was
+/// written to targets. For a specular chain in targets, it has the records and an empty cubemap.
 ///
-/// Throws as `bake`, and `Error` (invalid_argument) for targets whose size or number differs from what the bake makes,
-/// and for targets of a cubemap that the options leave out; nothing has been written then. After any other exception
-/// targets may be partly written.
+/// Throws the same errors as `bake`. Also throws `Error` (invalid_argument), before anything is written, for targets
+/// whose size or number differs from what the bake makes, and for targets of a cubemap that the options leave out.
+/// After any other exception, targets may be partly written.
 [[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const EnvironmentView& source,
                                  const BakeOptions& options = {}, const Control& control = {});
 
@@ -172,16 +172,16 @@ void bake_into(BakeResult& result, const EnvironmentView& source, const BakeOpti
 
 /// Bakes specular chains and harmonics of many cubemaps, of any sizes and formats, into the caller's memory. `specular`
 /// lists the targets of all mips of the first probe, then of the second, and so on; texels are those that
-/// `store_texels` writes of `prefilter_specular`. `coefficients` receives bands^2 values per probe, as `project_many`
-/// writes them; with 0 bands it is empty. `options` and its pixel policy apply to all probes.
+/// `prefilter_specular` and `store_texels` would write. `coefficients` receives bands^2 values per probe, as from
+/// `project_many`; with 0 bands it is empty. `options` and its pixel policy apply to all probes.
 ///
 /// If there are at least two probes per thread, probes up to 129 texels per edge are baked by one thread each; all
-/// others are baked one after the other on all threads. The result has no cubemaps: its diagnostics are those of
-/// `project_many`, `values_clamped` covers all targets, `peak_bytes` the working memory of all threads. Bits are those
-/// of single calls.
+/// others are baked one after the other on all threads. The result has no cubemaps. Its diagnostics are those of
+/// `project_many`, `values_clamped` covers all targets, and `peak_bytes` the working memory of all threads. Bits are
+/// those of single calls.
 ///
-/// Throws as `bake` and `bake_to`, with the index of the first offending probe at the start of the message. After any
-/// error other than invalid_argument the contents of targets and coefficients are unspecified.
+/// Throws the same errors as `bake` and `bake_to`; messages start with the index of the first offending probe. After
+/// any error except invalid_argument the contents of targets and coefficients are unspecified.
 BakeResult bake_many(std::span<const CubemapView> probes, std::span<const CubemapTarget> specular,
                      std::span<dvec3> coefficients, const PrefilterOptions& options = {}, int bands = 3,
                      const Control& control = {});
@@ -227,7 +227,7 @@ void check(const SceneNeeds& needs);
 
 /// Size and format of a source, for plans that are made before its pixels exist.
 struct SourceShape {
-  bool cubemap = false;                      ///< cubemap, or else lat-long
+  bool cubemap = false;                      ///< true: a cubemap; false: a lat-long
   int columns = 0;                           ///< width of a lat-long, or of one face
   int rows = 0;                              ///< height of a lat-long, or of all six faces together
   PixelFormat format = PixelFormat::rgb32f;  ///< format of the pixels
@@ -285,12 +285,12 @@ struct Plan {
 
 /// Plans a bake. `whole` describes the bake of everything, with its sizes and bounds. Parts that `needs` does not use
 /// are removed from it; the specular chain keeps the mips that are needed, and harmonics the bands that are needed.
-/// Throws `Error` (invalid_argument, limit_exceeded) as `bake` and `check`.
+/// Throws `Error` (invalid_argument, limit_exceeded) where `bake` or `check` would.
 [[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole = {});
 [[nodiscard]] Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
 
-/// Bakes according to a plan. The source must have the shape that was planned for. The records' reasons are the plan's.
-/// Throws as `bake`, and `Error` (invalid_argument) for another shape.
+/// Bakes according to a plan. The source must have the shape that was planned for. The records have the plan's reasons.
+/// Throws the same errors as `bake`, and `Error` (invalid_argument) for another shape.
 [[nodiscard]] BakeResult bake(const EnvironmentView& source, const Plan& plan, const Control& control = {});
 
 /// Formats a table of passes: action, memory, reason. If `measured` has the records of the bake, the table includes the
@@ -334,7 +334,7 @@ struct SkyPlan {
   SkyBakeOptions options;           ///< options without the parts that the scene does not use
   int specular_source = 0;          ///< texels per edge of the sky cubemap that is prefiltered
   bool tables = true;               ///< some pass uses the scattering tables
-  bool curve = false;               ///< harmonics are baked over the sun's elevation, or else for one sun
+  bool curve = false;               ///< true: harmonics over the sun's elevation; false: for one sun
   std::uint64_t result_bytes = 0;   ///< memory of the results
 
   /// Returns the pass with a name. Throws `Error` (invalid_argument) if there is none.
@@ -343,7 +343,7 @@ struct SkyPlan {
 
 /// Plans a sky bake. Work for what the planet lacks is left out: the second scattering table without aerosol, the
 /// shells of absorbers without absorbers, and sources of higher orders with one order. Throws `Error`
-/// (invalid_argument) as `check` and `precompute_sky`.
+/// (invalid_argument) for what `check` or `precompute_sky` refuses.
 [[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {});
 
 /// Result of a sky bake. Members that were not planned are empty.
@@ -358,7 +358,7 @@ struct SkyBake {
   std::vector<PassRecord> passes;  ///< in the plan's order; passes of tables repeat for more than three wavelengths
 };
 
-/// Bakes a sky for one sun according to a plan. Throws as the calls that it makes.
+/// Bakes a sky for one sun according to a plan. Throws `Error`: invalid_argument, limit_exceeded.
 [[nodiscard]] SkyBake bake(const SkyPlan& plan, const dvec3& sun, const Control& control = {});
 
 /// Formats a table of passes: action, memory, reason, and times if `measured` has the bake's records.

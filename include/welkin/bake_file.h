@@ -53,7 +53,7 @@ struct StoredEnvironment {
   SourceShape shape;     ///< shape of the pixels that `read_environment` returns
 
   bool compressed = true;       ///< pixels must be decompressed
-  bool has_polynomial = false;  ///< .env only: holds three bands of light, not clamped as its pixels are
+  bool has_polynomial = false;  ///< .env only: three bands of light, which unlike the pixels are not clamped
   int levels = 1;               ///< levels of a cubemap
   LevelContent content = LevelContent::automatic;  ///< meaning of those levels; `automatic` if unknown
   std::vector<double> roughness;                   ///< roughness of each level, if they are reflections
@@ -63,14 +63,14 @@ struct StoredEnvironment {
 };
 
 /// Reads a header. `content` overrides what the file states. Reflections without roughness in their metadata
-/// (`welkin.roughness`) are assumed to follow `RoughnessSchedule::linear`. Throws as `inspect_environment`.
+/// (`welkin.roughness`) are assumed to follow `RoughnessSchedule::linear`. Errors: those of `inspect_environment`.
 [[nodiscard]] StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read = {},
                                                   LevelContent content = LevelContent::automatic);
 
 // ---- Bakes of files
 
-/// Reads and bakes a file of any kind that `read_environment` reads; of .env, KTX2 and DDS cubemaps the full size.
-/// Throws as `bake` and `read_environment`.
+/// Reads and bakes a file of any kind that `read_environment` reads, by default the full size of files with mips.
+/// Throws the same errors as `bake` and `read_environment`.
 [[nodiscard]] BakeResult bake_file(const FileInput& input, const ReadOptions& read_options = {},
                                    const BakeOptions& options = {}, const Control& control = {});
 
@@ -78,8 +78,8 @@ struct StoredEnvironment {
 /// read, or not read at all. This call reads nothing.
 [[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {});
 
-/// Bakes a file according to its plan. Throws as `bake` and `bake_file`, and `Error` (invalid_argument) for the plan of
-/// another file.
+/// Bakes a file according to its plan. Throws the same errors as `bake_file`, and `Error` (invalid_argument) for the
+/// plan of another file.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
 // ---- Requests about files, for a worker (requests.h has the others)
@@ -183,19 +183,19 @@ struct TextureOptions {
 /// that the extension names. Faces have the axes of `CubemapView`, which are those of the graphics APIs.
 ///
 /// - .ktx2: Vulkan's formats for `TexelFormat`, linear Rec. 709; KTXorientation "rd".
-/// - .ktx: KTX 1 with OpenGL's formats. R11F_G11F_B10F has its internal format as its type, as in Filament. The
-///   caller's metadata only.
+/// - .ktx: KTX 1 with OpenGL's formats, and the caller's metadata only. For R11F_G11F_B10F, glType is the internal
+///   format, as in Filament.
 /// - .dds: DX10 header, DXGI's formats.
 /// - .exr: mip-mapped tiles with the envmap attribute, in OpenEXR's axes; half or float by `format`, ZIP; half floats
 ///   keep NaN and infinities. OpenEXR's chain extends to 1 x 1: missing levels are means of the last one, and the
 ///   attribute welkinLevels states how many were given.
 ///
-/// BC6H and ASTC are for radiance. `bc6h_errors` measures the errors of BC6H. ASTC is encoded by astcenc, whose version
-/// determines the bytes (WELKIN_ASTC=OFF builds without it); so do those of zlib and Zstandard for compressed files.
+/// BC6H and ASTC are for radiance. `bc6h_errors` measures the errors of BC6H. The bytes of ASTC files depend on
+/// astcenc's version (WELKIN_ASTC=OFF builds without it), those of supercompressed files on zlib's and Zstandard's.
 ///
 /// Memory: a block of rows; for BC6H and ASTC the encoded chain, for ASTC also 3 MB per thread; for OpenEXR also two of
 /// the missing levels; with supercompression the compressed chain and the levels being compressed. Throws `Error`
-/// (invalid_argument) also for sizes that do not follow, and for options that the file cannot hold.
+/// (invalid_argument) also for mips of other sizes, and for options that the file cannot hold.
 WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips,
                           const TextureOptions& options = {}, const Control& control = {});
 
@@ -259,7 +259,7 @@ struct RgbdPictures {
 [[nodiscard]] RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control = {});
 
 /// Reads an .env file: version 1 (or older) or 2, with PNG or WebP images, identified by their first bytes. The
-/// manifest may have 256 KiB. The memory limit is checked before an image is decoded.
+/// manifest may have up to 256 KiB. The memory limit is checked before an image is decoded.
 [[nodiscard]] BabylonEnvironment read_babylon_environment(const FileInput& input,
                                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                                           const Control& control = {});
@@ -280,8 +280,8 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
 /// `read_texture` reads. Depth is the first channel of a format with 32-bit floats (half floats have only three
 /// digits).
 ///
-/// 128 probes are read and baked at a time, on all threads, which bounds the memory. Throws as `bake_probes` and
-/// `read_texture`; messages name the file.
+/// 128 probes are read and baked at a time, on all threads, which bounds the memory. Throws the same errors as
+/// `bake_probes` and `read_texture`; messages name the file.
 [[nodiscard]] BakedProbes bake_probe_files(const ProbeGrid& grid, std::span<const FileInput> cubes,
                                            std::span<const FileInput> depths = {}, const ProbeOptions& options = {},
                                            const Control& control = {});

@@ -46,12 +46,12 @@ namespace WELKIN_EXPORT welkin {
 
 // ---- Vectors and matrices
 
-// In a host without GLM's macros these types are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. With
-// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES, GLM's own names stand for types of another size, which the compiled library does
-// not use; the packed precision is therefore spelled out here. A host's aligned vector converts to and from these types
-// where it is passed or assigned (with GLM_FORCE_EXPLICIT_CTOR it needs a cast). Spans and arrays need these types
-// themselves. Sources compiled with GLM_FORCE_SIZE_T_LENGTH do not link with the library, because that macro changes
-// vec<3, double> to vec<3ul, double>.
+// Without GLM's macros, these types are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3.
+// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES gives GLM's own names another size, which the compiled library does not use.
+// These aliases therefore name the packed types. A host's aligned vector converts to and from them when it is
+// passed or assigned; with GLM_FORCE_EXPLICIT_CTOR, cast it. Spans and arrays must have these types. Sources
+// compiled with GLM_FORCE_SIZE_T_LENGTH do not link, because that macro changes vec<3, double> to vec<3ul,
+// double>.
 
 /// Three floats without padding.
 using vec3 = glm::vec<3, float, glm::packed_highp>;
@@ -89,8 +89,8 @@ enum class ErrorCode {
 /// Returns the name of a code as it is spelled here, such as "invalid_argument".
 [[nodiscard]] const char* name(ErrorCode code) noexcept;
 
-/// The exception that every call throws on failure. Apart from it, only `std::bad_alloc`, `std::system_error` of the
-/// constructor of `Worker`, and exceptions thrown by the caller's own callbacks leave the library.
+/// The exception that every call throws on failure. The library throws nothing else, except `std::bad_alloc`,
+/// `std::system_error` from the constructor of `Worker`, and whatever the caller's own callbacks throw.
 class Error : public std::runtime_error {
  public:
   /// Creates an error. `message` should name the input, the fault and the remedy.
@@ -145,9 +145,9 @@ void run_with_threads(int threads, const std::function<void()>& work);
 
 // ---- Working memory
 
-// Buffers of 64 KiB and more, and chains of 1 MiB and more from the default resource, reuse blocks of earlier calls, so
-// that warm calls clear no pages. On Linux, blocks lie in huge pages of 2 MiB. Calling these functions never changes a
-// result.
+// Buffers of at least 64 KiB, and chains of at least 1 MiB from the default resource, reuse blocks of earlier calls.
+// Repeated calls therefore need no new pages. On Linux, blocks lie in huge pages of 2 MiB. These functions never change
+// a result.
 
 /// Sets how many bytes of unused blocks the process keeps, and frees the oldest blocks in excess. The default is 128
 /// MiB; under an address sanitizer and in WebAssembly it is 0, which keeps none.
@@ -168,9 +168,9 @@ enum class InstructionSet { sse2, avx2, avx512, neon, simd128 };
 /// Returns the instruction sets that this processor and operating system can run, narrowest first.
 [[nodiscard]] std::vector<InstructionSet> available_instruction_sets();
 
-/// Returns the instruction set in use. It is the widest one available, unless the environment variable WELKIN_ISA
-/// (sse2, avx2, avx512, neon or simd128) named another at the first call, or `force_instruction_set` chose one since.
-/// Throws `Error` (invalid_argument) if WELKIN_ISA names no instruction set, or one that cannot run here.
+/// Returns the instruction set in use. The default is the widest one available. The environment variable WELKIN_ISA
+/// (sse2, avx2, avx512, neon or simd128), read at the first call, and `force_instruction_set` override it. Throws
+/// `Error` (invalid_argument) if WELKIN_ISA names no instruction set, or one that cannot run here.
 [[nodiscard]] InstructionSet active_instruction_set();
 
 /// Selects the instruction set for all calls that start from now on. For tests and benchmarks. Throws `Error`

@@ -117,7 +117,7 @@ struct EngineLight {
 /// have one.
 [[nodiscard]] EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine);
 
-/// Converts radiance that is already in the engine's axes to the engine's form. Throws as `engine_light`.
+/// Converts radiance that is already in the engine's axes to the engine's form. Throws the errors of `engine_light`.
 [[nodiscard]] EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine);
 
 }  // namespace welkin

@@ -46,7 +46,7 @@ class FileInput {
 
   /// Refers to the file at a path, of any type that converts to `std::filesystem::path`. Does not open it.
   template <std::convertible_to<std::filesystem::path> Path>
-  // A path is an input as it is, and no input is a path.
+  // A path converts to an input; an input never converts to a path.
   // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
   FileInput(Path&& path) : path_(std::forward<Path>(path)) {}
 
@@ -88,7 +88,7 @@ class FileOutput {
  public:
   /// Refers to the file at a path, of any type that converts to `std::filesystem::path`.
   template <std::convertible_to<std::filesystem::path> Path>
-  // A path is an output as it is, and no output is a path.
+  // A path converts to an output; an output never converts to a path.
   // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
   FileOutput(Path&& path) : path_(std::forward<Path>(path)) {}
 
@@ -148,8 +148,8 @@ struct ReadOptions {
   /// colour, else the only layer.
   std::string layer{};
 
-  /// Level of a file with mips (OpenEXR, KTX2, KTX, DDS, .env); 0 is the full size. Of rip maps, levels that shrink
-  /// both ways count.
+  /// Level of a file with mips (OpenEXR, KTX2, KTX, DDS, .env); 0 is the full size. In rip maps, only levels that
+  /// shrink both ways count.
   int level = 0;
 
   /// Index of a cubemap or image in a KTX2, KTX or DDS array, from 0.
@@ -282,16 +282,16 @@ struct Environment {
                                            const Control& control = {});
 
 /// Projects a file. A lat-long is streamed: blocks of rows are decoded and projected in parallel, in a few blocks of
-/// memory per thread for any image size. The result has the bits of reading the file whole and calling `project`.
-/// Throws as `read_environment` and `project`.
+/// memory per thread for any image size. The result is bit-identical to `project` of the whole image. Throws the same
+/// errors as `read_environment` and `project`.
 ///
-/// Memory per thread for a lat-long: the rows that decode together (1 in PFM; 1 to 32 in most OpenEXR files, 256 with
-/// dwab, a row of tiles in tiled files), at least two from 16384 columns down, at 12 bytes per texel, plus the
-/// decoder's memory, at most 5 times those rows as stored. Shared by all threads: sums and tables, 0.15 % of the image
-/// as RGB floats with 3 bands, 1 % with 10. A 16384 x 8192 image (1.5 GiB as floats) thus needs 4 MiB on one thread as
-/// PFM; as OpenEXR it needs 10 MiB per thread with zip (16 rows), 16 MiB with piz (32 rows) and 120 MiB with dwab. If
-/// all threads together would exceed the memory limit, one thread is used. Files whose rows must be decoded in order
-/// (PNG) are decoded by one thread at a time while the others project.
+/// Memory per thread for a lat-long: 12 bytes per texel of the rows that decode together (1 in PFM; 1 to 32 in most
+/// OpenEXR files, 256 with dwab, a row of tiles in tiled files; at least 2 up to 16384 columns), plus the decoder's
+/// memory, at most 5 times those rows as stored. Shared by all threads: sums and tables, 0.15 % of the image as RGB
+/// floats with 3 bands, 1 % with 10. A 16384 x 8192 image (1.5 GiB as floats) thus needs 4 MiB on one thread as PFM; as
+/// OpenEXR it needs 10 MiB per thread with zip (16 rows), 16 MiB with piz (32 rows) and 120 MiB with dwab. If all
+/// threads together would exceed the memory limit, one thread is used. Files whose rows must be decoded in order (PNG)
+/// are decoded by one thread at a time while the others project.
 ///
 /// With `target_size` and level 0, a file with mips is not reduced; the level nearest to the target in log2 is read
 /// instead (face size against the target, width of a lat-long against four times the target). The pass "reduce" then
@@ -334,8 +334,8 @@ struct WriteReport {
   std::uint64_t values_clamped = 0;          ///< channel values outside the format's range (NaN becomes 0)
 };
 
-/// Checks output and options, and throws what `write_environment` would, before an image is computed for them. Of the
-/// target it checks only that the folder exists.
+/// Checks output and options, and throws what `write_environment` would, before an image is computed for them. For the
+/// target, it checks only that the folder exists.
 void check_write_options(const FileOutput& output, const WriteOptions& options, bool is_cubemap);
 
 /// Writes an environment in the format that the extension names: .exr, .hdr, .pfm or .png. Files are written

@@ -151,14 +151,14 @@ class Cubemap {
   explicit Cubemap(int size, int levels = 1, memory_resource* memory = nullptr);
 
   /// Copies the pixels of a cubemap with one mip: 6 x size x size x 3 floats, face by face. Throws `Error`
-  /// (invalid_argument) for any other number of floats, and as above.
+  /// (invalid_argument) for any other number of floats or size.
   Cubemap(int size, std::span<const float> pixels);
 
   /// Copies the pixels into memory of the default resource.
   Cubemap(const Cubemap& other);
-  /// Takes the pixels; `other` is empty afterwards.
+  /// Moves the pixels; `other` is empty afterwards.
   Cubemap(Cubemap&& other) noexcept { swap(other); }
-  /// Copies or takes the pixels of another cubemap.
+  /// Copies or moves the pixels of another cubemap.
   Cubemap& operator=(Cubemap other) noexcept {
     swap(other);
     return *this;
@@ -254,7 +254,7 @@ struct CubemapTarget {
 std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control = {});
 
 /// Writes each mip of a cubemap to its target. Returns the number of channel values that were clamped. Throws `Error`
-/// (invalid_argument) for a null face, another size, overlapping rows, or unless there are as many targets as mips.
+/// (invalid_argument) for a null face, another size, overlapping rows, or too few or too many targets.
 std::uint64_t store_texels(const Cubemap& from, std::span<const CubemapTarget> to, const Control& control = {});
 
 /// The order of images in a block of memory that holds a mip chain.
@@ -292,7 +292,7 @@ struct UploadLayout {
 /// of 256 texels from seven photographs (docs/notes/textures.md); values below 2^-14 are measured relative to 2^-14.
 enum class Bc6hEffort {
   fast,    ///< one pair of endpoints per block: error 3.4 %
-  normal,  ///< adds two pairs of endpoints with the most promising partition where one pair is not enough: error 2.3 %
+  normal,  ///< also tries two pairs, in the most promising partition, where one is not enough: error 2.3 %
   slow,    ///< tries the four most promising partitions
 };
 
@@ -319,7 +319,7 @@ struct Bc6hCubemap {
 };
 
 /// Encodes a cubemap with its mips, largest first; each must have half the size of the one before, rounded down. Values
-/// out of range are clamped and counted; NaN becomes 0. Throws `Error` (invalid_argument) for sizes that do not follow.
+/// out of range are clamped and counted; NaN becomes 0. Throws `Error` (invalid_argument) for mips of other sizes.
 ///
 /// The error halves as the face size doubles. Small mips compress worst, because the texels of a block differ: in
 /// chains of 256 with `normal`, the error is 2.6 % at 16 texels and 4 to 5 % below. From 16 texels on, the mean of each

@@ -59,8 +59,8 @@ struct ImportanceTargets {
 /// A piecewise constant density over the sphere: constant per solid angle within each texel of a lat-long.
 ///
 /// The arrays are those of pbrt's PiecewiseConstant2D (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
-/// edition, A.4.5 and A.5.2): `column_cdf` is that of its conditional densities, row by row, and `row_cdf` that of the
-/// marginal one. Both start at 0, never decrease, and end at exactly 1. A row without light has a uniform one.
+/// edition, A.4.5 and A.5.2): `column_cdf` has the distributions within each row, and `row_cdf` that over the rows.
+/// Each starts at 0, never decreases, and ends at exactly 1. A row without light has a uniform one.
 struct ImportanceTable {
   int width = 0;   ///< texels per row
   int height = 0;  ///< number of rows
@@ -73,10 +73,10 @@ struct ImportanceTable {
   std::vector<float> column_cdf;  ///< [height][width + 1]: probability within a row of the columns before each
   double integral = 0.0;          ///< sum of `function`
 
-  /// Returns the direction for two numbers in [0, 1), to which others are clamped: `down` selects the row and the
-  /// height within it, `across` the column and the longitude. Uniform numbers give directions with the table's density.
-  /// The density is that of `function`; the cumulative distributions are floats with steps of 6e-8 of a row, so texels
-  /// next to a much brighter one may be missed in favour of others. Cost: two binary searches.
+  /// Returns the direction for two numbers, which are clamped to [0, 1): `down` selects the row and the height within
+  /// it, `across` the column and the longitude. Uniform numbers give directions with the density of `function`. The
+  /// cumulative distributions are floats with steps of 6e-8 of a row, so a texel next to a much brighter one may never
+  /// be sampled. Cost: two binary searches.
   [[nodiscard]] ImportanceSample sample(double across, double down) const;
 
   /// Returns the density per steradian at a direction, consistent with `sample`; 0 where nothing is sampled. Throws
@@ -110,7 +110,7 @@ struct AliasTable {
 };
 
 /// Computes an alias table with the table's probabilities, each within a rounding error of float. Cost: 10 ns per texel
-/// and thread.
+/// on one thread.
 [[nodiscard]] AliasTable alias_table(const ImportanceTable& table, const Control& control = {});
 
 /// Probabilities of blocks of texels by powers of two, for hierarchical warping (Clarberg et al. 2005) and for

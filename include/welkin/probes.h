@@ -85,8 +85,8 @@ struct ProbeOptions {
   /// Number of passes in which valid probes are spread to invalid neighbours: 0 to 1024.
   int dilation_passes = 4;
 
-  /// Bands of the environments for which `relight` shall work: 1 to 13, and at most 17 together with the bands of the
-  /// projection. 0 keeps nothing for it. Requires depths.
+  /// Bands of environments that `relight` supports: 1 to 13, and at most 17 together with the bands of the projection.
+  /// 0 stores no visibility for `relight`. Requires depths.
   int environment_bands = 0;
 
   friend bool operator==(const ProbeOptions&, const ProbeOptions&) = default;
@@ -117,7 +117,7 @@ struct BakedProbes {
   /// [sky_bands^2] Coefficients of the function that is 1 where a probe sees the environment and 0 elsewhere.
   std::vector<double> sky;
 
-  ProjectionDiagnostics diagnostics;  ///< of all cubemaps together, as in `project_many`
+  ProjectionDiagnostics diagnostics;  ///< totals over all cubemaps, as in `project_many`
   std::size_t invalid = 0;            ///< number of invalid probes
   std::size_t unfilled = 0;           ///< number of invalid probes that no pass has filled
 
@@ -129,7 +129,7 @@ struct BakedProbes {
 /// view per probe, all of one size; without depths all probes are valid, and there are neither distances nor visibility
 /// of the sky.
 ///
-/// - Radiance is computed by `project_many`, with its bits and errors.
+/// - Radiance is bit-identical to that of `project_many`, and fails with the same errors.
 /// - Distances: texels are first averaged by solid angle in blocks, at most 16 per edge. A texel of a map is the mean
 ///   of blocks, weighted by solid angle times max(0, cosine)^power of the angle between the texel's direction and the
 ///   centre of the block, corrected for variation within the block (docs/guides/probe_grids.md).
@@ -144,23 +144,23 @@ struct BakedProbes {
                                       std::span<const DepthView> depths = {}, const ProbeOptions& options = {},
                                       const Control& control = {});
 
-/// Bakes some probes again, each with its new cubemap and, if the grid was baked with them, its depths, and dilates all
-/// probes. The result has the bits of `bake_probes` of everything. `options` must be those of the first bake. The
-/// diagnostics become those of the probes that were baked. Throws as `bake_probes`, and `Error` (invalid_argument) for
-/// indices outside the grid or listed twice; `probes` is then unchanged, as it is after cancellation. In messages about
-/// a cubemap or depths, a probe's number is its index in `changed`.
+/// Bakes some probes again from new cubemaps (and new depths, if the grid was baked with depths), and dilates all
+/// probes. The result is bit-identical to `bake_probes` of the whole grid. `options` must be those of the first bake.
+/// The diagnostics cover the probes that were baked again. Throws the same errors as `bake_probes`, and `Error`
+/// (invalid_argument) for indices outside the grid or listed twice. After an error, also after cancellation, `probes`
+/// is unchanged. Messages about a cubemap or depths name a probe by its index in `changed`.
 void update_probes(BakedProbes& probes, std::span<const std::size_t> changed, std::span<const CubemapView> cubes,
                    std::span<const DepthView> depths = {}, const ProbeOptions& options = {},
                    const Control& control = {});
 
-/// Fills invalid probes from their neighbours. In each pass, a probe without light becomes the mean of those of its up
-/// to 26 neighbours that had light before the pass, weighted by 1 / distance^2. Probes filled before are filled again.
-/// Sets `passes`, `invalid` and `unfilled`. Throws `Error`: invalid_argument; cancelled, which leaves some probes
-/// unfilled: dilate again.
+/// Fills invalid probes from their neighbours. In each pass, a probe without light receives the mean of its neighbours
+/// (up to 26) that had light before the pass, weighted by 1 / distance^2. Probes filled by an earlier call are filled
+/// again. Sets `passes`, `invalid` and `unfilled`. Throws `Error` (invalid_argument). If cancelled, it leaves some
+/// probes unfilled; call it again.
 void dilate(BakedProbes& probes, int most_passes = 4, const Control& control = {});
 
 /// Returns the probes with coefficients windowed by `apply_window`, for drawing and packing. `relight` needs the
-/// originals. Throws as `apply_window`, naming the probe.
+/// originals. Throws the errors of `apply_window`, with the probe's index.
 [[nodiscard]] BakedProbes windowed(const BakedProbes& probes, Window window, double width = 0.0,
                                    const Control& control = {});
 

@@ -40,7 +40,7 @@ enum class NonFinitePolicy {
 
 /// Treatment of a finite value below zero.
 enum class NegativePolicy {
-  keep,     ///< used as it is
+  keep,     ///< used unchanged
   replace,  ///< replaced by 0, and counted
   reject,   ///< the call throws `Error` (rejected_pixel)
 };
@@ -55,7 +55,7 @@ struct RadianceClamp {
 };
 
 /// Treatment of pixel values before they are used as radiance. Calls that project, prefilter, bake or integrate pixels
-/// take one. Calls without one use the default policy, or resample values unchanged.
+/// take one. Resampling leaves values unchanged; all other calls use the default policy.
 struct PixelPolicy {
   /// Clamps radiance; no clamp by default. The diagnostics report how much energy it removed.
   std::optional<RadianceClamp> clamp{};
@@ -80,7 +80,7 @@ struct ProjectionOptions {
   Quadrature quadrature = Quadrature::exact;  ///< integration over texels
 
   /// Texels per edge of the cubemap to which the environment is reduced before projection, at least 1; `std::nullopt`
-  /// projects the source itself. A lat-long is reduced to 4 x target by 2 x target texels. Of a mip chain, the mip
+  /// projects the source itself. A lat-long is reduced to 4 x target by 2 x target texels. From a mip chain, the mip
   /// whose size is nearest to the target in log2 is read instead. Sources no larger than the target are not reduced.
   /// - Exact quadrature averages by solid angle, after gamma, clamp and policies.
   /// - Midpoint quadrature averages a cubemap as Babylon.js does: the target is rounded down to a power of two, and raw
@@ -127,7 +127,7 @@ struct ProjectionDiagnostics {
   dvec3 total_radiance{};  ///< integral of radiance over the sphere as projected
 
   /// Estimated relative error |c - c*| / |c*| of the radiance coefficients, where c* is the exact integral over the
-  /// source's texels as areas. It is not below the true error, except for a level of a mip chain, where it is a guess.
+  /// source's texels as areas. It is an upper bound, except for a level of a mip chain, where it is a guess.
   double error_estimate = 0.0;
 
   std::vector<PassRecord> passes;  ///< wall time of each step
@@ -143,8 +143,8 @@ struct Projection {
 
 /// Projects an environment onto spherical harmonics. A lat-long is projected directly, not by way of a cubemap.
 ///
-/// With exact quadrature, the relative error of the coefficient vector is below 5e-7. Cost: 0.3 ns per texel per thread
-/// with AVX-512, limited by memory bandwidth. Sources below 100 000 texels are projected on the calling thread alone.
+/// With exact quadrature, the relative error of the coefficient vector is below 5e-7. Cost: 0.3 ns per texel on one
+/// thread with AVX-512, limited by memory bandwidth. Sources below 100 000 texels use the calling thread only.
 [[nodiscard]] Projection project(const EnvironmentView& environment, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
@@ -157,18 +157,18 @@ struct Projection {
 // ---- Many cubemaps at once, such as the probes of a level
 //
 //   std::vector<welkin::dvec3> light(9 * probes.size());
-//   welkin::project_many(probes, light);      // probe k starts at light[9 * k], with the bits of project(probes[k])
+//   welkin::project_many(probes, light);      // light[9 * k] and the next eight are of project(probes[k])
 
-/// Projects many cubemaps of any sizes and formats. Writes bands^2 coefficients per probe, those of `probes[k]` from
-/// `coefficients[bands^2 k]` on, in the order of `SphericalHarmonics::coefficients`.
+/// Projects many cubemaps of any sizes and formats. Writes bands^2 coefficients per probe, in the order of
+/// `SphericalHarmonics::coefficients`: those of `probes[k]` start at `coefficients[bands^2 k]`. Same bits as `project`.
 ///
 /// Cubemaps up to 129 texels per edge are projected by one thread each, concurrently and without allocating (unless
 /// they are reduced to a target size); larger ones are projected one after the other on all threads. The diagnostics
 /// cover all probes: counts and total radiance are sums, the error estimate is the maximum.
 ///
-/// Throws as `project`, with the index of the first offending probe at the start of the message, and `Error`
-/// (invalid_argument) if `coefficients` is too short. After any other error the contents of `coefficients` are
-/// unspecified.
+/// Throws the same errors as `project`; messages start with the index of the first offending probe. Throws `Error`
+/// (invalid_argument) if `coefficients` is too short, before anything is written. After any other error the contents of
+/// `coefficients` are unspecified.
 ProjectionDiagnostics project_many(std::span<const CubemapView> probes, std::span<dvec3> coefficients,
                                    const ProjectionOptions& options = {}, const Control& control = {});
 
@@ -193,7 +193,7 @@ class FaceHarmonics {
   /// Returns the memory of the sums in bytes.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
-  /// Returns the sums of a face, 0 to 5. They do not depend on which face it is. For caches.
+  /// Returns the sums of a face, 0 to 5. Equal pixels give equal sums on every face. For caches.
   [[nodiscard]] const std::shared_ptr<const projection::FaceSums>& face(int face) const {
     return faces_[static_cast<std::size_t>(face)];
   }
@@ -213,17 +213,17 @@ class FaceHarmonics {
   std::array<std::shared_ptr<const projection::FaceSums>, 6> faces_{};
 };
 
-/// Projects all six faces and keeps their sums, at the cost of `project`. Throws as `project`, and `Error`
-/// (invalid_argument) for a target size with midpoint quadrature, whose reduction mixes faces.
+/// Projects all six faces and keeps their sums, at the cost of `project`. Throws the same errors as `project`, and
+/// `Error` (invalid_argument) for a target size with midpoint quadrature, whose reduction mixes faces.
 [[nodiscard]] FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions& options = {},
                                           const Control& control = {});
 
 /// Projects `faces` (each 0 to 5, without duplicates) again with the options of `kept`. Pixels of other faces are not
-/// read. Throws as `project`, and `Error` (invalid_argument) for another size than before; `kept` is then unchanged.
+/// read. Throws the same errors as `project`, also for another size; `kept` is then unchanged.
 void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<const int> faces,
                   const Control& control = {});
 
-/// Adds up the faces: the result has the same bits as `project`, diagnostics included. Takes microseconds, because no
+/// Adds up the faces. The result, with its diagnostics, is bit-identical to that of `project`. Takes microseconds: no
 /// pixel is read. Throws `Error` (invalid_argument) if a face has no sums.
 [[nodiscard]] Projection total(const FaceHarmonics& faces);
 
@@ -237,12 +237,12 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
 /// Computes irradiance by direct cosine integration in double: the sum over all texels of radiance times the texel's
 /// integral of max(0, normal . direction). The unit is W/m2 where radiance is W/m2/sr.
 ///
-/// Texels are areas. Texels on one side of the horizon are integrated in closed form; of texels that the horizon cuts,
-/// the part above it is integrated by Gauss rules. The relative error is below 1e-8 at every size. Pixels that are not
-/// valid RGB floats are copied first.
+/// Texels are areas. Texels above the horizon are integrated in closed form. Where the horizon cuts a texel, the part
+/// above it is integrated by Gauss rules. The relative error is below 1e-8 at every size. Pixels that are not valid RGB
+/// floats are copied first.
 ///
-/// Cost per texel, normal and thread: 6 ns for maps of 1024 x 512, 12 ns for 256 x 128, 60 ns for 64 x 32, since the
-/// horizon cuts a larger fraction of the texels of small maps. Throws `Error`: invalid_argument (including no normals,
+/// Cost per texel and normal on one thread: 6 ns for maps of 1024 x 512, 12 ns for 256 x 128, 60 ns for 64 x 32. In
+/// small maps the horizon cuts a larger fraction of the texels. Throws `Error`: invalid_argument (including no normals,
 /// or more than 100 000), rejected_pixel.
 [[nodiscard]] std::vector<dvec3> direct_irradiance(const EnvironmentView& environment, std::span<const dvec3> normals,
                                                    const PixelPolicy& pixels = {}, const Control& control = {});
@@ -278,7 +278,7 @@ struct IrradianceError {
 [[nodiscard]] Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control = {});
 
 /// Computes an irradiance cubemap by direct cosine integration in double, as `direct_irradiance` does, at each texel's
-/// centre: the reference for the function above. Cost: 6 ns per source texel, result texel and thread.
+/// centre: the reference for the function above. Cost: 6 ns on one thread for each pair of a source and a result texel.
 [[nodiscard]] Cubemap direct_irradiance_cubemap(const EnvironmentView& source, int size, const Control& control = {});
 
 }  // namespace welkin

@@ -23,7 +23,7 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< the faster of `spectral` and the narrow method of `MipMethod` that meets both bounds, for each mip
+  automatic,  ///< per mip, the faster one of `spectral` and `MipMethod::narrow` that meets both bounds
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels are convolved one by one
   reference,  ///< the integral, texel by texel in double; slow. The other methods are measured against it.
 };
@@ -35,11 +35,11 @@ enum class PrefilterMethod {
 /// `ZonalKernel`s; `prefilter_by_kernels` also takes lobes of your own.
 enum class LobeFamily {
   ggx,      ///< the kernel above
-  charlie,  ///< `charlie(r)`: sheen. A roughness below `kLeastCharlieRoughness` (0.05) is raised to it.
+  charlie,  ///< `charlie(r)`: sheen. Roughness is clamped to `kLeastCharlieRoughness` (0.05) or more.
   lambert,  ///< `lambert()`: irradiance over pi, at any roughness
-  phong,    ///< `phong(max(1, 2 / alpha^2 - 2))`. A roughness below 0.12 is raised to it.
-  blinn,    ///< `blinn(2 / alpha^2 - 2)`. A roughness below 0.12 is raised to it.
-  spectra,  ///< `from_spectrum` of the numbers in `PrefilterOptions::spectra` for the mip
+  phong,    ///< `phong(max(1, 2 / alpha^2 - 2))`. Roughness is clamped to 0.12 or more.
+  blinn,    ///< `blinn(2 / alpha^2 - 2)`. Roughness is clamped to 0.12 or more.
+  spectra,  ///< `from_spectrum` of the mip's list in `PrefilterOptions::spectra`
 };
 
 /// Returns "ggx", "charlie", "lambert", "phong", "blinn" or "spectra".
@@ -79,9 +79,9 @@ struct PrefilterOptions {
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, weighted by solid angle
-  /// Bound on |result - reference| / reference at any texel. If empty: ten times `rms_error`, at most 1. Channels that
-  /// are darker than 1e-6 / `maximum_error` of the mip's root mean square (without very bright lights) may exceed it;
-  /// the pass "mip N: dark channels" then reports them.
+  /// Bound on |result - reference| / reference at any texel. If empty: ten times `rms_error`, at most 1. Channels
+  /// darker than 1e-6 / `maximum_error` of the mip's root mean square (computed without very bright lights) may exceed
+  /// it; the pass "mip N: dark channels" then reports them.
   std::optional<double> maximum_error = std::nullopt;
 
   PixelPolicy pixels{};  ///< treatment of source values, as in `project`
@@ -114,14 +114,14 @@ struct MipRecord {
   int bright_texels = 0;               ///< texels whose lobes were added one by one (spectral, narrow)
   /// Predicted rms error divided by the mip's rms; 0 for copies, empty for stored mips.
   std::optional<double> error_estimate = std::nullopt;
-  /// Predicted relative rms error of a shader that interpolates bilinearly within this mip and the next, and linearly
-  /// between them: over all roughnesses from this mip's to the next one's, by the formula of the chain's
-  /// `RoughnessSchedule` (linear in roughness for other tables). Empty for the last mip, for lobes other than GGX, and
-  /// where the source's spectrum is unknown (stored mips, and chains without a spectral mip).
+  /// Predicted relative rms error of trilinear lookups between this mip and the next, over all roughnesses between
+  /// theirs. The fractional mip follows from the formula of the chain's `RoughnessSchedule`, or is linear in roughness
+  /// for other tables. Empty for the last mip, for lobes other than GGX, and where the source's spectrum is unknown
+  /// (stored mips, and chains without a spectral mip).
   std::optional<double> error_between = std::nullopt;
   /// Mean of the texels, weighted by solid angle. Convolution preserves energy, so the mean is nearly the same on every
-  /// mip. It differs where a lamp's convolved light is narrower than the texels, because a texel holds the value at its
-  /// centre: by up to 180 % on mip 1 of a chain of 32, for a cubemap of 64 with a lamp of one texel.
+  /// mip. It differs where a convolved lamp is narrower than the texels, because a texel holds the value at its centre:
+  /// by up to 180 % on mip 1 of a chain of 32, if the source is a cubemap of 64 with a lamp of one texel.
   dvec3 mean{};
   double milliseconds = 0.0;  ///< wall time
 };
@@ -138,9 +138,9 @@ struct PrefilteredSpecular {
 /// cubemap of the same size.
 ///
 /// A source without negative values gives a result without negative values. A uniform environment stays uniform to
-/// within 1e-6 (2e-4 for cubemaps in mips of roughness below 0.2). Values exceed the source's range by at most
-/// `maximum_error` of its ends. Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no
-/// method reaches).
+/// within 1e-6 (2e-4 for cubemaps in mips of roughness below 0.2). Values exceed the source's minimum and maximum by at
+/// most the fraction `maximum_error`. Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds
+/// that no method meets).
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const EnvironmentView& source,
                                                      const PrefilterOptions& options = {}, const Control& control = {});
 
@@ -149,8 +149,8 @@ struct PrefilteredSpecular {
 [[nodiscard]] std::vector<dvec3> reference_specular(const EnvironmentView& source, double roughness,
                                                     const std::vector<dvec3>& directions, const Control& control = {});
 
-// Roughness schedules: the roughness of each mip of a specular cubemap, and the mip at which a shader looks a roughness
-// up.
+// Roughness schedules: the roughness of each mip of a specular cubemap, and the mip that a shader samples for a
+// roughness.
 
 /// Mappings from mips to roughness, with t = mip / (mips - 1) in [0, 1].
 enum class RoughnessSchedule {
@@ -169,16 +169,16 @@ enum class RoughnessSchedule {
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// Returns the roughness of lobes that suits trilinear lookups by the schedule's formula best. Shaders still look mips
-/// up at `roughness_of_mips`, but read a chain of these lobes with a smaller error over all roughnesses. Mip 0 stays a
-/// mirror. The fit assumes an image with a typical power spectrum and depends on the arguments alone. Cost: 1 to 3 ms;
-/// recent fits are cached. Throws `Error` as `roughness_of_mips`.
+/// Returns the roughness of each mip's lobe that minimises the error of trilinear lookups over all roughnesses. Shaders
+/// still select mips by `roughness_of_mips`. Mip 0 stays a mirror. The fit assumes an image with a typical power
+/// spectrum and depends on the arguments alone. Cost: 1 to 3 ms; recent fits are cached. Throws the same errors as
+/// `roughness_of_mips`.
 [[nodiscard]] std::vector<double> fitted_roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// Returns the default number of mips for a schedule: down to 4 texels for `linear` and `filament` but at least five
-/// where `size` has five, since interpolation between few mips costs more accuracy than small mips do; seven for
-/// `unity`, or as many as `size` has; down to 1 texel for `babylon` and `unreal`. Throws `Error` (invalid_argument)
-/// unless 1 <= size <= 8192.
+/// Returns the default number of mips for a schedule. `linear` and `filament` end at 4 texels but have at least five
+/// mips where `size` allows, because interpolation between few mips is less accurate. `unity` has seven, or as many
+/// as `size` allows. `babylon` and `unreal` end at 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <=
+/// 8192.
 [[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
 
 /// Returns the number of mips of a chain with these options. Throws `Error` (invalid_argument) for a number out of
@@ -234,10 +234,10 @@ struct BrdfTable {
   [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(float); }
 };
 
-/// Computes a BRDF table by deterministic quadrature. The absolute error is below 1e-5 in every texel; for sheen values
-/// above 1, the relative error is. Recent tables are cached and shared, up to 32 MiB in total; larger tables are
-/// computed at every call. Cost: 0.6 microseconds per texel and thread with AVX-512, twice that with sheen. Throws
-/// `Error` (invalid_argument).
+/// Computes a BRDF table by deterministic quadrature. The absolute error of every texel is below 1e-5; for sheen
+/// above 1, it is relative. Recent tables are cached and shared, up to 32 MiB in total; larger tables are computed at
+/// every call. Cost: 0.6 us per texel on one thread with AVX-512, twice that with sheen. Throws `Error`
+/// (invalid_argument).
 [[nodiscard]] std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options = {},
                                                           const Control& control = {});
 
@@ -271,8 +271,8 @@ class ZonalKernel {
   /// Returns the kernel of any function of the cosine, which may have negative values. `breaks` lists the cosines
   /// between -1 and 1 at which the function or a derivative jumps; it must be smooth between them. `value` is called
   /// during this call only, for cosines from -1 to 1, a hundred to tens of thousands of times. Throws `Error`
-  /// (invalid_argument) for values that are not finite, an integral that is not above 0, and functions that no 2000
-  /// polynomials approximate; and whatever `value` throws.
+  /// (invalid_argument) for values that are not finite, an integral that is not above 0, and functions that need more
+  /// than 2000 polynomial pieces; and whatever `value` throws.
   [[nodiscard]] static ZonalKernel from_function(const std::function<double(double cosine)>& value,
                                                  const std::vector<double>& breaks = {0.0});
 
@@ -314,7 +314,7 @@ struct KernelChainOptions {
   std::vector<ZonalKernel> kernels{};  ///< one per mip: at least one, at most as many as the cubemap has levels
 
   /// `spectral` multiplies by the kernel's spectrum in harmonics and convolves bright texels one by one. `automatic`
-  /// does so and uses the integral where the estimated error exceeds the bound, if that takes at most a second.
+  /// does the same, but where the estimated error exceeds the bound it uses the integral if that takes at most 1 s.
   /// `reference` is the integral, texel by texel in double; slow.
   PrefilterMethod method = PrefilterMethod::automatic;
 
@@ -324,9 +324,9 @@ struct KernelChainOptions {
 };
 
 /// Prefilters an environment with one kernel per mip. For continuous kernels the default bounds are those of
-/// `prefilter_specular`: 0.1 % rms, 1 % at any texel. Where source and kernel have no negative values, neither has the
-/// result. Results of `from_function` are bit-identical only where the function's values are. Cost: that of
-/// `prefilter_specular`, plus 10 ns per texel of the result and bright texel of the source.
+/// `prefilter_specular`: 0.1 % rms, 1 % at any texel. If source and kernel have no negative values, the result has
+/// none. Results of `from_function` are bit-identical only if the function's values are. Cost: that of
+/// `prefilter_specular`, plus 10 ns for each pair of a result texel and a bright source texel.
 ///
 /// Throws `Error`: invalid_argument; rejected_pixel; limit_exceeded if the kernel is so narrow or sharp that 1536 bands
 /// miss the bound on this image, or if the estimated error exceeds it; the message states by how much.

@@ -20,14 +20,14 @@ class SphericalHarmonics;  // spherical_harmonics.h
 
 /// Filter between lat-longs and cubemaps.
 enum class ResampleFilter {
-  /// Each texel is the mean of the source over its area. The source's texels are areas, with ramps between neighbours:
-  /// as wide as in linear interpolation where the result is finer than the source, none where it is coarser. Every
-  /// source texel keeps its total radiance (1e-6 for a single one of any brightness, including poles, seams, edges and
+  /// Each texel is the mean of the source over its area. The source's texels are areas with ramps between neighbours.
+  /// Ramps are as wide as in linear interpolation where the result is finer than the source, and absent where it is
+  /// coarser. Every source texel keeps its total radiance to 1e-6 (also a single bright one, at poles, seams, edges and
   /// corners). A uniform source stays exactly uniform, and no new negative values appear. Edges of texels are
   /// approximated to less than half a texel of the result.
   area,
-  /// Bilinear interpolation at each texel's centre. Fast and smooth; right where the result is at least as fine as the
-  /// source. A finer source is undersampled, and total radiance is not preserved.
+  /// Bilinear interpolation at each texel's centre. Fast and smooth; suitable where the result is at least as fine as
+  /// the source. Undersamples finer sources, and does not preserve total radiance.
   bilinear,
 };
 
@@ -36,8 +36,8 @@ enum class ResampleFilter {
 ///
 /// `turn` is an orthogonal matrix (a rotation, possibly with a mirror): direction d of the source becomes direction
 /// turn * d of the result. If kind and size stay the same and the matrix maps texels to texels, they are copied bit for
-/// bit. That is so for the 48 symmetries of a cube; for a lat-long, for a mirror in x or y, in z if the width is even,
-/// and for a rotation about y by whole texels.
+/// bit. For cubemaps, these are the 48 symmetries of a cube. For lat-longs, they are mirrors in x and y, the mirror in
+/// z if the width is even, and rotations about y by whole texels.
 ///
 /// Methods:
 /// - From a lat-long to a cubemap with one of a cube's 48 symmetries (such as the identity): by `filter`.
@@ -57,8 +57,8 @@ enum class ResampleFilter {
 ///   in the fifth).
 ///
 /// Interpolation continues across edges of faces, poles and the seam. NaN and infinities spread to the texels that they
-/// touch, with `area` to a few more. `filter` is used between a lat-long and a cubemap only. Cost per thread: `area` 30
-/// ns and `bilinear` 8 ns per texel of the result; otherwise 20 ns per sample from a cubemap, 60 ns from a lat-long.
+/// touch, with `area` to a few more. `filter` is used between a lat-long and a cubemap only. Cost on one thread: `area`
+/// 30 ns and `bilinear` 8 ns per texel of the result; otherwise 20 ns per sample from a cubemap, 60 ns from a lat-long.
 /// Throws `Error` (invalid_argument) for views, sizes, and a matrix that is off orthogonal by more than 1e-6.
 [[nodiscard]] Cubemap to_cubemap(const EnvironmentView& source, int size, const dmat3& turn = dmat3(1.0),
                                  ResampleFilter filter = ResampleFilter::area, const Control& control = {});

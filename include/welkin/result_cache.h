@@ -77,8 +77,8 @@ struct ContentHash {
 struct CacheOptions {
   std::filesystem::path folder{};  ///< created if it does not exist; empty for no results on disk
   std::uint64_t memory_bytes = std::uint64_t{256} << 20U;  ///< limit in this process; 0 for no results in memory
-  /// Limit in the folder. Each process knows what the folder held when it last looked, and its own entries since;
-  /// several processes may together exceed the limit until one of them looks again.
+  /// Limit in the folder. Each process counts what the folder held at its last scan, plus its own entries since then.
+  /// Several processes may together exceed the limit until one of them scans again.
   std::uint64_t disk_bytes = std::uint64_t{4} << 30U;
 };
 
@@ -107,10 +107,10 @@ struct LightChange {
 /// The diagnostics' total radiance is scaled, too. Throws `Error` (invalid_argument).
 [[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
 
-/// Calls with a cache, in memory and on disk. Each has the bits of the call of the same name without a cache. Results
-/// that were found differ in their passes (action "reuse"; pass "cache" states where each was found), in times (0 ms
-/// for a mip) and in a prefilter's `peak_bytes`. Keys are `ContentHash`es of pixels, options and the library's version.
-/// Arguments are checked as without a cache. Thread-safe.
+/// Calls with a cache, in memory and on disk. Results are bit-identical to the call of the same name without a cache. A
+/// result that was found differs in its passes (action "reuse"; pass "cache" states where), in times (0 ms for a mip)
+/// and in a prefilter's `peak_bytes`. Keys are `ContentHash`es of pixels, options and the library's version. Arguments
+/// are checked as without a cache. Thread-safe.
 ///
 /// A specular chain is stored mip by mip, for prefilters and bakes alike. A stored mip is used in any chain in which
 /// its bits are the same: same source, pixel policies, size, roughness and method, and
@@ -131,7 +131,7 @@ struct LightChange {
 /// Two threads that miss the same entry at the same time both compute it. A hit costs hashing the source and copying
 /// the result, from disk also reading and checking it: much less than a bake, a prefilter or sky tables. Projecting
 /// pixels in memory costs about as much as hashing them, so caching projections pays for files, many bands and faces. A
-/// miss also costs writing the entries, and for a file two more reads for its hash. Additional memory: twice the
+/// miss also costs writing the entries, and for a file two more reads for its hash. Memory in addition: twice the
 /// largest entry, and the part of a chain that was found.
 class ResultCache {
  public:

@@ -40,11 +40,11 @@ struct DensityLayer {
   friend bool operator==(const DensityLayer&, const DensityLayer&) = default;
 };
 
-/// Returns the profile exp(-h / scale_height), without an upper end. Throws `Error` (invalid_argument) unless the scale
+/// Returns the profile exp(-h / scale_height) at all altitudes h. Throws `Error` (invalid_argument) unless the scale
 /// height is finite and above 0.
 [[nodiscard]] std::vector<DensityLayer> exponential_profile(double scale_height_m);
-/// Returns a tent profile, as for ozone: 1 at the centre, 0 at centre -+ half_width, linear in between. Throws `Error`
-/// (invalid_argument) unless the lengths are finite, the centre at least 0 and the half-width above 0.
+/// Returns a tent profile, as for ozone: 1 at the centre, 0 from half_width below and above it on, linear in between.
+/// Throws `Error` (invalid_argument) unless the lengths are finite, the centre at least 0 and the half-width above 0.
 [[nodiscard]] std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m);
 
 /// One constituent of the air.
@@ -66,20 +66,20 @@ enum class AerosolPhase {
 /// Luminance of the zenith at a dark site without a moon, in cd/m2: 21.8 magnitudes per square arcsecond.
 inline constexpr double kDarkNightZenithLuminance = 2e-4;
 
-/// A planet's air, its ground and its sun. All skies, and the reference that they are tested against, use this model:
-/// - Light propagates along straight lines in spherical shells. Sunlight at a point x is solar irradiance, times the
-///   transmittance from x towards the sun's centre (towards the horizon if the centre is below it), times the visible
-///   fraction of the disc, v(t) = t^2 (3 - 2 t) with t = clamp((e + a) / 2a, 0, 1). a is the sun's angular radius in
-///   radians; e = (mu_s - mu_h) r / R approximates the elevation of the centre over x's horizon in radians, where mu_s
-///   is the cosine between zenith and sun, mu_h = -sqrt(1 - (R/r)^2), R the ground's radius and r the radius of x. For
-///   a = 0 the fraction is 1 above the horizon and 0 below (Bruneton 2017, GetTransmittanceToSun).
-/// - For scattering, the sun is a point at its centre.
+/// A planet's air, its ground and its sun. All skies use this model, and so does the reference of their tests:
+/// - Light propagates along straight lines in spherical shells. Sunlight at a point x is the product of solar
+///   irradiance, the transmittance from x to the sun's centre (to the horizon if the centre is below it), and the
+///   visible fraction v of the disc (Bruneton 2017, GetTransmittanceToSun). v = t^2 (3 - 2 t) with t = clamp((e + a) /
+///   2a, 0, 1), where a is the sun's angular radius and e its centre's approximate elevation over x's horizon, in
+///   radians: e = (mu_s - mu_h) r / R. mu_s is the cosine of the sun's zenith angle, mu_h = -sqrt(1 - (R/r)^2), R the
+///   ground's radius and r that of x. For a = 0, v is 1 above the horizon and 0 below.
+/// - Scattered light is that of a sun reduced to a point at its centre.
 /// - The ground is Lambertian.
 struct Atmosphere {
   std::string name;  ///< for people
 
-  /// Wavelengths, increasing or decreasing, 1 to 1e6 nm. Three give a table of their own radiances (red, green, blue);
-  /// any number from 3 to 96 can be integrated to colours.
+  /// Wavelengths, increasing or decreasing, 1 to 1e6 nm. `SkyColour::spectral` requires three, one per channel (red,
+  /// green, blue); `SkyColour::linear_srgb` integrates 3 to 96.
   std::vector<double> wavelengths_nm{680.0, 550.0, 440.0};
 
   double bottom_radius_m = 6'360'000.0;  ///< radius of the ground, where the air begins
@@ -90,7 +90,7 @@ struct Atmosphere {
   AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< phase function of the aerosol
   double aerosol_asymmetry = 0.8;                              ///< asymmetry g, -0.8 to 0.999
   /// Asymmetry g per wavelength, -0.8 to 0.999; if empty, `aerosol_asymmetry` applies to all. Dust with a narrower lobe
-  /// in blue gives Mars its blue aureole. For spectra integrated to colours, each channel uses the mean g of its
+  /// in blue gives Mars its blue aureole. With `SkyColour::linear_srgb`, each channel uses the mean g of its
   /// wavelengths.
   std::vector<double> aerosol_asymmetries;
   std::vector<Constituent> absorbers;  ///< absorbers such as ozone, without scattering; at most 4
@@ -99,25 +99,25 @@ struct Atmosphere {
   std::vector<double> solar_irradiance;        ///< above the atmosphere, on a surface facing the sun, W/m2/nm
   double sun_angular_radius_degrees = 0.2678;  ///< 0 (a point) to 10
 
-  /// Luminance of the zenith in a night without a moon (airglow, zodiacal light, faint stars), seen from the ground, 0
-  /// (none) to 1 cd/m2. It is present by day too. Views from within the air add it, including their irradiance,
-  /// harmonics and curves; tables and the reference do not contain it. docs/maths/sky.md describes its colour and
+  /// Luminance of the zenith in a moonless night (airglow, zodiacal light, faint stars), seen from the ground, 0
+  /// (none) to 1 cd/m2. Views from within the air add it by night and by day, to radiance, irradiance, harmonics
+  /// and curves. Tables do not contain it, nor does the reference. docs/maths/sky.md describes its colour and
   /// shape.
   double night_zenith_luminance = 0.0;
 
   friend bool operator==(const Atmosphere&, const Atmosphere&) = default;
 };
 
-/// Checks that an atmosphere can be computed. Throws `Error` (invalid_argument) that names the parameter, its value and
-/// the allowed range, unless all values are finite, lists have one entry per wavelength, coefficients are 0 to 1e6,
-/// irradiances 0 to 1e12, bottom_radius_m is 1 to 1e9, top_radius_m is above it and at most 11 times it, g is -0.8 to
-/// 0.999, and there are at most 4 absorbers and 8 layers, with thicknesses of 0 to 1e12 and terms up to 1e15.
+/// Checks an atmosphere: all values are finite; lists have one entry per wavelength; coefficients are 0 to 1e6,
+/// irradiances 0 to 1e12, bottom_radius_m 1 to 1e9; top_radius_m is above bottom_radius_m and at most 11 times it; g is
+/// -0.8 to 0.999; there are at most 4 absorbers and 8 layers, with thicknesses of 0 to 1e12 and terms up to 1e15.
+/// Otherwise throws `Error` (invalid_argument) that names the parameter, its value and the allowed range.
 void check(const Atmosphere& atmosphere);
 
 /// Aerosols of Earth's air, with their optical depth at 550 nm.
 enum class AerosolKind {
   clear,     ///< clear day, 0.1
-  hazy,      ///< as `clear`, 0.32
+  hazy,      ///< the aerosol of `clear` with 0.32
   dusty,     ///< desert dust, 0.5
   polluted,  ///< continental air near cities, 0.327, with more absorption
 };
@@ -137,20 +137,20 @@ struct AerosolModel {
   friend bool operator==(const AerosolModel&, const AerosolModel&) = default;
 };
 
-/// Returns the parameters of an aerosol; planets.cpp names their sources. Throws `Error` (invalid_argument) for an
-/// unknown kind.
+/// Returns the parameters of an aerosol; module/sky/planets.cpp cites their sources. Throws `Error` (invalid_argument)
+/// for an unknown kind.
 [[nodiscard]] AerosolModel aerosol_model(AerosolKind kind);
 
 /// Returns the atmosphere with another aerosol. Throws `Error` (invalid_argument) for values out of range.
 [[nodiscard]] Atmosphere with_aerosol(Atmosphere atmosphere, const AerosolModel& aerosol);
 
-/// Returns Earth's atmosphere at given wavelengths (360 to 830 nm) and with an aerosol. Rayleigh optical depth 0.0973
-/// at 550 nm (Hansen and Travis 1974), 300 Dobson units of ozone, solar spectrum ASTM G-173, ground albedo 0.1. The
-/// illuminance with clear air is within 10 % of the clear sky of IES RP-21-84 for suns at 60, 30 and 10 degrees
-/// (docs/maths/sky.md). Throws `Error` (invalid_argument) for other wavelengths and unknown kinds.
+/// Returns Earth's atmosphere at given wavelengths (360 to 830 nm) and with an aerosol. It has Rayleigh optical depth
+/// 0.0973 at 550 nm (Hansen and Travis 1974), 300 Dobson units of ozone, solar spectrum ASTM G-173 and ground albedo
+/// 0.1. The illuminance with clear air is within 10 % of the clear sky of IES RP-21-84 for suns at 60, 30 and 10
+/// degrees (docs/maths/sky.md). Throws `Error` (invalid_argument) for other wavelengths and unknown kinds.
 [[nodiscard]] Atmosphere earth(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0},
                                AerosolKind aerosol = AerosolKind::clear);
-/// Returns Bruneton 2017's Earth at given wavelengths (360 to 830 nm), as in his program: Rayleigh 1.24062e-6 (1 um /
+/// Returns the Earth of Bruneton 2017's program at given wavelengths (360 to 830 nm): Rayleigh 1.24062e-6 (1 um /
 /// wavelength)^4, aerosols of scale height 1200 m and optical depth 0.0053 (far less than in clear air), an ozone tent
 /// at 25 km. Throws `Error` (invalid_argument) for other wavelengths.
 [[nodiscard]] Atmosphere earth_bruneton(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0});
@@ -171,7 +171,7 @@ enum class SkyColour {
 
 /// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
 /// the sum of weights[i] times radiance i. The spectrum is linear between wavelengths and constant outside. Throws
-/// `Error` (invalid_argument).
+/// `Error` (invalid_argument) for wavelengths that `check` refuses.
 [[nodiscard]] std::vector<dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
 /// Returns the unit direction towards a sun. Elevation is -90 to 90 degrees; azimuth, from +z towards +x, -1e6 to 1e6
@@ -182,12 +182,12 @@ enum class SkyColour {
 
 /// Dimensions of the table of scattered light.
 enum class ScatteringLayout {
-  /// Altitude, cosine of the view's zenith angle, cosine of the sun's zenith angle, cosine of the azimuth between view
-  /// and sun. (Bruneton uses the cosine of the angle between view and sun for the last.)
+  /// Altitude, and the cosines of three angles: the view's zenith angle, the sun's zenith angle, and the azimuth
+  /// between view and sun (for which Bruneton uses the angle between view and sun).
   full,
-  /// The first three, with 32 x 64 x 32 texels in the article: only phase functions vary with the last. RGBA: rgb holds
-  /// Rayleigh and all higher orders; a holds the first channel of single Mie scattering, from which the other channels
-  /// are extrapolated.
+  /// Those without the azimuth, with which only phase functions then vary; 32 x 64 x 32 texels in the article. rgb
+  /// holds Rayleigh and all higher orders; a holds the first channel of single Mie scattering, from which the other
+  /// channels are extrapolated.
   compact,
 };
 
@@ -203,19 +203,19 @@ struct SkyTableOptions {
   int irradiance_heights = 16;                       ///< 2 to 1024
   int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
 
-  /// Elevation of the lowest sun in the tables, -90 to 0 degrees. Below it, the sky is that of the lowest sun, faded to
-  /// black.
+  /// Elevation of the lowest sun in the tables, -90 to 0 degrees. For suns below it, the sky of the lowest sun is faded
+  /// to black.
   double minimum_sun_elevation_degrees = -30.0;
 
   int orders = 4;  ///< orders of scattering including ground reflections, 1 (single) to 64
 
-  /// Stops before `orders` if an order adds less than this fraction of the mean radiance of all orders before it, over
-  /// all altitudes and suns; 0 never stops early. Spectra integrated to colours stop separately for each three
-  /// wavelengths, and `orders` is the maximum.
+  /// Stops early after an order that adds less than this fraction to the mean radiance of the orders before it, over
+  /// all altitudes and suns; 0 never stops early. With `linear_srgb`, each group of three wavelengths stops separately,
+  /// and `SkyTables::orders` is the maximum.
   double until_change = 0.0;
 
-  /// Computes `orders` orders only. By default, with more than one order, the contribution of all further orders is
-  /// estimated, because light in deep twilight has been scattered often.
+  /// Omits orders beyond `orders`. By default their contribution is estimated if `orders` is above 1, because light in
+  /// deep twilight has been scattered many times.
   bool exact_orders = false;
 
   SkyColour colour = SkyColour::spectral;                      ///< three wavelengths, or linear sRGB
@@ -229,18 +229,18 @@ struct SkyTables {
   Atmosphere atmosphere;    ///< the atmosphere that they were computed from
   SkyTableOptions options;  ///< options of the tables
 
-  /// Transmittance to the top, for rays that miss the ground: [transmittance_heights][transmittance_zeniths][3]. For
-  /// spectra integrated to colours: transmitted sRGB light of the sun's spectrum, relative to that above the air.
+  /// Transmittance to the top, for rays that miss the ground: [transmittance_heights][transmittance_zeniths][3]. With
+  /// `linear_srgb`: transmitted sunlight in sRGB, relative to sunlight above the air.
   std::vector<float> transmittance;
 
   /// Scattered light, [heights][view_zeniths][sun_angles][sun_zeniths][4]: a texture of sun_angles * sun_zeniths x
-  /// view_zeniths x heights RGBA texels. rgb holds Rayleigh scattering without its phase function, and higher orders
-  /// divided by it, times solar irradiance; a holds the first channel of single Mie scattering without its phase
-  /// function.
+  /// view_zeniths x heights RGBA texels. rgb holds Rayleigh scattering without its phase function plus higher orders
+  /// divided by that function, times solar irradiance. a holds the first channel of single Mie scattering without its
+  /// phase function.
   std::vector<float> scattering;
 
-  /// Channels of single Mie scattering (and 0), in the shape of `scattering`. Empty for the compact layout, and without
-  /// an aerosol that scatters.
+  /// Single Mie scattering in three channels and a zero, in the shape of `scattering`. Empty for the compact layout,
+  /// and without an aerosol that scatters.
   std::vector<float> single_mie;
 
   /// Irradiance of the sky, without direct sunlight, on horizontal ground:
@@ -256,17 +256,17 @@ struct SkyTables {
 };
 
 /// Returns the memory in bytes that `precompute_sky` needs at most, including results and 1 MB per thread of the
-/// caller's arena. Throws `Error` (invalid_argument), also for spectral tables of other than three wavelengths.
+/// caller's arena. Throws `Error` (invalid_argument), also unless `spectral` tables have three wavelengths.
 [[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
 
-/// Computes scattering tables. Cost: 2 s of CPU time for the defaults and each three wavelengths, a third of that for
-/// one order. Small tables are computed from fewer nodes. All values are finite and not negative.
+/// Computes scattering tables. Cost per three wavelengths: 2 s of CPU time with the defaults, a third of that with one
+/// order. Small tables are computed from fewer nodes. All values are finite and not negative.
 ///
 /// Single scattering at texels has a root mean square error of 1e-5 of the mean by day and 1e-4 by night (Earth, Mars).
-/// Higher orders are not integrated over directions per direction, as Bruneton does. Instead, radiance around a point
-/// is projected to spherical harmonics about the vertical (20 bands; 28 for narrow lobes), in which phase functions are
-/// products; the second order agrees with direct integration to 0.5 %. The part of a forward lobe that these bands
-/// cannot represent is treated as unscattered light (delta-M scaling), in the first order too unless `orders` is 1.
+/// For higher orders, Bruneton integrates over all directions for each direction. Welkin projects the radiance around a
+/// point to spherical harmonics about the vertical (20 bands; 28 for narrow lobes), where a phase function is one
+/// factor per band. The second order agrees with direct integration to 0.5 %. The part of a forward lobe that these
+/// bands cannot represent counts as unscattered light (delta-M scaling), also in the first order unless `orders` is 1.
 ///
 /// Throws `Error`: invalid_argument, limit_exceeded.
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
@@ -276,28 +276,28 @@ struct SkyTables {
 
 /// Options of `SkyView`.
 struct SkyViewOptions {
-  bool ground = true;  ///< rays that hit the ground see it, lit by sun and sky; otherwise only the air before it
+  bool ground = true;  ///< includes the ground, lit by sun and sky; otherwise rays that hit it see only the air
 };
 
 /// Options of sky images.
 struct SkyPictureOptions {
-  /// Includes the sun's disc, by the area of texels that it covers. Its total radiance is the irradiance of the
-  /// directional light.
+  /// Includes the sun's disc, antialiased by covered area. Its total radiance equals the irradiance of
+  /// `SkyView::sun`.
   bool sun_disc = false;
 };
 
 /// A slice of scattering tables at one altitude. Memory: 1 MiB at the default sizes; cost: 2 ms. Immutable. Calls throw
 /// `Error` (invalid_argument) for a sun direction that is zero or not finite.
 ///
-/// Between nodes of the tables, radiance is interpolated by cubics in altitude, view zenith, azimuth and sun zenith,
-/// which exceed the range of the two nearest nodes by at most a tenth. Relative to the reference for single scattering
-/// (Earth, default sizes), nine harmonics are within 0.2 % for suns from 90 to -8 degrees on the ground, 0.3 % at 20 km
-/// and 0.7 % at the top. The rms error of radiance is 1e-5 by day, 0.5 % at and after sunset, and several percent at
-/// the edges of the planet's shadow.
+/// Radiance between nodes of the tables is interpolated by cubics in altitude, view zenith, azimuth and sun zenith,
+/// which overshoot the two nearest nodes by at most a tenth of their range. Errors relative to the reference for single
+/// scattering (Earth, default sizes): of nine harmonics, for suns from 90 to -8 degrees, 0.2 % on the ground, 0.3 % at
+/// 20 km and 0.7 % at the top of the air; of radiance (rms), 1e-5 by day, 0.5 % at and after sunset, and several
+/// percent at the edges of the planet's shadow.
 class SkyView {
  public:
-  /// Creates a view from an altitude of 0 (on the ground) to 1e9 m. Above the top of the air, rays are looked up where
-  /// they enter it. Throws `Error` (invalid_argument), also for tables whose contents do not match their options.
+  /// Creates a view from an altitude of 0 (on the ground) to 1e9 m. Above the top of the air, a ray starts where it
+  /// enters the air. Throws `Error` (invalid_argument), also for tables whose contents do not match their options.
   SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options = {});
   ~SkyView();
   /// Copies a view; copies share the tables.
@@ -314,12 +314,12 @@ class SkyView {
   /// Returns the altitude of the observer above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Returns the radiance that arrives from a direction, without the sun's disc. It is finite and not negative. For
-  /// suns below the lowest one of the tables, it is the sky of that sun, faded to black at the nadir. Does not
-  /// allocate. Cost: 0.3 us. Throws `Error` (invalid_argument) for directions that are zero or not finite.
+  /// Returns the radiance from a direction, without the sun's disc; finite and not negative. For suns below the lowest
+  /// one of the tables, returns the sky of that sun, faded to black at the nadir. Does not allocate. Cost: 0.3 us.
+  /// Throws `Error` (invalid_argument) for directions that are zero or not finite.
   [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
-  /// Computes radiance for many directions with SIMD, with the bits of the call above for the same floats. Does not
+  /// Computes radiance for many directions with SIMD; bit-identical to the call above for the same floats. Does not
   /// allocate. Cost: 50 ns per direction. Throws `Error` (invalid_argument) if `rgb` is shorter than `directions`.
   void radiance(std::span<const vec3> directions, const dvec3& sun, std::span<vec3> rgb) const;
 
@@ -329,7 +329,7 @@ class SkyView {
   [[nodiscard]] Sun sun(const dvec3& sun) const;
 
   /// Returns the irradiance of the sky, without direct sunlight, on a horizontal surface facing up, from the table.
-  /// Includes the light of the night if the atmosphere has any. 0 above the air.
+  /// Includes the atmosphere's `night_zenith_luminance`. 0 above the air.
   [[nodiscard]] dvec3 irradiance(const dvec3& sun) const;
 
  private:
@@ -338,10 +338,10 @@ class SkyView {
   std::shared_ptr<const Slice> slice_;
 };
 
-/// Computes an image of the sky: radiance at the centres of texels, plus the sun's disc by area if requested. The
-/// disc's total radiance is the irradiance of `SkyView::sun` at any size; of a disc that the horizon cuts, the part
-/// above is included. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1
-/// to 16384.
+/// Computes an image of the sky: radiance at the centres of texels, plus the sun's disc by covered area if
+/// requested. At any image size, the disc's total radiance is the irradiance of `SkyView::sun`. A disc cut by the
+/// horizon ends there. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height
+/// is 1 to 16384.
 [[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size,
                                   const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
@@ -357,11 +357,11 @@ class SkyView {
 enum class SkyQuadrature {
   /// Uniform in angles, weighted by solid angle. The article uses 16 zenith angles x 32 azimuths (16 evaluated).
   uniform,
-  /// Gauss-Legendre in t, with cosine = horizon +- t^2, on both sides of the horizon; trapezoid in azimuth.
+  /// Gauss-Legendre in t on each side of the horizon, at zenith cosines horizon +- t^2; trapezoid in azimuth.
   gauss,
-  /// As `gauss`, with azimuths closer together near the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t). The
-  /// aerosol's forward lobe, times its source at the sun, is subtracted from the sky and added back by its spectrum in
-  /// closed form.
+  /// `gauss` with azimuths closer together near the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t). The
+  /// aerosol's forward lobe around the sun is subtracted before quadrature, and its harmonics are added in closed
+  /// form.
   gauss_split,
 };
 
@@ -378,13 +378,13 @@ struct SkyHarmonicsOptions {
   friend bool operator==(const SkyHarmonicsOptions&, const SkyHarmonicsOptions&) = default;
 };
 
-/// A quadrature prepared for a view: everything that does not depend on the sun. Immutable.
+/// A quadrature of a view's sky, with all that does not depend on the sun computed once. Immutable.
 ///
-/// Error of the nine coefficients of Bruneton's Earth at the default setting, relative to the converged integral of the
-/// view, on the ground: 2.1e-4 for suns from 90 to -6 degrees, 3e-3 at -10 degrees. (The article's directions: 2e-2 to
-/// 1.3e-1.) At 10 km 2.2e-3, at 50 km 6.4e-3, both at -6 degrees. With sharper lobes 5e-3 at g = 0.95, and up to 7e-2
-/// at g = 0.99 while the sun crosses the horizon. Outside the atmosphere the lobe is not subtracted, and a projection
-/// costs 50 times as much.
+/// Relative error of nine coefficients (Bruneton's Earth, default options) against the converged integral of the view:
+/// on the ground 2.1e-4 for suns from 90 to -6 degrees and 3e-3 at -10 degrees; at -6 degrees, 2.2e-3 at 10 km and
+/// 6.4e-3 at 50 km. The article's directions err by 2e-2 to 1.3e-1. Narrower lobes: 5e-3 at g = 0.95, and up to 7e-2 at
+/// g = 0.99 while the sun crosses the horizon. Above the air the lobe is not subtracted, and a projection costs 50
+/// times as much.
 class SkyProjector {
  public:
   /// Prepares a quadrature. Throws `Error`: invalid_argument, limit_exceeded (more than 1 GiB of prepared data).
@@ -419,12 +419,12 @@ struct SkyCurveOptions {
   friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
 };
 
-/// Harmonics as a function of the sun's elevation at one altitude. For any sun they are an interpolation and a rotation
-/// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share the data.
+/// Harmonics as a function of the sun's elevation at one altitude, interpolated and rotated about the vertical for any
+/// sun. Band 0 and the sun's irradiance are never negative. Immutable; copies share the data.
 ///
-/// Error relative to `SkyProjector`, with the default 256 nodes on the ground: 4e-4 for suns from 90 to -6 degrees,
-/// 6e-3 to -9, 2e-2 to -12, and 1e-1 to -18 degrees, where the interpolation of the tables is no smoother. Direct
-/// sunlight agrees with the view's to 1e-3, also while the disc sets.
+/// Error relative to `SkyProjector`, with the default 256 nodes on the ground: 4e-4 for suns down to -6 degrees, 6e-3
+/// down to -9, 2e-2 down to -12, and 1e-1 down to -18, where the tables are no smoother. Direct sunlight agrees with
+/// the view's to 1e-3, also while the disc sets.
 class SkyCurve {
  public:
   /// Computes the curve, in parallel over elevations. Throws `Error`: invalid_argument, limit_exceeded.

@@ -39,12 +39,12 @@ struct SkyLightOptions {
   /// Specular chain of the sky; `size` 0 for none.
   PrefilterOptions specular{.size = 32};
 
-  /// Minimum angle by which the sun moves: 0 to 10.
+  /// Smaller movements of the sun are ignored: 0 to 10 degrees.
   double sun_threshold_degrees = 0.01;
   /// Change of the sun's elevation after which reflections are recomputed: 0 to 90.
   double specular_threshold_degrees = 0.5;
 
-  /// Minimum change of altitude: 0 to 1e6 m.
+  /// Smaller changes of altitude are ignored: 0 to 1e6 m.
   double altitude_threshold_m = 1.0;
 
   /// Time to blend from an old curve or old reflections to new ones, in the caller's seconds: 0 (at once) to 3600.
@@ -95,12 +95,12 @@ struct SkyLightCounters {
 /// The dynamic sky of an engine's loop. For one thread at a time. The worker must outlive it.
 ///
 /// At most one request is in flight. Changes made meanwhile are coalesced: when it completes, only the latest one is
-/// applied. A new atmosphere cancels tables for an old one, but not again until tables have been completed and a curve
-/// and reflections made from them. So a sun that never rests still gets new reflections, and an atmosphere that changes
+/// applied. A new atmosphere cancels tables for an old one once; tables, a curve and reflections must then be completed
+/// before it cancels again. A sun that always moves therefore gets new reflections, and an atmosphere that changes
 /// every frame is shown as it was when the latest tables were started.
 ///
 /// While tables are computed, each worker thread involved runs one waiting job after each piece of a few milliseconds,
-/// so that jobs posted later do not wait for the tables. (With a lent executor, only the threads that run jobs do.)
+/// so that jobs posted later do not wait for the tables. (With an `Executor`, only the threads that run jobs do.)
 ///
 /// If the worker refuses or drops a request, because it is full or was terminated, `error()` reports it, the light
 /// stays unchanged, and the next call of any `set_` function tries again.
@@ -109,7 +109,7 @@ class SkyLight {
   /// Posts the request for the first tables, with the sun at the zenith. Throws `Error` (invalid_argument) for an
   /// atmosphere or options that cannot be computed, and whatever `Worker::post` throws.
   SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options = {});
-  /// Starts with existing tables, whose own options apply. Throws as above.
+  /// Starts with existing tables, whose own options apply. Throws the same errors as the constructor above.
   SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options = {});
   /// Cancels work in flight, without waiting.
   ~SkyLight();

@@ -56,13 +56,13 @@ class SphericalHarmonics {
   std::vector<dvec3> values_;
 };
 
-/// Writes Y(l, m) of a direction for all l < bands to `values`, bands^2 of them. Error below 5e-14 (5e-15 up to 8
-/// bands), including that of a rounded unit direction. Cost: 3 flops per value. Throws `Error` (invalid_argument) for
-/// the number of bands, the direction, or a span that is too short.
+/// Writes the bands^2 values Y(l, m), l < bands, of a direction. Error: below 5e-14 (5e-15 up to 8 bands), including
+/// that of a rounded unit direction. Cost: 3 flops per value. Throws `Error` (invalid_argument) for an invalid number
+/// of bands or direction, and for a span that is too short.
 void evaluate_basis(const dvec3& direction, int bands, std::span<double> values);
 
-/// Returns the sum of all coefficients times their basis functions at a direction: the radiance from there, or the
-/// irradiance on a surface that faces there. Throws `Error` (invalid_argument).
+/// Returns the sum of all coefficients times their basis functions at a direction: radiance from that direction, or
+/// irradiance on a surface that faces it. Throws `Error` (invalid_argument) for an invalid direction.
 [[nodiscard]] dvec3 evaluate(const SphericalHarmonics& coefficients, const dvec3& direction);
 
 /// Returns A_l, the cosine lobe's factor for band l >= 0: pi, 2 pi/3, pi/4, 0, -pi/24, 0, pi/64, ... (Ramamoorthi and
@@ -92,10 +92,10 @@ struct Quaternion {
   double z = 0.0;  ///< z of the axis times the sine of half the angle
 };
 
-/// Rotates light: what came from direction d then comes from turn * d. Uses the recurrence of Ivanic and Ruedenberg
-/// (1996, with the 1998 corrections). Error below 1e-13 for 16 bands; 10 000 consecutive rotations stay within 1e-11,
-/// as does each band's power. The quaternion is normalised first. Cost: 1 us for three bands, 100 us for 16. Throws
-/// `Error` (invalid_argument) for a quaternion of length 0.
+/// Rotates light: light from direction d then comes from turn * d. Uses the recurrence of Ivanic and Ruedenberg (1996,
+/// with the 1998 corrections). Error below 1e-13 for 16 bands; after 10 000 consecutive rotations, errors of
+/// coefficients and of each band's power are below 1e-11. The quaternion is normalised first. Cost: 1 us for three
+/// bands, 100 us for 16. Throws `Error` (invalid_argument) for a quaternion of length 0.
 [[nodiscard]] SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& turn);
 /// Rotates light by a GLM quaternion: `turned(harmonics, glm::angleAxis(angle, axis))`.
 template <glm::qualifier Precision>
@@ -124,7 +124,7 @@ template <glm::qualifier Precision>
 /// by a Gauss rule of its own degree.
 [[nodiscard]] SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics& b, int bands = 0);
 
-// ---- Windows against ringing, with which few bands make light negative
+// ---- Windows: factors that reduce ringing, which makes light from few bands negative
 
 /// Factor of band l. `width` is in bands.
 enum class Window {
@@ -173,7 +173,7 @@ struct Windowed {
 
 // ---- Extracting directional lights from environments
 
-/// The directional light that approximates an environment of at least two bands best.
+/// The directional light that best approximates an environment of at least two bands.
 struct DominantLight {
   dvec3 direction{};   ///< unit vector towards the light
   dvec3 irradiance{};  ///< irradiance on a surface that faces it
@@ -202,8 +202,8 @@ struct SunOptions {
   /// Neighbours of the brightest texel are always accepted, however coarse the map.
   double maximum_radius_degrees = 3.0;
 
-  /// Minimum of the brightest luminance relative to the map's mean; at least 1. It matters in coarse maps, where the
-  /// neighbourhood of a texel is no longer small: maps below 20 texels never have a sun.
+  /// Minimum of the brightest luminance relative to the map's mean; at least 1. It decides in coarse maps, where single
+  /// texels are large: a map of fewer than 20 texels never has a sun.
   double minimum_contrast = 20.0;
 
   /// Minimum fraction of the map's luminance in the spot, 0 to 1. Unlike contrast, it does not depend on the
@@ -216,7 +216,7 @@ struct Sun {
   dvec3 direction{};         ///< unit vector towards the centre of its light: mean over its texels' areas, by luminance
   dvec3 irradiance{};        ///< irradiance of the directional light: integral of the radiance that was removed
   dvec3 radiance{};          ///< mean radiance: irradiance / solid angle
-  double solid_angle = 0.0;  ///< of the texels of the spot, steradians
+  double solid_angle = 0.0;  ///< solid angle of the spot's texels, steradians
   double angular_radius_degrees = 0.0;  ///< radius of a disc with that solid angle
   std::uint64_t texels = 0;             ///< texels that were changed, of the spot and of its rim
   dvec3 total_radiance_before{};        ///< integral over the sphere
@@ -233,17 +233,17 @@ struct Sun {
 /// degree, 7e-4 for three. Band l of a spot with mean squared radius r^2 (radians) is smaller than the light's by the
 /// factor 1 - l(l+1) r^2 / 4, which for a disc of half a degree is 6e-5 in band 2.
 ///
-/// A texel with a NaN or infinite channel is not changed and counts nowhere; replace a sun that overflowed (65504 is
-/// the largest half float) first. Negative values are kept. Cost: one pass over the map, and another over the part with
-/// the spot; one bit of memory per texel. Throws `Error` (invalid_argument) for options out of range and for pixels
-/// that do not match the size.
+/// A texel with a NaN or infinite channel is ignored and not changed. Replace infinities of a sun that overflowed half
+/// floats (65504) first. Negative values are kept. Cost: one pass over the map, and another over the part with the
+/// spot; one bit of memory per texel. Throws `Error` (invalid_argument) for options out of range and for pixels that do
+/// not match the size.
 [[nodiscard]] std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options = {});
 [[nodiscard]] std::optional<Sun> take_out_sun(Cubemap& image, const SunOptions& options = {});
 
 /// Returns the coefficients of a sun's light, to be added to those of its map: a uniform disc with its solid angle and
 /// irradiance, in closed form, or a directional light if the solid angle is 0. `radiance`, `angular_radius_degrees` and
 /// the total radiances are ignored. Relative error below 1e-13 from a point to the whole sphere. Throws `Error`
-/// (invalid_argument) for a direction of length 0, a solid angle outside 0 to 4 pi, or the number of bands.
+/// (invalid_argument) for a direction of length 0, a solid angle outside 0 to 4 pi, or an invalid number of bands.
 [[nodiscard]] SphericalHarmonics sun_harmonics(const Sun& sun, int bands);
 
 // ---- Exposure: a factor for radiance before a tone curve
@@ -257,10 +257,10 @@ struct Sun {
 /// band 0 of radiance coefficients only. Returns 1 if the mean is not above 0, or if the result is not a finite double.
 [[nodiscard]] double exposure_of(const SphericalHarmonics& radiance);
 
-/// Returns the exposure of `welkin bake`'s previews, which scales the 75th percentile of the lit texels' luminance, by
-/// solid angle, to 0.36, one stop above middle grey. Lit texels have at least 1/32 of the mean luminance, in which
-/// values above the 99th percentile count as that percentile; so neither the black around a studio's lamps nor a sun
-/// changes the result. NaN and values below 0 count as black. Returns 1 if there is no light. Sorts the texels, with 16
+/// Returns the exposure that `welkin bake` uses for previews: it scales the 75th percentile of the lit texels'
+/// luminance, weighted by solid angle, to 0.36, one stop above middle grey. A texel is lit if it has at least 1/32 of
+/// the mean luminance, where values above the 99th percentile are clamped to it. Black around studio lamps, or a sun,
+/// has no effect. NaN and values below 0 count as black. Returns 1 if there is no light. Sorts the texels, with 16
 /// bytes of memory per texel; a mip of 32 texels per edge gives nearly the same result. Throws `Error`
 /// (invalid_argument) for an invalid view.
 [[nodiscard]] double exposure_of(const EnvironmentView& picture);

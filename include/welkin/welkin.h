@@ -5,7 +5,7 @@
  *   welkin_projection light = {.struct_size = sizeof light};
  *   if (welkin_project(&cubemap, 1, NULL, NULL, &light) != WELKIN_OK) puts(welkin_last_error());
  *
- * Results have the bits of the C++ calls: the same on any number of threads, instruction set and platform.
+ * Results are bit-identical to those of C++, on any number of threads, instruction set and platform.
  *
  * Structures. Each begins with `struct_size`, its `sizeof` in the caller's program. In structures that are read, zero
  * in any other field selects the default, and a null pointer to options selects all defaults. A structure that is
@@ -18,8 +18,8 @@
  * can also return WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED and WELKIN_OUT_OF_MEMORY.
  *
  * Handles belong to the caller. Each kind has a function that destroys it and accepts null. Other functions refuse a
- * null handle. Handles of results are immutable and may be read from any number of threads. An object from which
- * a handle was created may be destroyed before it, except a worker with a `welkin_sky_light`.
+ * null handle. Handles of results are immutable and may be read from any number of threads. A handle may outlive the
+ * object that it was created from, but a worker must outlive its `welkin_sky_light`.
  *
  * Threads. All functions may be called from any thread. Functions that compute use the oneTBB arena of the calling
  * thread. `control` may be null; inside a function that a worker runs, pass the one that it received.
@@ -81,7 +81,7 @@ typedef struct welkin_job welkin_job;
 /* Passed by a worker to a caller's function (`welkin_post_function`), valid until that function returns. */
 typedef struct welkin_control welkin_control;
 
-/* Destroy a handle, without waiting. Data shared between handles is freed with the last of them. */
+/* Destroys a handle without waiting. Data shared between handles is freed with the last of them. */
 WELKIN_API void welkin_chain_destroy(welkin_chain* chain);
 WELKIN_API void welkin_bake_result_destroy(welkin_bake_result* result); /* destroys the result of a bake */
 WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);   /* destroys sky tables */
@@ -165,9 +165,9 @@ enum { WELKIN_TRANSFER_AUTOMATIC = 0, WELKIN_TRANSFER_SRGB = 1, WELKIN_TRANSFER_
 /* Options for reading a file. A part, layer, level or element that the file lacks returns WELKIN_UNSUPPORTED_FILE. */
 typedef struct welkin_read_options {
   uint32_t struct_size;
-  welkin_layout layout; /* layout of the sphere in the image */
-  const char* part;     /* of a multi-part OpenEXR file: name, or index from 0; null: the first part with colour */
-  const char* layer;    /* of an OpenEXR file with layers; null: the channels without a layer, else the only layer */
+  welkin_layout layout;        /* layout of the sphere in the image */
+  const char* part;            /* part of an OpenEXR file: name, or index from 0; null: the first part with colour */
+  const char* layer;           /* layer of an OpenEXR file; null: the channels without a layer, else the only layer */
   welkin_transfer transfer;    /* encoding of values in a PNG */
   int32_t primaries_as_stored; /* 1: values as stored; 0: converted to Rec. 709 where the file states other primaries */
   uint64_t memory_limit_bytes; /* limit for pixels; 0: 8 GiB */
@@ -189,7 +189,7 @@ typedef struct welkin_pixel_policy {
   uint32_t struct_size;
   float clamp_maximum;             /* maximum of radiance, above 0; 0: no clamp */
   int32_t clamp_preserve_colour;   /* 1: scales r, g and b by one factor; 0: clamps each to [0, maximum] */
-  int32_t gamma;                   /* 1: clamps channels to [0, 1] and raises them to 2.2 (Babylon.js's gammaSpace) */
+  int32_t gamma;                   /* 1: decodes channels, clamped to [0, 1], by the power 2.2 (as Babylon.js) */
   int32_t reject_nan;              /* 1: a NaN returns WELKIN_REJECTED_PIXEL; 0: it is replaced by 0 */
   int32_t reject_infinity;         /* 1: rejects infinities; 0: +infinity becomes clamp_maximum or 65504, -infinity 0 */
   welkin_negative_policy negative; /* treatment of finite values below zero */
@@ -216,7 +216,7 @@ typedef struct welkin_projection {
   double total_radiance_before_clamp[3]; /* integral of radiance over the sphere, before the clamp */
   double total_radiance[3];              /* integral of radiance over the sphere as projected */
   double error_estimate;                 /* estimated relative error of the coefficients */
-  double coefficients[3 * WELKIN_MAXIMUM_BANDS * WELKIN_MAXIMUM_BANDS]; /* of radiance; unused ones are 0 */
+  double coefficients[3 * WELKIN_MAXIMUM_BANDS * WELKIN_MAXIMUM_BANDS]; /* radiance; unused ones are 0 */
 } welkin_projection;
 
 /* Projects an environment. `mips` is the full size, followed by `mip_count - 1` mips of a cubemap (15 at most in all),
@@ -246,13 +246,13 @@ WELKIN_API welkin_status welkin_irradiance_from_radiance(int32_t bands, const do
 WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction,
                                          double* value);
 
-/* Rotates light by an orthogonal matrix, or mirrors it: light from direction d then comes from matrix * d.
+/* Rotates or mirrors light by an orthogonal matrix: light from direction d then comes from matrix * d. Returns
  * WELKIN_INVALID_ARGUMENT if the matrix is off orthogonal by more than 1e-6. */
 WELKIN_API welkin_status welkin_turn(int32_t bands, const double* coefficients, const double* matrix, double* turned);
 
-/* Windows against ringing. With w = pi l / width, band l is multiplied by (1 + cos w) / 2 (HANNING) or sin(w) / w
- * (LANCZOS), 0 from l = width on, or by 1 / (1 + c l^2 (l + 1)^2) with the minimum c for which no irradiance is
- * negative (MIN_LAPLACIAN). */
+/* Windows against ringing: the factor of band l. With w = pi l / width, HANNING is (1 + cos w) / 2 and LANCZOS sin(w) /
+ * w, both 0 from l = width on. MIN_LAPLACIAN is 1 / (1 + c l^2 (l + 1)^2) with the minimum c for which no irradiance is
+ * negative. */
 typedef int32_t welkin_window;
 enum { WELKIN_WINDOW_NONE = 0, WELKIN_WINDOW_HANNING = 1, WELKIN_WINDOW_LANCZOS = 2, WELKIN_WINDOW_MIN_LAPLACIAN = 3 };
 
@@ -264,7 +264,7 @@ WELKIN_API welkin_status welkin_apply_window(int32_t bands, const double* radian
 /* Computes the factor that scales the mean radiance to middle grey, luminance 0.18; 1 if the mean is not above 0. */
 WELKIN_API welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* exposure);
 
-/* Finds the directional light that approximates an environment best: `direction` towards it, `irradiance` on a surface
+/* Finds the directional light that best approximates an environment: `direction` towards it, `irradiance` on a surface
  * facing it, and 1 in `found`; zeros if the light has no direction. */
 WELKIN_API welkin_status welkin_dominant_light(int32_t bands, const double* radiance, double* direction,
                                                double* irradiance, int32_t* found);
@@ -364,10 +364,10 @@ enum {
 typedef int32_t welkin_lobe_family;
 enum {
   WELKIN_LOBE_FAMILY_GGX = 0,
-  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen; r below 0.05 is raised to it */
+  WELKIN_LOBE_FAMILY_CHARLIE = 1, /* sheen; r is clamped to 0.05 or more */
   WELKIN_LOBE_FAMILY_LAMBERT = 2, /* irradiance over pi, at any r; one mip unless `mips` is set */
-  WELKIN_LOBE_FAMILY_PHONG = 3,   /* power max(1, 2 / r^4 - 2); r below 0.12 is raised to it */
-  WELKIN_LOBE_FAMILY_BLINN = 4,   /* power 2 / r^4 - 2; r below 0.12 is raised to it */
+  WELKIN_LOBE_FAMILY_PHONG = 3,   /* power max(1, 2 / r^4 - 2); r is clamped to 0.12 or more */
+  WELKIN_LOBE_FAMILY_BLINN = 4,   /* power 2 / r^4 - 2; r is clamped to 0.12 or more */
   WELKIN_LOBE_FAMILY_SPECTRA = 5  /* factors in `spectra` */
 };
 
@@ -403,10 +403,10 @@ typedef struct welkin_mip {
   welkin_prefilter_method method; /* never AUTOMATIC */
   int32_t bands;                  /* harmonic bands used (SPECTRAL, NARROW) */
   int32_t bright_texels;          /* texels convolved one by one */
-  double error_estimate;          /* predicted rms error over the mip's rms; NaN: unknown */
+  double error_estimate;          /* predicted rms error relative to the mip's rms; NaN: unknown */
   double mean[3];                 /* mean of the texels by solid angle */
   double lobe_roughness;          /* perceptual roughness of the mip's lobe */
-  double error_between;           /* predicted rms error of lookups between this mip and the next; NaN: unknown */
+  double error_between;           /* predicted rms error of trilinear lookups up to the next mip; NaN: unknown */
 } welkin_mip;
 
 /* Returns the record of a mip of a prefiltered chain. */
@@ -475,7 +475,7 @@ typedef struct welkin_bake_info {
   welkin_parts parts;               /* parts in the result */
   int32_t bands;                    /* 0 without harmonics */
   uint64_t peak_bytes;              /* bound on results and working memory together */
-  double irradiance_error_estimate; /* predicted rms error of the irradiance cubemap over its rms; NaN: unknown */
+  double irradiance_error_estimate; /* predicted rms error of irradiance relative to its rms; NaN: unknown */
   int32_t octahedral_size;          /* 0 without a map */
   int32_t octahedral_levels;        /* fewer than requested if there are fewer mips */
   int32_t octahedral_border;        /* texels on each side of level 0 */
@@ -523,8 +523,8 @@ WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* 
  * towards it. docs/guides/moving_sky.md describes what is computed. */
 
 /* Atmospheres to start from. EARTH has clear air as measured, HAZY three times its aerosol, DUSTY desert dust, POLLUTED
- * the air near cities. HILLAIRE is that of Hillaire 2020; BRUNETON, almost without aerosol, that of Bruneton 2017. BARE
- * has Earth's size, without air, light and colour. */
+ * the air near cities. HILLAIRE is Earth as in Hillaire 2020; BRUNETON is Earth as in Bruneton 2017, almost without
+ * aerosol. BARE has Earth's size, but no air and no light. */
 typedef int32_t welkin_planet; /* clang-format off */
 enum { WELKIN_PLANET_EARTH = 0, WELKIN_PLANET_EARTH_HILLAIRE = 1, WELKIN_PLANET_MARS = 2, WELKIN_PLANET_BARE = 3,
        WELKIN_PLANET_EARTH_BRUNETON = 4, WELKIN_PLANET_EARTH_HAZY = 5, WELKIN_PLANET_EARTH_DUSTY = 6,
@@ -546,14 +546,14 @@ typedef struct welkin_constituent {
 typedef int32_t welkin_aerosol_phase;
 enum { WELKIN_PHASE_DEFAULT = 0, WELKIN_PHASE_CORNETTE_SHANKS = 1, WELKIN_PHASE_HENYEY_GREENSTEIN = 2 };
 
-/* A planet's air, ground and sun, as differences from a given planet. Arrays have one value per wavelength. Zero and
- * null keep the planet's own values. Calls copy everything that they read. */
+/* A planet's air, ground and sun, as changes to a given planet. Arrays have one value per wavelength. Zero and null
+ * keep the planet's own values. Calls copy everything that they read. */
 typedef struct welkin_atmosphere {
   uint32_t struct_size;
   welkin_planet planet;     /* planet to start from */
   int32_t wavelength_count; /* 3, or up to 96 with `linear_srgb`; 0: 680, 550 and 440 nm, or the planet's own */
   int32_t absorber_count;   /* length of `absorbers`; -1: none */
-  /* increasing or decreasing; EARTH, HAZY, DUSTY, POLLUTED: 360 to 830; others need all arrays */
+  /* increasing or decreasing; EARTH, HAZY, DUSTY, POLLUTED: 360 to 830; other planets need all arrays */
   const double* wavelengths_nm;
   const welkin_constituent* rayleigh; /* molecules */
   const welkin_constituent* aerosol;  /* particles */
@@ -578,19 +578,19 @@ WELKIN_API welkin_status welkin_sun_direction(double elevation_degrees, double a
 /* Sizes of the tables, and orders of scattering. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
-  int32_t compact;      /* 1: omits the azimuth between view and sun, with which only phase functions then vary */
-  int32_t heights;      /* 2 to 128; 0: 32 */
-  int32_t view_zeniths; /* even, 4 to 1024; 0: 64 */
-  int32_t sun_zeniths;  /* 4 to 256; 0: 64 */
-  int32_t sun_angles;   /* 2 to 128, not with `compact`; 0: 8 */
-  int32_t transmittance_heights;        /* 2 to 1024; 0: 64 */
-  int32_t transmittance_zeniths;        /* 2 to 2048; 0: 256 */
-  int32_t irradiance_heights;           /* 2 to 1024; 0: 16 */
+  int32_t compact;               /* 1: omits the azimuth between view and sun; only phase functions then depend on it */
+  int32_t heights;               /* 2 to 128; 0: 32 */
+  int32_t view_zeniths;          /* even, 4 to 1024; 0: 64 */
+  int32_t sun_zeniths;           /* 4 to 256; 0: 64 */
+  int32_t sun_angles;            /* 2 to 128, not with `compact`; 0: 8 */
+  int32_t transmittance_heights; /* 2 to 1024; 0: 64 */
+  int32_t transmittance_zeniths; /* 2 to 2048; 0: 256 */
+  int32_t irradiance_heights;    /* 2 to 1024; 0: 16 */
   int32_t irradiance_sun_zeniths;       /* 2 to 1024; 0: 64 */
-  int32_t orders;                       /* of scattering, 1 to 64; 0: 4 */
+  int32_t orders;                       /* orders of scattering, 1 to 64; 0: 4 */
   int32_t linear_srgb;                  /* 1: channels are cd/m2; 0: W/m2/sr/nm at three wavelengths */
-  double minimum_sun_elevation_degrees; /* of the tables, -90 up to below 0; 0: -30 */
-  double until_change;                  /* stops before `orders` when one added less than this fraction; 0: never */
+  double minimum_sun_elevation_degrees; /* lowest sun in the tables, -90 up to below 0; 0: -30 */
+  double until_change;                  /* stops early after an order that adds less than this fraction; 0: never */
   uint64_t memory_limit_bytes;          /* 0: 4 GiB */
   int32_t exact_orders;                 /* not 0: omits orders beyond `orders`; 0: estimates them */
 } welkin_sky_table_options;
@@ -608,8 +608,8 @@ WELKIN_API welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables,
 WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes,
                                                 welkin_sky_tables** tables);
 
-/* Creates a view, in 2 ms, from an altitude of 0 to 1e9 m. With `without_ground` 1, rays that hit the ground see only
- * the air before it. */
+/* Creates a view from an altitude of 0 to 1e9 m, in 2 ms. With `without_ground` 1, rays that hit the ground see only
+ * the air in front of it. */
 WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
                                                 int32_t without_ground, welkin_sky_view** view);
 
@@ -664,14 +664,14 @@ enum { WELKIN_THREAD_PRIORITY_DEFAULT = 0, WELKIN_THREAD_PRIORITY_BELOW = 1,
 typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1 (with `enqueue`: all) */
-  welkin_thread_priority thread_priority; /* of its own threads */
-  const char* name;                       /* of the threads; null: "welkin" */
+  welkin_thread_priority thread_priority; /* priority of its own threads */
+  const char* name;                       /* name of the threads; null: "welkin" */
 
-  /* Null, or lends the engine's threads to the worker, which then has none of its own. `enqueue` must arrange for
+  /* Null: the worker creates threads. Otherwise it runs on the engine's threads: `enqueue` must arrange for
    * `task(argument)` to be called, soon and exactly once, on a thread of the engine's choice. It may be called
    * concurrently from any thread, with at most `threads` tasks outstanding. `enqueue_user` must stay valid until the
-   * worker is terminated or destroyed; later tasks have no effect. A task that is never called leaks, and its job
-   * waits. */
+   * worker is terminated or destroyed; later tasks have no effect. A task that is never called leaks, and its job waits
+   * forever. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user; /* passed to `enqueue` */
 
@@ -735,7 +735,7 @@ typedef struct welkin_post_options {
   void* completed_user; /* passed to `completed` */
 } welkin_post_options;
 
-/* Post the call of the same name, or the curve or the reflections (without the sun's disc) of a sky at an altitude. */
+/* Posts the call of the same name. The last two make a curve or reflections (without the sun's disc). */
 WELKIN_API welkin_status welkin_post_project(welkin_worker* worker, const welkin_environment* mips, int32_t mip_count,
                                              const welkin_projection_options* options, const welkin_post_options* post,
                                              welkin_job** job);
@@ -774,8 +774,8 @@ typedef struct welkin_bake_targets {
 
 /* Posts `welkin_bake`. If `targets` is not null, the worker's threads write the cubemaps there; that memory must stay
  * valid until the job is ready, and `release` also waits for the last write. A job that succeeds has written every
- * texel. One that never started, or whose targets are refused, has written none; any other job that fails, any part of
- * them. Running jobs must not share targets, because a replaced job writes until it is ready. */
+ * texel. A job that never started, or whose targets are refused, has written none; any other that fails may have
+ * written some. Running jobs must not share targets: a replaced job writes until it is ready. */
 WELKIN_API welkin_status welkin_post_bake(welkin_worker* worker, const welkin_environment* environment,
                                           const welkin_bake_options* options, const welkin_bake_targets* targets,
                                           const welkin_post_options* post, welkin_job** job);
@@ -811,7 +811,7 @@ WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress
  * directly or through other jobs, deadlocks. */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
-/* Return the result: a copy of a projection, or a handle to a chain, a bake, sky tables or a sky curve. */
+/* Returns the result: a copy of a projection, or a handle to a chain, a bake, sky tables or a sky curve. */
 WELKIN_API welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection);
 WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain);            /* a chain */
 WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);      /* a bake */
@@ -825,13 +825,13 @@ WELKIN_API welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up);
 /* Moves a waiting job to the end of the queue of that priority. */
 WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority);
 
-/* Add and drop a reference. The handle is destroyed with the last one; the job still completes. */
+/* Adds a reference. The handle is destroyed with its last reference; the job still completes. */
 WELKIN_API void welkin_job_retain(welkin_job* job);
-WELKIN_API void welkin_job_release(welkin_job* job); /* drops one */
+WELKIN_API void welkin_job_release(welkin_job* job); /* drops a reference */
 
 /* ---- The dynamic sky of an engine's loop ----
- * It posts to a worker, which must outlive it: a new atmosphere needs tables, a curve and reflections, a new altitude
- * the last two, a new elevation of the sun reflections only. Rotating the sun about the vertical posts nothing. */
+ * Posts to a worker, which must outlive it. New atmosphere: tables, a curve and reflections. New altitude: a curve and
+ * reflections. New elevation of the sun: reflections. Rotating the sun about the vertical posts nothing. */
 
 /* Options of a dynamic sky, with thresholds for recomputing. */
 typedef struct welkin_sky_light_options {
@@ -839,12 +839,12 @@ typedef struct welkin_sky_light_options {
   welkin_priority priority;                  /* priority of posted jobs */
   const welkin_sky_table_options* tables;    /* ignored if tables are given */
   const welkin_sky_harmonics_options* curve; /* includes the number of bands */
-  const welkin_prefilter_options* specular;  /* of the specular chain; null: the defaults */
+  const welkin_prefilter_options* specular;  /* options of the chain; null: the defaults */
   int32_t without_specular;                  /* 1: no reflections */
   double altitude_m;                         /* altitude of the observer above the ground */
-  double sun_threshold_degrees;              /* minimum movement of the sun; 0: 0.01; negative: none */
+  double sun_threshold_degrees;              /* smaller movements are ignored; 0: 0.01; negative: none */
   double specular_threshold_degrees;         /* change of elevation between new reflections; 0: 0.5; negative: none */
-  double altitude_threshold_m;               /* minimum change of altitude; 0: 1; negative: none */
+  double altitude_threshold_m;               /* smaller changes are ignored; 0: 1; negative: none */
   double blend_seconds;                      /* time to blend from old to new light; 0: 0.5; negative: at once */
 } welkin_sky_light_options;
 
@@ -876,8 +876,8 @@ WELKIN_API welkin_status welkin_sky_light_create(welkin_worker* worker, const we
                                                  const welkin_sky_tables* tables,
                                                  const welkin_sky_light_options* options, welkin_sky_light** light);
 
-/* Set the sun's direction, the intensity of all light (a factor, 0 to 1e12), the observer's altitude above the ground
- * in metres, or the planet. A request is posted only if something must be computed. */
+/* Sets the sun's direction, the intensity of all light (a factor, 0 to 1e12), the observer's altitude above the ground
+ * in metres, or the planet. Posts a request only if something must be computed. */
 WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
 WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity); /* a factor */
 WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m); /* metres */
@@ -888,8 +888,8 @@ WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light
  * reflections have arrived. `seconds` is the time since the last update. */
 WELKIN_API welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
 
-/* Returns WELKIN_OK, or the status of the last bake that failed, whose message is in `welkin_last_error`. The light is
- * unchanged then, and the next change tries again. */
+/* Returns WELKIN_OK, or the status of the last bake that failed, with its message in `welkin_last_error`. The light is
+ * then unchanged, and the next change tries again. */
 WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* light);
 
 /* ---- Files ----
@@ -897,8 +897,8 @@ WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* lig
  * WELKIN_FILE_ACCESS, WELKIN_CORRUPT_FILE and WELKIN_UNSUPPORTED_FILE. Files are written completely or not at all. */
 
 /* Formats of written texels. Values out of range are clamped and counted; NaN becomes 0, except in RGBA32F. B10G11R11
- * holds 1 part in 32 from 0 to 64512, E5B9G9R9 1 part in 512 of the largest channel from 0 to 65408. OpenEXR supports
- * the first two, KTX2 and DDS BC6H, KTX2 ASTC (a build without astcenc returns WELKIN_UNSUPPORTED_FILE). */
+ * has a precision of 1 part in 32 from 0 to 64512; E5B9G9R9 of 1 part in 512 of the largest channel from 0 to 65408.
+ * OpenEXR holds the first two only; BC6H needs KTX2, KTX or DDS; ASTC needs KTX2 and a build with astcenc. */
 typedef int32_t welkin_texel_format; /* clang-format off */
 enum { WELKIN_TEXEL_RGBA16F = 0, WELKIN_TEXEL_RGBA32F = 1, WELKIN_TEXEL_B10G11R11 = 2, WELKIN_TEXEL_E5B9G9R9 = 3,
        WELKIN_TEXEL_BC6H_UFLOAT = 4, WELKIN_TEXEL_BC6H_SFLOAT = 5,

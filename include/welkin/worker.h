@@ -366,8 +366,8 @@ struct PostOptions {
   TaskPriority priority = TaskPriority::normal;  ///< position among waiting jobs
 
   /// Replaces older jobs with the same key, whether they wait or run: those complete with ErrorCode::replaced. A
-  /// replaced job that runs reads its pixels until it is ready. If each post replaces the job before it, none ever
-  /// has a result. An empty key replaces nothing. The key is copied.
+  /// running job that is replaced reads its pixels until it is ready. If every post replaces the job before it, no job
+  /// ever yields a result. An empty key replaces nothing. The key is copied.
   std::string_view key{};
 
   /// Bytes to count against `WorkerOptions::max_bytes`. If empty: the request's `bytes()`, or 0 if it has none.
@@ -414,8 +414,8 @@ class Worker {
   /// worker holds; effects on other jobs, such as the error of a replaced job, may become visible after it returns.
   ///
   /// The job completes with an `Error`: queue_full at the worker's limits, limit_exceeded for a request larger than
-  /// `max_bytes`, stopped after `terminate()`. Throws std::bad_alloc without memory for the job, and whatever moving
-  /// the request throws; nothing is posted then.
+  /// `max_bytes`, stopped after `terminate()`. Throws std::bad_alloc if there is no memory for the job, and whatever
+  /// moving the request throws; nothing is posted then.
   template <class Request>
   auto post(Request&& request, const PostOptions& options = {}) -> JobOf<Request> {
     const std::uint64_t bytes = detail::bytes_of(request);
