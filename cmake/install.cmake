@@ -1,4 +1,4 @@
-# What an installed Welkin is: headers, libraries, CMake and pkg-config files, the licence.
+# What an installed Welkin is: headers, libraries, CMake and pkg-config files, the licence, the examples.
 include(CMakePackageConfigHelpers)
 
 # What the C++ compiler links that the C compiler does not: a static library in a program of C needs it.
@@ -73,3 +73,5 @@ foreach(name IN LISTS pkgconfig_files)
 endforeach()
 
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN start EXCLUDE PATTERN engine_loop EXCLUDE)
+install(DIRECTORY examples/start DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT command)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """gather_pages.py PAGES [WELKIN]: copies the pages of docs/ and those that stand elsewhere into the folder PAGES, for
-mkdocs. Links out of docs/ lead to where the site has their target: a public header to its page of the API reference,
-anything else of the repository to nothing but its name. WELKIN, the built command, adds its help to reference/command.md.
+mkdocs, and makes a page of each example's sources. Links out of docs/ lead to where the site has their target: a public
+header to its page of the API reference, anything else of the repository to nothing but its name. WELKIN, the built command, adds its help to reference/command.md.
 """
 import pathlib
 import re
@@ -18,6 +18,8 @@ ELSEWHERE = {
     "bindings/python/README.md": "reference/python.md",
     "bindings/wasm/README.md": "reference/npm.md",
 }
+EXAMPLES = ["start", "consumer", "frame_probes", "probes", "upload_chain", "own_executor", "sky_in_c"]
+LANGUAGES = {".cpp": "cpp", ".h": "cpp", ".c": "c", ".txt": "cmake", ".html": "html"}
 COMMANDS = ["bake", "sh", "sky", "info", "convert", "importance", "batch", "report", "testmap", "sample", "completion"]
 
 
@@ -28,6 +30,10 @@ def site_path(target):
         return ELSEWHERE[name]
     if name.startswith("docs/") and target.is_file():
         return name[len("docs/"):]
+    example = re.fullmatch(r"examples/(\w+)(?:/(.*))?", name)
+    if example and example.group(1) in EXAMPLES:
+        heading = re.sub(r"[^\w-]", "", example.group(2) or "")  # the anchor that Python-Markdown makes
+        return f"examples/{example.group(1)}.md" + ("#" + heading.lower() if heading else "")
     return None
 
 
@@ -59,6 +65,15 @@ def with_links(text, origin, page):
     return "".join(parts)
 
 
+def example_page(folder):
+    """All files of an example, the program before the rest."""
+    files = sorted(folder.iterdir(), key=lambda path: (not path.stem.startswith(("main", "three")), path.name))
+    parts = [f"# examples/{folder.name}\n\nInstalled as share/doc/welkin/examples/{folder.name}.\n"]
+    for path in files:
+        parts.append(f"## {path.name}\n\n```{LANGUAGES[path.suffix]}\n{path.read_text(encoding='utf-8').rstrip()}\n```\n")
+    return "\n".join(parts)
+
+
 def command_help(welkin):
     """The help of all commands, as the built command prints it."""
     parts = ["\n# Complete help\n"]
@@ -81,6 +96,9 @@ def main():
         if page == "reference/command.md" and len(sys.argv) > 2:
             text += command_help(sys.argv[2])
         (pages / page).write_text(text, encoding="utf-8")
+    (pages / "examples").mkdir()
+    for name in EXAMPLES:
+        (pages / "examples" / (name + ".md")).write_text(example_page(SOURCE / "examples" / name), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 
 CHECK is one of
   links   every link leads to a file that is there, and to a heading that it has; every page under docs/ is in
-          mkdocs.yml and can be reached from docs/index.md; docs/... paths that sources name exist
+          mkdocs.yml and can be reached from docs/index.md; docs/... paths that sources name exist; HTML pages that
+          are printed whole are those of examples/start
   words   no page, public header, text of the command and message of the library uses a word of FORBIDDEN, outside of
           code and of EXCEPTIONS
   size    pages for users have at most 45 000 words, README.md 100 lines, CONTRIBUTING.md two screens
@@ -143,6 +144,11 @@ def check_links(source):
                 faults.append(f"{path.relative_to(source)}: {link}: there is no such file")
             elif anchor and anchor not in anchors(texts.get(target) or target.read_text(encoding="utf-8")):
                 faults.append(f"{path.relative_to(source)}: {link}: there is no such heading")
+    printed = [path.read_text(encoding="utf-8") for path in tracked(source, "examples/start/*.html")]
+    for path, text in texts.items():
+        for block in re.findall(r"```html\n(<!doctype.*?)```", text, re.S):
+            if block not in printed:
+                faults.append(f"{path.relative_to(source)}: an HTML page differs from those of examples/start")
     frontier = list(reached)
     while frontier:
         path = frontier.pop()
@@ -229,6 +235,7 @@ def check_version(source):
         ("bindings/wasm/package/package.json", r'"version": "(.*)"', version),
         ("docs/guides/farm.md", r'"welkin": "(.*?)"', version),
         ("CHANGELOG.md", r"## ([0-9.]+)", version),
+        ("examples/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
         ("examples/consumer/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
         ("examples/sky_in_c/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
         ("tests/install/c_alone/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),

@@ -1,8 +1,8 @@
 # Installs `build` below `work`, moves the installed tree (nothing in it may point to where it was), and builds and runs
 # programs against it: with CMake examples/consumer and, with welkin::core alone, tests/install/core_only; as projects of
-# C alone examples/sky_in_c with core and tests/install/c_alone with files; with pkg-config, where it is, a program in C++
-# and one in C. The installed command too, if there is one, with its
-# completions and its manual page.
+# C alone examples/sky_in_c with core and tests/install/c_alone with files; the installed examples; with pkg-config, where
+# it is, a program in C++ and one in C. The installed command too, if there is one, with its completions and its manual
+# page.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -57,6 +57,10 @@ endif()
 set(program_in_c ${CMAKE_CURRENT_LIST_DIR}/program_in_c.c)
 build_project(${source}/examples/sky_in_c ${work}/sky_in_c ${absent})
 run(${work}/sky_in_c/sky_in_c --quick)
+file(GLOB_RECURSE frame_probes ${work}/installed/*/examples/frame_probes/main.cpp)
+cmake_path(GET frame_probes PARENT_PATH examples)
+build_project(${examples}/.. ${work}/examples ${absent})
+run(${work}/examples/frame_probes/frame_probes 3)
 build_project(${CMAKE_CURRENT_LIST_DIR}/c_alone ${work}/c_alone -DPROGRAM=${program_in_c})
 run(${work}/c_alone/c_alone)
 file(STRINGS ${work}/c_alone/CMakeCache.txt cxx_compiler REGEX "^CMAKE_CXX_COMPILER_AR:")
