@@ -192,7 +192,7 @@ class Planner {
   void plan() {
     if (wishes_.empty()) {
       throw Error(ErrorCode::invalid_argument,
-                  "batch plan: there is nothing to do; name pictures, folders of them, or a --list");
+                  "batch plan: there is nothing to do; name images, folders of them, or a --list");
     }
     require_own(plan_.file, kSchema, "batch plan");
     std::error_code unknown;
@@ -247,7 +247,7 @@ class Planner {
     try {
       if (is_stream(wish.input)) {
         throw Error(ErrorCode::unsupported_file,
-                    printable(wish.input) + ": is read once only, as a pipe; a batch wants files");
+                    printable(wish.input) + ": can be read only once, as a pipe can; a batch needs files");
       }
       if (platform::utf8(platform::path_of(wish.input)) != wish.input) {
         throw Error(ErrorCode::unsupported_file,

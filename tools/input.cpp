@@ -106,7 +106,7 @@ void require_input(const std::string& command, const std::optional<std::string>&
   if (sky || (input && !input->empty())) return;
   const std::string found = input ? "INPUT is empty; is a shell variable not set?" : "INPUT is missing";
   throw Error(ErrorCode::invalid_argument, command + ": " + found + "\nName a file ('welkin " + command +
-                                               " city.hdr'), or ask for the built-in sky with --sky.");
+                                               " city.hdr'), or use the built-in sky: --sky.");
 }
 
 void add_cache_option(Options& table, CommonOptions& options) {

@@ -401,7 +401,7 @@ Command convert_command() {
              "Make a .png to look at, as the previews of 'welkin bake' are; without it a .png holds the values from 0 "
              "to 1 and cuts off the rest");
   add_option(table, "--exposure", &options->exposure_stops, "EV",
-             "Exposure of --tone-map in stops, radiance times 2^EV; default by the picture, as 'welkin bake' exposes "
+             "Exposure of --tone-map in stops, radiance times 2^EV; default: as 'welkin bake' exposes "
              "its previews",
              {.bounds = finite_between(-60.0, 60.0), .needs = {"--tone-map"}});
   in_group(table, "Input and output");

@@ -89,7 +89,7 @@ void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) 
               platform::utf8(info.path) + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
                   " texels, held twice for --take-out-sun and --irradiance-error, take " + std::to_string(bytes) +
                   " bytes, above the limit of " + std::to_string(read.memory_limit_bytes) +
-                  "; raise --memory-limit, leave those options out, or reduce the picture");
+                  "; raise --memory-limit, leave those options out, or reduce the image");
 }
 
 bool is_cubemap(const EnvironmentInfo& info) { return info.layout != Layout::lat_long; }

@@ -431,7 +431,7 @@ std::string identifier(const std::string& path) {
 std::string float_constant(double value, const char* suffix = "f") {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
     throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
-                                               ", which no float holds; lower the exposure of the picture, cut it off "
+                                               ", which no float holds; lower the exposure of the image, clamp it "
                                                "with --clamp, or take the JSON, which holds it");
   }
   std::array<char, 32> buffer{};

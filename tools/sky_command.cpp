@@ -200,7 +200,7 @@ void check(const SkyParameters& parameters, const SweepOptions& options) {
   }
   for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
     for (const std::filesystem::path& written : {path, text_beside(options)}) {
-      if (read) require_kept(*read, written, "--sweep", "give the picture another name");
+      if (read) require_kept(*read, written, "--sweep", "give the image another name");
     }
   }
 }
@@ -273,7 +273,7 @@ struct SkyOptions {
 
 void add_sun_place(Options& table, SkyParameters& sky) {
   add_option(table, "--sun-elevation", &sky.sun_elevation_degrees, "DEGREES",
-             "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first picture, "
+             "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first image, "
              "default 90",
              {.bounds = finite_between(-90.0, 90.0)});
   add_option(table, "--sun-azimuth", &sky.sun_azimuth_degrees, "DEGREES",
@@ -317,8 +317,9 @@ void add_table_options(Options& table, SkyOptions& options) {
   add_option(table, "--table-size", On<std::vector<int>>(set_size), "LIST",
              "The size of the tables: HEIGHTS,VIEWS,SUNS and, with --layout full, AZIMUTHS; default 32,64,64,8",
              {.list = List::commas});
-  add_option(table, "--tables", &options.sky.tables_file, "FILE",
-             "Keep the tables in this file. They are loaded if they are the ones asked for, else computed and saved");
+  add_option(
+      table, "--tables", &options.sky.tables_file, "FILE",
+      "Keep the tables in this file. They are loaded if they have the requested parameters, else computed and saved");
 }
 
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
@@ -343,12 +344,12 @@ void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
 void add_sweep_options(Options& table, SweepOptions& sweep) {
   constexpr const char* kSweep = "--sweep";
   add_option(table, kSweep, &sweep.path, "FILE.png",
-             "Draw a day as pictures side by side, to a PNG; a text file next to it lists the sun of each picture",
+             "Draw a day as images side by side, to a PNG; a text file next to it lists the sun of each image",
              {.excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
                            "--for"}});
-  add_option(table, "--sweep-to", &sweep.last_degrees, "DEGREES", "Sun elevation of the last picture; default -18",
+  add_option(table, "--sweep-to", &sweep.last_degrees, "DEGREES", "Sun elevation of the last image; default -18",
              {.bounds = finite_between(-90.0, 90.0), .needs = {kSweep}});
-  add_option(table, "--sweep-tiles", &sweep.tiles, "N", "How many pictures, 1 to 256; default 16",
+  add_option(table, "--sweep-tiles", &sweep.tiles, "N", "Number of images, 1 to 256; default 16",
              {.bounds = whole_between(1, kMostTiles), .needs = {kSweep}});
   add_option(table, "--sweep-size", &sweep.size, "N", "Height of each in pixels, 8 to 2048; default 192",
              {.bounds = whole_between(8, kLargestTile), .needs = {kSweep}});
@@ -362,7 +363,7 @@ void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
   options.bake.background_size = kSkyBackground;
   add_option(table, "-o,--output", &options.bake.directory, "DIR",
-             "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; default none; --json then "
+             "A folder to bake the sky to, as 'welkin bake' does, with its image sky.exr; default none; --json then "
              "prints the manifest",
              {.excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
   const std::size_t before = table.size();
@@ -370,7 +371,7 @@ void add_folder_options(Options& table, SkyOptions& options) {
              "The height of sky.exr, from which everything else is made; it is twice as wide; default 256",
              {.bounds = whole_between(1, kLargestPicture)});
   add_option(table, "--sun-disc", &options.sun_disc, "",
-             "Draw the sun's disc into the picture; by default it is left out");
+             "Draw the sun's disc into the image; by default it is left out");
   in_group(table, "A folder, as 'welkin bake' makes it");
   add_result_options(table, options.bake);
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");

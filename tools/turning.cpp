@@ -75,7 +75,7 @@ void add_engine_option(Options& table, TurnOptions& options) {
 void add_turn_options(Options& table, TurnOptions& options) {
   table.push_back(choice<Engine>(
       "--from", options.from, engine_words(),
-      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture for all)"));
+      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same image for all)"));
   add_engine_option(table, options);
   add_option(table, "--yaw", &options.yaw_degrees, "DEGREES",
              "Rotate the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "

@@ -3,7 +3,7 @@
 //   scripts/engine-loop                                     # ten seconds of each, a table and a plot
 //   scripts/engine-loop --setup own-idle,own-normal,lent    # ways to set the worker up
 //
-// One concept a file: the loop (loop.h), the engine's work (frame_work.h), what is asked for (schedule.h), who does it
+// One concept a file: the loop (loop.h), the engine's work (frame_work.h), its requests (schedule.h), who does it
 // (no_baker.h, synchronous_baker.h, worker_baker.h), how the worker is set up (worker_setup.h).
 #include <tbb/info.h>
 #include <tbb/task_arena.h>

@@ -113,8 +113,8 @@ void require_zeros_behind(const void* given, std::size_t known, std::size_t size
   const auto* bytes = static_cast<const unsigned char*>(given);
   for (std::size_t i = known; i < size; ++i) {
     if (bytes[i] == 0) continue;
-    refuse(std::string(name) + " asks for something that version " + std::to_string(WELKIN_C_VERSION) +
-           " of this interface does not know: byte " + std::to_string(i) + " of the structure is not zero");
+    refuse(std::string(name) + " has a field that version " + std::to_string(WELKIN_C_VERSION) +
+           " of this interface does not have: byte " + std::to_string(i) + " of the structure is not zero");
   }
 }
 
@@ -153,7 +153,7 @@ PixelFormat pixel_format(welkin_format format) { return enumerator("format", for
 /// The most negative stride has no opposite to be compared with.
 std::ptrdiff_t stride(std::int64_t row_stride_bytes) {
   if (row_stride_bytes == std::numeric_limits<std::int64_t>::min()) {
-    refuse("row_stride_bytes is " + std::to_string(row_stride_bytes) + "; no picture is that large");
+    refuse("row_stride_bytes is " + std::to_string(row_stride_bytes) + "; no image is that large");
   }
   return row_stride_bytes;
 }
@@ -355,7 +355,7 @@ Target checked_target(welkin_format format, std::int64_t row_stride_bytes, int w
 }
 
 void add_picture(Target& target, void* pixels) {
-  const std::string which = target.count > 0 ? "picture " + std::to_string(target.count) : "picture";
+  const std::string which = target.count > 0 ? "image " + std::to_string(target.count) : "image";
   if (pixels == nullptr) refuse("the target's " + which + " is null");
   if (reinterpret_cast<std::uintptr_t>(pixels) % target.layout.channel_bytes() != 0) {
     refuse("the target's " + which + " is not aligned to its channels, which take " +
@@ -384,7 +384,7 @@ Target target_of(const welkin_target* target) {
 
 Target cubemap_target(const welkin_target* target) {
   const Target checked = target_of(target);
-  if (checked.count != 6) refuse("the target is a flat picture; what is written is a cubemap, so set its size");
+  if (checked.count != 6) refuse("the target is a flat image, but a cubemap is written; set its size");
   return checked;
 }
 

@@ -77,7 +77,7 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgb
   return {};
 }
 void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const stop_token& /*stop*/) {
-  require_codec(Codec::png, picture.path, "use the picture that the .env was made from");
+  require_codec(Codec::png, picture.path, "use the image that the .env was made from");
 }
 #endif
 

@@ -88,7 +88,7 @@ int edge(const Json& value, const char* what, bool power) {
 std::vector<EnvPicture> pictures(const Json& list, std::size_t count, const char* what, const platform::ByteFile& file,
                                  std::uint64_t first_byte) {
   if (!list.is_array() || list.size() != count) {
-    refuse("has " + std::to_string(list.size()) + " pictures in \"" + what + "\"; there must be " +
+    refuse("has " + std::to_string(list.size()) + " images in \"" + what + "\"; there must be " +
            std::to_string(count));
   }
   const std::uint64_t payload = file.size() - first_byte;
@@ -97,7 +97,7 @@ std::vector<EnvPicture> pictures(const Json& list, std::size_t count, const char
     const std::uint64_t position = whole_number(require(entry, "position"), "position");
     const std::uint64_t length = whole_number(require(entry, "length"), "length");
     if (position > payload || length > payload - position) {
-      refuse("has a picture of " + std::to_string(length) + " bytes at " + std::to_string(position) + " in \"" + what +
+      refuse("has an image of " + std::to_string(length) + " bytes at " + std::to_string(position) + " in \"" + what +
              "\", and " + std::to_string(payload) + " bytes follow it; fetch or export the file again");
     }
     found.push_back({first_byte + position, length});

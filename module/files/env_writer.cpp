@@ -192,7 +192,7 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
 
 RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  files::require_codec(files::Codec::png, "pictures of RGBD", "write a texture (.ktx2, .dds)");
+  files::require_codec(files::Codec::png, "images of RGBD", "write a texture (.ktx2, .dds)");
   RgbdPictures result;
   for (files::Picture& picture : files::encoded(chain.views(), control)) {
     result.png.push_back(std::move(picture.png));

@@ -67,7 +67,7 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
                                std::to_string(info.width) + " x " + std::to_string(info.height) + " texels take " +
                                    std::to_string(bytes) + " bytes as RGB floats, above the limit of " +
                                    std::to_string(options.memory_limit_bytes) +
-                                   "; raise the limit or reduce the picture");
+                                   "; raise the limit or reduce the image");
   }
   Environment environment{info, platform::make_unique_for_overwrite<float[]>(bytes / sizeof(float))};
   platform::advise_huge_pages(environment.pixels.get(), bytes);

@@ -211,7 +211,7 @@ std::string part_list(const ExrParts& parts) {
 void require_flat(const ExrParts& parts, std::size_t index, const std::filesystem::path& path) {
   if (parts.parts[index].deep) {
     const std::string what = parts.multi_part ? "its part \"" + parts.parts[index].name + "\"" : "it";
-    refuse(path, what + " is a deep OpenEXR picture; flatten it to a plain one (RGB, half or float)");
+    refuse(path, what + " is a deep OpenEXR image; flatten it to a plain one (RGB, half or float)");
   }
 }
 
@@ -296,7 +296,7 @@ std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& 
       }
     }
   }
-  refuse(path, "none of its parts (" + part_list(parts) + ") is a flat picture with R, G and B or Y" +
+  refuse(path, "none of its parts (" + part_list(parts) + ") is a flat image with R, G and B or Y" +
                    (layer.empty() ? "" : " in a layer \"" + platform::printable(layer) + "\"") +
                    "; pass the part with --part and its layer with --layer, or convert it");
 }

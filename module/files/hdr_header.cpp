@@ -38,7 +38,7 @@ class HeaderLines {
       fail(file_, text_.size() < kLongestHdrHeader
                       ? "ends within its Radiance header; fetch or export it again"
                       : "its Radiance header has no end within " + std::to_string(kLongestHdrHeader) +
-                            " bytes; is it a Radiance picture?");
+                            " bytes; is it a Radiance image?");
     }
     std::string_view line = std::string_view(text_).substr(place_, end - place_);
     place_ = end + 1;
@@ -142,7 +142,7 @@ int read_extent(const platform::ByteFile& file, std::string_view line, const cha
   if (failure != std::errc{} || value > maximum) {
     throw platform::file_error(ErrorCode::unsupported_file, file.path(),
                                std::string("its Radiance ") + what + " is above " + std::to_string(maximum) +
-                                   ", in the resolution line " + quoted(line) + "; reduce the picture first");
+                                   ", in the resolution line " + quoted(line) + "; reduce the image first");
   }
   text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
   return static_cast<int>(value);

@@ -81,7 +81,8 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
     refuse(file, ErrorCode::unsupported_file,
            "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
                " and glInternalFormat " + std::to_string(header.internal_format) +
-               " are not read; halves and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and SRGB) and "
+               " are not read; half floats and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and "
+               "SRGB) and "
                "BC6H are");
   }
 }

@@ -51,7 +51,7 @@ WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, c
   if (output.bytes() != nullptr && map.levels.size() > 1) {
     throw platform::file_error(
         ErrorCode::invalid_argument, output.path(),
-        "has one picture, and the map has " + std::to_string(map.levels.size()) + " levels; write .ktx2, or to a path");
+        "has one image, and the map has " + std::to_string(map.levels.size()) + " levels; write .ktx2, or to a path");
   }
   const SampleType type = options.format == TexelFormat::rgba32f ? SampleType::float32 : SampleType::half;
   std::uint64_t values_clamped = 0;

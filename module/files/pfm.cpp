@@ -77,7 +77,7 @@ int read_extent(platform::ByteFile& file, const char* what, int maximum) {
   if (value > maximum) {
     throw platform::file_error(ErrorCode::unsupported_file, file.path(),
                                std::string("its ") + what + " of " + std::to_string(value) + " is above " +
-                                   std::to_string(maximum) + "; reduce the picture first");
+                                   std::to_string(maximum) + "; reduce the image first");
   }
   return static_cast<int>(value);
 }

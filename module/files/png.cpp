@@ -364,7 +364,7 @@ void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t
 
 std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba, int size, const stop_token& stop) {
   std::vector<std::byte> png;
-  platform::WholeFile file("a picture of an .env file", &png);
+  platform::WholeFile file("an image of an .env file", &png);
   // Over RGBD of a photograph: a ninth of the time of libspng's own choice of filters and zlib's level 6, and 4 % more
   // bytes; Sub for Paeth would make it 10 %.
   PngEncoder encoder(file, {size, size, 8, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, SPNG_FILTER_CHOICE_PAETH});

@@ -60,7 +60,7 @@ void PngDecoder::read_header() {
     throw platform::file_error(ErrorCode::unsupported_file, stream_.file().path(),
                                "its " + std::to_string(basic.width) + " x " + std::to_string(basic.height) +
                                    " texels are more than " + std::to_string(kMaximumWidth) + " x " +
-                                   std::to_string(kMaximumHeight) + "; reduce the picture first");
+                                   std::to_string(kMaximumHeight) + "; reduce the image first");
   }
   // Reads to the first pixels; only now are the flags of the stream those of the whole header.
   check(spng_decode_chunks(context_.get()));

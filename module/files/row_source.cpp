@@ -228,12 +228,11 @@ class Run {
     const std::uint64_t buffer = buffer_bytes();
     const std::uint64_t alone = reader + buffer;
     if (alone > limit) {
-      throw platform::file_error(
-          ErrorCode::limit_exceeded, info.path,
-          "decoding " + std::to_string(cut_.group_rows) + " rows at once (" + info.storage + ", " + info.compression +
-              ") takes " + std::to_string(alone) + " bytes, above " +
-              (in_place_ != nullptr ? "what the picture leaves of the limit, " : "the limit of ") +
-              std::to_string(limit) + "; raise the limit, or " + source_.smaller_reader());
+      throw platform::file_error(ErrorCode::limit_exceeded, info.path,
+                                 "decoding " + std::to_string(cut_.group_rows) + " rows at once (" + info.storage +
+                                     ", " + info.compression + ") takes " + std::to_string(alone) + " bytes, above " +
+                                     (in_place_ != nullptr ? "what the image leaves of the limit, " : "the limit of ") +
+                                     std::to_string(limit) + "; raise the limit, or " + source_.smaller_reader());
     }
     const bool small = std::int64_t{info.width} * info.height < kTexelsForPool;
     const bool nothing_to_share = source_.sequential() && cut_.sections == 1 && in_place_ != nullptr;

@@ -163,7 +163,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
     throw platform::file_error(code, file.path(), message);
   };
   if (faces != 6 && faces != 1)
-    refuse(ErrorCode::corrupt_file, "has " + std::to_string(faces) + " faces; a cubemap has six and a picture one");
+    refuse(ErrorCode::corrupt_file, "has " + std::to_string(faces) + " faces; a cubemap has six and an image one");
   const std::uint32_t count = std::max(elements, 1U);
   if (count > most_elements) {
     refuse(ErrorCode::unsupported_file, "is an array of " + std::to_string(elements) + "; up to " +
@@ -176,7 +176,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
     const std::string shape = std::to_string(width) + " x " + std::to_string(height);
     if (width < 1 || height < 1 || width > static_cast<std::uint64_t>(kMaximumWidth) ||
         height > static_cast<std::uint64_t>(kMaximumHeight)) {
-      refuse(ErrorCode::unsupported_file, "has " + shape + " texels; pictures from 1 x 1 to " +
+      refuse(ErrorCode::unsupported_file, "has " + shape + " texels; images from 1 x 1 to " +
                                               std::to_string(kMaximumWidth) + " x " + std::to_string(kMaximumHeight) +
                                               " are read");
     }

@@ -299,7 +299,7 @@ void LobeChain::run_spectral(const Control& control) {
   left = run_rings(texels, left, control);
   while (!left.empty()) {
     spectral_ = step_of(spectral_.tightenings + 1);
-    note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
+    note("energies", "more than most images have: " + std::to_string(spectral_.bands) + " bands", 0.0);
     left = run_rings(texels, left, {control.stop, {}});
   }
 }
@@ -354,7 +354,7 @@ LobeChain::Levels LobeChain::run_rings(const std::vector<BrightTexel>& texels, c
     const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
     if (std::exchange(spectral_.bands, wanted) == wanted) break;
     memory_.give_back(spectrum.bytes());
-    note("energies", "more than most pictures have: " + std::to_string(spectral_.bands) + " bands", 0.0);
+    note("energies", "more than most images have: " + std::to_string(spectral_.bands) + " bands", 0.0);
   }
   if (plan_.lights.of == LightsOf::ggx && !plan_.mips.empty() && spectral_.tightenings == 0)
     picture_energies_ = whole_energies(energies_, texels, PictureShape::of(source_), {control.stop, {}});

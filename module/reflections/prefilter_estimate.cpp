@@ -323,8 +323,8 @@ double truncated_afar(const MipPlan& mip, std::span<const double> energies) {
 
 void refuse_rms_error(double estimate, double rms_error, const std::string& what) {
   throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
-                                             " cannot be kept on this picture: " + what +
-                                             " would err by an estimated " + platform::number_text(estimate) +
+                                             " cannot be kept on this image: " + what + " would err by an estimated " +
+                                             platform::number_text(estimate) +
                                              "; raise rms_error to that, or take the reference method");
 }
 

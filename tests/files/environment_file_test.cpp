@@ -363,7 +363,7 @@ TEST_CASE("deep and multi-part files and unknown versions are refused by what th
     write_bytes(path, bytes);
   };
   with_version(2, 0x08);
-  check_refusal(path, code, "is a deep OpenEXR picture", "flatten");
+  check_refusal(path, code, "is a deep OpenEXR image", "flatten");
   with_version(2, 0x10);
   check_refusal(path, ErrorCode::corrupt_file, "part 0 lacks a name", "fetch or export it again");
   with_version(2, 0x12);
@@ -413,7 +413,7 @@ TEST_CASE("a picture above the memory limit is refused, a streamed one is not", 
   const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.says(path.string() + ": 512 x 256 texels take 1572864 bytes"));
-  CHECK(error.says("raise the limit or reduce the picture"));
+  CHECK(error.says("raise the limit or reduce the image"));
   CHECK(measure_environment(path, options).texels == 512 * 256);
   options.memory_limit_bytes = 1000;
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);

@@ -91,10 +91,10 @@ TEST_CASE("deep parts are skipped, and refused if they are asked for", "[codec]"
   CHECK(name_of_read_part(path, parts) == "sky");
   const ThrownError error = thrown_by([&] { (void)inspect_environment(path, with_part("smoke")); });
   CHECK(error.code == ErrorCode::unsupported_file);
-  CHECK(error.says(path.string() + ": its part \"smoke\" is a deep OpenEXR picture; flatten it"));
+  CHECK(error.says(path.string() + ": its part \"smoke\" is a deep OpenEXR image; flatten it"));
   parts.pop_back();
   write_exr_parts(path, parts);
-  CHECK(thrown_by([&] { (void)inspect_environment(path); }).says("deep OpenEXR picture; flatten it"));
+  CHECK(thrown_by([&] { (void)inspect_environment(path); }).says("deep OpenEXR image; flatten it"));
 }
 
 TEST_CASE("a part that is not there is an error that names those that are", "[codec]") {
@@ -111,7 +111,7 @@ TEST_CASE("a part that is not there is an error that names those that are", "[co
                                          "pass one's name or number with --part");
   CHECK(message(with_part("2")).find("has no part \"2\"") != std::string::npos);
   CHECK(message(with_part("-1")).find("has no part \"-1\"") != std::string::npos);
-  CHECK(message({}).find("none of its parts (0 \"depth\", 1 \"alpha\") is a flat picture with R, G and B or Y; "
+  CHECK(message({}).find("none of its parts (0 \"depth\", 1 \"alpha\") is a flat image with R, G and B or Y; "
                          "pass the part with --part") != std::string::npos);
   write_exr(path, parts[0].recipe, parts[0].rgb);
   CHECK(message(with_part("sky")).find("has a single part, and part \"sky\" was requested; leave --part out") !=

@@ -281,7 +281,7 @@ TEST_CASE("damaged Radiance headers are refused by what is wrong with them", "[c
   const ErrorCode corrupt = ErrorCode::corrupt_file;
   check_refusal("#?RADIANCE", corrupt, "ends within its Radiance header", "fetch or export it again");
   check_refusal("#?RADIANCE\n\n", corrupt, "ends within its Radiance header", "fetch or export it again");
-  check_refusal("#?" + std::string(70000, 'x'), corrupt, "no end within 65536 bytes", "is it a Radiance picture?");
+  check_refusal("#?" + std::string(70000, 'x'), corrupt, "no end within 65536 bytes", "is it a Radiance image?");
   check_refusal("#?RADIANCE\n" + std::string(70000, '\n'), corrupt, "resolution line is \"\"",
                 "like \"-Y 512 +X 1024\"");
   std::string lines = "#?RADIANCE\n";
@@ -320,8 +320,8 @@ TEST_CASE("Radiance resolution lines out of bounds are refused", "[codec][hdr]")
   check_refusal(with_resolution("-Y 1 +X -2"), corrupt, "width is not a positive number", "");
   check_refusal(with_resolution("-Y 1 +X"), corrupt, "width is not a positive number", "");
   check_refusal(with_resolution("-Y 1.5 +X 2"), corrupt, "resolution line", "");
-  check_refusal(with_resolution("-Y 1 +X 65537"), unsupported, "width is above 65536", "reduce the picture first");
-  check_refusal(with_resolution("-Y 98305 +X 1"), unsupported, "height is above 98304", "reduce the picture first");
+  check_refusal(with_resolution("-Y 1 +X 65537"), unsupported, "width is above 65536", "reduce the image first");
+  check_refusal(with_resolution("-Y 98305 +X 1"), unsupported, "height is above 98304", "reduce the image first");
   check_refusal(with_resolution("-Y 1 +X 99999999999999999999"), unsupported, "width is above 65536", "reduce");
   check_refusal(with_resolution("-Y 4294967297 +X 4294967296"), unsupported, "height is above 98304", "reduce");
   check_refusal(with_resolution("-Y 32768 +X 65536"), corrupt,

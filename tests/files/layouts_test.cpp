@@ -235,7 +235,7 @@ TEST_CASE("a cross is held as its faces alone and refused by what they take", "[
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.message == path.string() +
                              ": 256 x 192 texels take 294912 bytes as RGB floats, above the limit of 294911; raise "
-                             "the limit or reduce the picture");
+                             "the limit or reduce the image");
   options.memory_limit_bytes += std::uint64_t{1} << 19U;  // room for decoding
   CHECK(read_environment(path, options).face_size() == size);
 }

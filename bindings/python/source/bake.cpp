@@ -166,7 +166,7 @@ BakeOptions bake_options(Options& options) {
 }
 
 void bind_bake(py::module_& module) {
-  py::class_<Baked>(module, "Bake", "What a bake made; None what was not asked for.")
+  py::class_<Baked>(module, "Bake", "What a bake made; None for parts that were not requested.")
       .def_readonly("background", &Baked::background,
                     "Radiance, W/m2/sr, sharp: a `Chain` of (6, n, n, 3) float32, n halving.")
       .def_readonly(

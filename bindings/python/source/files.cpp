@@ -278,7 +278,7 @@ ReadOptions read_group(Options& options) {
 }
 
 void bind_files(py::module_& module) {
-  py::class_<ReadPicture>(module, "Environment", "A picture that was read: a lat-long, or six faces.")
+  py::class_<ReadPicture>(module, "Environment", "An image that was read: a lat-long, or six faces.")
       .def_readonly("pixels", &ReadPicture::pixels, "(height, width, 3) or (6, n, n, 3), float32, not copied.")
       .def_property_readonly(
           "info", [](const ReadPicture& self) { return info_of(self.info); },

@@ -188,7 +188,7 @@ void bind_importance(py::module_& module) {
              "importance_table(pixels, *, width=0, height=0, weight='luminance', mis_compensation=False, policy=None,\n"
              "                 layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
              "By which a path tracer picks directions of a lat-long, as an `ImportanceTable`. `width`, `height`: up\n"
-             "to the picture's, 0 for just these. `weight`: \"luminance\", \"mean\" or \"largest\" of the channels.\n"
+             "to the image's, 0 for just these. `weight`: \"luminance\", \"mean\" or \"largest\" of the channels.\n"
              "`mis_compensation`: subtracts the mean, for estimators that also sample the material.");
 }
 

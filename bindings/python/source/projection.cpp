@@ -226,7 +226,7 @@ void bind_projection(py::module_& module) {
         return "<welkin.Projection: " + counted(static_cast<std::size_t>(self.radiance.bands()), "band") + " of " +
                counted(self.diagnostics.texels, "texel") + ">";
       });
-  py::class_<Irradiance>(module, "Irradiance", "Irradiance as coefficients and, if a size was asked for, as a cubemap.")
+  py::class_<Irradiance>(module, "Irradiance", "Irradiance as coefficients and, if a size was requested, as a cubemap.")
       .def_readonly("harmonics", &Irradiance::harmonics, "`SphericalHarmonics`, W/m2; call it with normals.")
       .def_readonly("cubemap", &Irradiance::cubemap, "(6, size, size, 3) float32, W/m2; None without a size.")
       .def_readonly("pixels", &Irradiance::cubemap, "The cubemap, as other calls take it.")
@@ -239,7 +239,7 @@ void bind_projection(py::module_& module) {
       "project(pixels, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None, encoding=None,\n"
       "        read=None, progress=None, threads=None)\n--\n\n"
       "Spherical harmonics of an environment, as a `Projection`. Pixels are read in place; a file (a path or its\n"
-      "bytes; `read`: options of `read`) is streamed. 0.3 ns per texel and thread, relative error below 5e-7.\n"
+      "bytes; `read`: options of `read`) is streamed. 0.3 ns per texel on one thread, relative error below 5e-7.\n"
       "`bands`: 1 to 16. `target_size`: texels per edge of the cubemap to which pixels are reduced first; of a "
       "cubemap\n"
       "with its mips (a `Chain` of `build_mips`, or a list of arrays (6, n, n, channels)) the nearest level is read.");
@@ -253,7 +253,7 @@ void bind_projection(py::module_& module) {
              "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n"
              "--\n\nThe reference: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
-             "5 ns per texel, normal and thread.");
+             "5 ns per texel and normal on one thread.");
 }
 
 }  // namespace welkin::python

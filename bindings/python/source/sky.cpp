@@ -39,7 +39,7 @@ constexpr Named<Planet> kPlanets[] = {{"earth", Planet::earth},
 
 using SharedTables = std::shared_ptr<const SkyTables>;
 
-/// A sky as it is seen from one height.
+/// A sky as it is seen from one altitude.
 struct Sky {
   SkyView view;
 
@@ -243,7 +243,7 @@ void bind_curve(py::module_& module) {
 }
 
 void bind_sky_class(py::module_& module) {
-  py::class_<Sky>(module, "Sky", "A computed sky as it is seen from one height. `sun`: a direction towards it, y up.")
+  py::class_<Sky>(module, "Sky", "A computed sky as it is seen from one altitude. `sun`: a direction towards it, y up.")
       .def_property_readonly(
           "name", [](const Sky& self) { return self.tables().atmosphere.name; }, "Of the atmosphere.")
       .def_property_readonly(

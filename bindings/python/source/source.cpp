@@ -28,7 +28,7 @@ constexpr int kByte = py::detail::npy_api::NPY_UBYTE_;
 PixelFormat format_of_bytes(bool alpha, const std::string& encoding) {
   if (encoding == "linear") return alpha ? PixelFormat::rgba8 : PixelFormat::rgb8;
   if (encoding == "srgb") return alpha ? PixelFormat::srgba8 : PixelFormat::srgb8;
-  refuse(encoding.empty() ? "of uint8 it must be said what they mean: encoding=\"srgb\" (pictures) or \"linear\""
+  refuse(encoding.empty() ? "of uint8 it must be said what they mean: encoding=\"srgb\" (images) or \"linear\""
                           : "encoding=\"" + encoding + "\" is none of \"srgb\", \"linear\"");
 }
 
@@ -176,7 +176,7 @@ Source source_of_array(const py::array& array, const std::string& layout, const 
   }
   const PixelFormat format = format_of(array, encoding);
   if (array.ndim() == 3) return source_of_picture(array, layout, format);
-  if (!layout.empty()) refuse("layout is for pictures of three dimensions, found shape " + shape_words(array));
+  if (!layout.empty()) refuse("layout is for arrays of three dimensions, found shape " + shape_words(array));
   return {cubemap_of_faces(array, format), array, {}};
 }
 

@@ -34,7 +34,7 @@ export interface PixelOptions {
   clamp?: number;
   /** Clamps by scaling the three channels together. */
   preserveColour?: boolean;
-  /** The values are gamma encoded: clamped to [0, 1] and raised to 2.2, as Babylon.js does. */
+  /** Decodes gamma-encoded values: clamps them to [0, 1] and raises them to the power of 2.2, as Babylon.js does. */
   gamma?: boolean;
   /** Negatives become 0. */
   replaceNegatives?: boolean;

@@ -156,7 +156,7 @@ void babylon(const Path& folder) {
   welkin::BabylonEnvironment environment;
   environment.specular = welkin::Cubemap(1, 1);
   refused(written, "WELKIN_PNG", [&] { welkin::write_babylon_environment(written, environment); });
-  refused("pictures of RGBD", "WELKIN_PNG", [&] { (void)welkin::rgbd_pictures(environment.specular); });
+  refused("images of RGBD", "WELKIN_PNG", [&] { (void)welkin::rgbd_pictures(environment.specular); });
   const Path png = folder / "png.env";
   put_env(png, "\x89PNG\r\n\x1a\n....");
   refused(png, "WELKIN_PNG", [&] { (void)welkin::read_babylon_environment(png); });
