@@ -264,7 +264,7 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
     parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
     if (!parser.get_subcommands().empty()) return ExitCode::success;
     return complain(ExitCode::bad_usage, "nothing to do: name a command\n" + command_lines(program) +
-                                             "'welkin help COMMAND' says what a command takes.");
+                                             "'welkin help COMMAND' lists a command's options.");
   } catch (const CLI::ParseError& request) {
     return answer(parser, program, request, arguments);
   }
@@ -339,7 +339,7 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
       constexpr int kSignalBase = 128;  // as shells count
       const auto code = static_cast<ExitCode>(kSignalBase + signal);
       if (error.code() != ErrorCode::cancelled) return complain(code, error.what());
-      return complain(code, "stopped (" + signal_words(signal) + "); what was not finished is not there");
+      return complain(code, "stopped (" + signal_words(signal) + "); unfinished files were removed");
     }
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());

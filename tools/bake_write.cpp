@@ -251,7 +251,7 @@ void write_computed(const LatLongImage& picture, const Job& job) {
   const std::string& file = job.options.picture_name;
   write_environment(job.folder.place(file), picture.view(), options, {job.control.stop, {}});
   job.folder.add({file,
-                  "what was baked, a lat-long",
+                  "the source as a lat-long",
                   "OpenEXR float",
                   0,
                   0,
@@ -479,7 +479,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   }
   if (light.irradiance) {
     write_cubemap({Content::irradiance,
-                   "irradiance: divide by pi for what a white surface shows",
+                   "irradiance: divide by pi for the radiance of a white surface",
                    {light.irradiance->view()},
                    {},
                    "irradiance"},

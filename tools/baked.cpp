@@ -214,8 +214,8 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
   };
   consider(memory.second_bake > 0,
            {memory.source + results + memory.second_bake,
-            has_glb ? "source, results and the .glb's specular chain, whose roughness is its own"
-                    : "source, results and the .env's specular chain, whose roughness is its own",
+            has_glb ? "source, results and the .glb's specular chain, which has its own roughness"
+                    : "source, results and the .env's specular chain, which has its own roughness",
             without_env});
   consider(memory.second_bake > 0, {results + 2 * env,
                                     has_glb ? "results, the .glb's chain and its rotated faces"

@@ -193,7 +193,7 @@ void refuse_others(Action action, const Given& given) {
   for (const std::string& name : others) {
     if (!given(name)) continue;
     refuse(std::string(kActions.at(static_cast<std::size_t>(action))) + " does not take " + name +
-           (action == Action::run ? "; 'welkin batch plan' says what is baked, and how" : ""));
+           (action == Action::run ? "; 'welkin batch plan' selects inputs and options" : ""));
   }
 }
 

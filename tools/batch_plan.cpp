@@ -163,7 +163,7 @@ class Planner {
     const std::vector<fs::path> files = is_folder ? pictures_below(path) : files_that_fit(word);
     if (files.empty()) {
       throw Error(ErrorCode::invalid_argument,
-                  printable(word) + ": holds no images that Welkin reads; pass other files or folders");
+                  printable(word) + ": contains no images that Welkin reads; pass other files or folders");
     }
     for (const fs::path& file : files) {
       const fs::path name = is_folder ? file.lexically_relative(path) : file.filename();

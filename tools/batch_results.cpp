@@ -88,7 +88,7 @@ ResultFiles files_in(const Json& json) {
                text("hash", hash),
                {"files", [&](const Json& value, const std::string& where) { read_list(value, where, add); }}});
   if (schema != kSchema || version != kVersion || files.empty() || hash != hash_of(files).text()) {
-    throw Flaw{"is no list of a result's files"};
+    throw Flaw{"is not a list of a result's files"};
   }
   return files;
 }
@@ -266,7 +266,7 @@ void ResultStore::fill(const fs::path& folder, const Make& make) const {
     for (int i = 0; i < kMebibytes && stream; ++i) stream << mebibyte;
     stream.close();
     if (stream) throw;
-    throw ResultStoreError(platform::utf8(folder_) + ": takes no more results; is it full? (" + error.what() + ")");
+    throw ResultStoreError(platform::utf8(folder_) + ": cannot be written to; is it full? (" + error.what() + ")");
   }
 }
 

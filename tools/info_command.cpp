@@ -143,7 +143,7 @@ std::string range_lines(const EnvironmentStatistics& pixels) {
 }
 
 std::string odd_values_text(const EnvironmentStatistics& pixels) {
-  if (pixels.nans + pixels.infinities + pixels.negatives == 0) return "no NaN, no infinity, nothing negative";
+  if (pixels.nans + pixels.infinities + pixels.negatives == 0) return "no NaN, infinities or negative values";
   return counted({{pixels.nans, "NaN"}, {pixels.infinities, "infinite value"}, {pixels.negatives, "negative value"}}) +
          " of " + grouped(3 * pixels.texels);
 }

@@ -73,7 +73,8 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
                choice.needs_in_file = read_needs(platform::path_of(file));
                choice.file = file;
              }),
-             "FILE", "A JSON file of what the scene uses (docs/guides/scene_needs.md); the rest is not baked");
+             "FILE",
+             "A JSON file that lists what the scene uses (docs/guides/scene_needs.md); other parts are not baked");
   add_option(table, "--no-glossy", &choice.no_glossy, "", "No material reflects: no specular cubemap");
   add_option(table, "--glossy", On<std::vector<double>>(set_range), "MINIMUM,MAXIMUM",
              "The minimum and the maximum roughness of the materials; mips outside this range are not made",

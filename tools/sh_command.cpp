@@ -172,7 +172,7 @@ void add_format_options(Options& table, ShOptions& options) {
                                     {"c", ShFormat::c_header},
                                     {"glsl", ShFormat::glsl},
                                     {"cs", ShFormat::c_sharp}},
-                                   "A table for a person, JSON, a line per coefficient, a C header, a GLSL function in "
+                                   "A readable table, JSON, a line per coefficient, a C header, a GLSL function in "
                                    "the axes of --for, or C# for --for unity; default table"));
   add_option(table, "--json", OnFlag([&options] { options.format = ShFormat::json; }), "", "The same as --format json",
              {.excludes = {kFormat}});

@@ -122,7 +122,8 @@ std::string engine_lines(const EngineLight& light) {
 std::string no_form_lines(const ShReport& report) {
   if (has_engine_light(report.engine)) return "";
   const Convention& engine = convention(report.engine);
-  std::string text = std::string("\n") + engine.title + " takes no harmonics; what follows is for shaders of your own.";
+  std::string text =
+      std::string("\n") + engine.title + " does not read harmonics; the following is for your own shaders.";
   if (has_folder(report.engine)) text += "\n'welkin bake --for " + std::string(engine.name) + "' writes what it loads.";
   return text + '\n';
 }
@@ -430,9 +431,10 @@ std::string identifier(const std::string& path) {
 /// Shortest text that reads back as the same float, as a C constant. C has none for what is beyond all floats.
 std::string float_constant(double value, const char* suffix = "f") {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-    throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
-                                               ", which no float holds; lower the exposure of the image, clamp it "
-                                               "with --clamp, or take the JSON, which holds it");
+    throw Error(ErrorCode::limit_exceeded,
+                "a number of the light is " + significant(value) +
+                    ", which exceeds the range of floats; lower the exposure of the image, clamp it "
+                    "with --clamp, or use the JSON, which holds doubles");
   }
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;
@@ -535,7 +537,7 @@ std::string triple(const glm::dvec3& value, const char* suffix) {
 
 std::string sh_c_header(const ShReport& report) try {
   const std::string name = identifier(report.source.path);
-  return head(report, "\nEach row is r, g, b where nothing else is said.") + "#ifndef WELKIN_" + name +
+  return head(report, "\nRows are r, g, b unless stated otherwise.") + "#ifndef WELKIN_" + name +
          "_H\n#define WELKIN_" + name + "_H\n\n" + arrays(name, report) + "\n#endif\n";
 } catch (const Error& error) {
   throw Error(error.code(), printable(report.source.path) + ": " + error.what());

@@ -184,7 +184,7 @@ std::string head_lines(const Sky& sky, const SweepOptions& options) {
   return printable(platform::utf8(platform::path_of(options.path).filename())) + ": " +
          printable(sky.report.atmosphere.name) + ", altitude " + significant(sky.report.altitude_m) +
          " m; tiles row by row from the left\n" + "  r, g, b in " + sky_unit(sky.report) +
-         "; the sun's light is what falls on a surface that faces it\n\n" + " tile  elevation" +
+         "; the sun's light is its irradiance on a surface facing it\n\n" + " tile  elevation" +
          pad_right("     zenith", 33) + pad_right("     horizon below the sun", 33) +
          pad_right("     horizon opposite", 33) + pad_right("     sun", 33) + "   exposure\n";
 }
@@ -382,7 +382,7 @@ void add_sky_options(Options& table, SkyOptions& options) {
   in_group(table, "Sun and observer");
   add_atmosphere_options(table, options.sky.atmosphere);
   add_option(table, "--print-atmosphere", &options.print_atmosphere, "",
-             "Print the atmosphere as JSON, which you can change and give to --atmosphere, and do nothing else");
+             "Print the atmosphere as JSON, to edit and pass to --atmosphere, and exit");
   in_group(table, "Air and ground");
   add_table_options(table, options);
   in_group(table, "Tables of the scattering");

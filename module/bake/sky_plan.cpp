@@ -136,7 +136,7 @@ class SkyPlanner {
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     if (!sky::scatters(air.aerosol)) {
-      skip(SkyPass::aerosol, "the planet has none that scatters, so there is no table of single Mie scattering");
+      skip(SkyPass::aerosol, "the planet has no scattering aerosol: no table of single Mie scattering");
     } else if (plan_.tables) {
       add(SkyPass::aerosol, "in the tables", 0);
     } else {

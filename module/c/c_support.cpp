@@ -50,7 +50,7 @@ Outcome outcome_of(const std::exception_ptr& error) {
   } catch (const std::exception& other) {
     return {WELKIN_INTERNAL, other.what()};
   } catch (...) {
-    return {WELKIN_INTERNAL, "something that is no std::exception was thrown, by a callback perhaps"};
+    return {WELKIN_INTERNAL, "an exception of a type other than std::exception was thrown, perhaps by a callback"};
   }
 }
 
@@ -71,7 +71,7 @@ welkin_status set_last_error_from_exception() noexcept {
     return set_last_error(outcome.status, outcome.message);
   } catch (...) {
     last_error.status = WELKIN_OUT_OF_MEMORY;
-    last_error.text = "there is not enough memory, not even to say for what";
+    last_error.text = "there is not enough memory";
     return WELKIN_OUT_OF_MEMORY;
   }
 }
@@ -390,7 +390,7 @@ Target cubemap_target(const welkin_target* target) {
 
 Target flat_target(const welkin_target* target) {
   const Target checked = target_of(target);
-  if (checked.count != 1) refuse("the target is a cubemap; what is written is flat, so set its width and height");
+  if (checked.count != 1) refuse("the target is a cubemap, but a flat image is written; set its width and height");
   return checked;
 }
 
@@ -420,7 +420,7 @@ std::vector<CubemapTarget> cubemap_targets(const welkin_target* targets, std::in
 void require_size(const Target& target, int width, int height) {
   if (target.width == width && target.height == height) return;
   refuse("the target has " + std::to_string(target.width) + " x " + std::to_string(target.height) +
-         " texels; what is written has " + std::to_string(width) + " x " + std::to_string(height));
+         " texels; the written image has " + std::to_string(width) + " x " + std::to_string(height));
 }
 
 std::uint64_t write_picture(const Target& target, int picture, const float* values, int channels) noexcept {

@@ -94,7 +94,8 @@ class FunctionRequest {
     if (!returns([&] { status = run_(user_, &steering); })) refuse_thread_exit("the function");
     if (status == WELKIN_OK) return;
     if (status == WELKIN_NOT_READY) {
-      throw StatusError(WELKIN_INTERNAL, "the function returned WELKIN_NOT_READY, which no job can end with");
+      throw StatusError(WELKIN_INTERNAL,
+                        "the function returned WELKIN_NOT_READY, which is not a valid result of a job");
     }
     // What a call inside failed with is why the function did.
     if (status == last_error_status()) throw StatusError(status, welkin_last_error());

@@ -115,7 +115,7 @@ void take_irradiance(EnvManifest& manifest, const Json& irradiance, const platfo
       const double largest = std::max({std::abs(rgb.x), std::abs(rgb.y), std::abs(rgb.z)});
       if (largest > kLargestTerm) {
         refuse(std::string("has a polynomial whose \"") + term.name +
-               "\" is beyond what floats hold, and its pixels end at 255; export the file again");
+               "\" exceeds the range of floats, and its pixels end at 255; export the file again");
       }
     }
     manifest.polynomial = polynomial;
@@ -133,8 +133,9 @@ EnvManifest read_manifest(const Json& json, const platform::ByteFile& file, std:
   EnvManifest manifest;
   const double version = number(require(json, "version"), "version");
   if (version > kNewestVersion) {
-    throw Flaw{ErrorCode::unsupported_file, "is an .env of version " + require(json, "version").dump() +
-                                                "; versions up to 2 are read: export it again, or take a newer Welkin"};
+    throw Flaw{ErrorCode::unsupported_file,
+               "is an .env of version " + require(json, "version").dump() +
+                   "; versions up to 2 are supported: export it again, or use a newer Welkin"};
   }
   manifest.version = version == kNewestVersion ? 2 : 1;
   if (const Json* type = find(json, "imageType"); type != nullptr && manifest.version == 2) {

@@ -243,7 +243,7 @@ auto call_openexr(const std::filesystem::path& path, const Work& work) -> declty
                                std::string("OpenEXR says: ") + platform::printable(failure.what()));
   } catch (const std::bad_alloc&) {
     throw platform::file_error(ErrorCode::limit_exceeded, path,
-                               "decoding it takes more memory than there is; free some, or save it with smaller tiles");
+                               "there is not enough memory to decode it; free some, or save it with smaller tiles");
   } catch (const std::exception& failure) {
     throw platform::file_error(
         ErrorCode::corrupt_file, path,

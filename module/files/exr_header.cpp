@@ -126,7 +126,7 @@ void check_exr_attributes(platform::ByteFile& file) {
     const std::uint64_t end = file.position() + size;
     walk_value(file, type, size);
     if (file.position() != end) {
-      reject(file, title + " claims " + std::to_string(size) + " bytes, which is not what it takes");
+      reject(file, title + " claims " + std::to_string(size) + " bytes, which is not its size");
     }
   }
 }

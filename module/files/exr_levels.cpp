@@ -168,7 +168,7 @@ std::optional<glm::dmat3> exr_colour_matrix(EnvironmentInfo& info, const Imf::He
   const std::optional<glm::dmat3> matrix = to_rec709(stated, neutral);
   if (!matrix) {
     reject(info, sound && neutral ? "adoptedNeutral" : "chromaticities", stated,
-           "pass --primaries as-stored to take the numbers as they are, or export it again");
+           "pass --primaries as-stored to read the numbers unchanged, or export it again");
   }
   if (is_nearly_nothing(*matrix)) {
     info.notes.push_back("colours left as they are: the primaries of the file, " + describe(stated) +

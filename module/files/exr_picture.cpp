@@ -398,13 +398,13 @@ void require_substance(const EnvironmentInfo& info, const Extent& display, const
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
                                "stores " + text(stored) + " texels of a display window of " + text(display) +
                                    ", less than a " + std::to_string(kLeastShare) +
-                                   "th; save it with the display window that is meant");
+                                   "th; save it with the intended display window");
   }
 }
 
 void note_windows(EnvironmentInfo& info, const Extent& data, const Extent& display, const Extent& stored) {
   if (stored.texels() < data.texels()) {
-    info.notes.push_back("overscan cut off: the data window of " + text(data) +
+    info.notes.push_back("overscan cropped: the data window of " + text(data) +
                          " extends beyond the display window of " + text(display));
   }
   if (stored.texels() < display.texels()) {

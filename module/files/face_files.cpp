@@ -177,7 +177,7 @@ SixPaths faces_beside(const Path& path) {
   if (sets.empty()) {
     throw platform::file_error(ErrorCode::unsupported_file, path,
                                std::string("its name does not end as one of six faces does (") + kEnds +
-                                   "; before that nothing, or one of _ - . and space); rename the six files so");
+                                   "; optionally after one of _ - . and space); rename the six files accordingly");
   }
   const std::string extension = platform::utf8(path.extension());
   const Candidates candidates(path.parent_path(), extension);
@@ -187,7 +187,7 @@ SixPaths faces_beside(const Path& path) {
     SixPaths found = candidates.pick(set, extension);
     if (candidates.is_longer_series(set)) {
       throw platform::file_error(ErrorCode::unsupported_file, path,
-                                 "is one of a series that goes on after 5 (there is a " + set.prefix +
+                                 "belongs to a series that continues after 5 (there is a " + set.prefix +
                                      "6), so no six files of a cube; name the faces px nx py ny pz nz");
     }
     if (files_in(found) == found.size()) return found;
@@ -211,7 +211,7 @@ SixPaths faces_in(const Path& directory) {
   }
   if (whole_sets.empty()) {
     throw platform::file_error(ErrorCode::file_access, directory,
-                               std::string("is a directory without six faces of a cube, whose names would end in ") +
+                               std::string("is a directory without six faces of a cube; their names must end in ") +
                                    kEnds + "; name an image in it");
   }
   if (whole_sets.size() > 1) {
@@ -219,7 +219,7 @@ SixPaths faces_in(const Path& directory) {
                                "holds more than one cube of six files, such as " +
                                    platform::utf8((*whole_sets.begin())[0].filename()) + " and " +
                                    platform::utf8((*whole_sets.rbegin())[0].filename()) +
-                                   " with their others; name one file of the one that is meant");
+                                   " with their others; name one file of the intended set");
   }
   return *whole_sets.begin();
 }
@@ -385,7 +385,7 @@ std::vector<FileInput> six_inputs(const FileInput& input) {
   if (!input.faces().empty()) return std::vector<FileInput>(input.faces().begin(), input.faces().end());
   if (input.bytes()) {
     throw platform::file_error(ErrorCode::invalid_argument, input.path(),
-                               "is in memory, where nothing says which are the other faces; pass all six "
+                               "is in memory, so the other faces cannot be found; pass all six "
                                "(FileInput::six_faces)");
   }
   const std::array<std::filesystem::path, 6> paths = face_files(input.path());

@@ -98,7 +98,7 @@ class HdrSource final : public RowSource {
     }
     if (reader_bytes() > memory_limit_bytes_) {
       throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "its scanlines are columns, so that it must be decoded whole: that takes " +
+                                 "its scanlines are columns, so it must be decoded whole, which takes " +
                                      std::to_string(reader_bytes()) + " bytes, above the limit of " +
                                      std::to_string(memory_limit_bytes_) + "; raise the limit, or save it as -Y +X");
     }

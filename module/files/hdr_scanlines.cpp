@@ -126,7 +126,7 @@ HdrCoding HdrScanlines::pass_texels(std::uint8_t* planes) {
       count = std::size_t{texel[3]} << shift;
       shift = std::min(shift + kShiftStep, kLargestShift);
       if (done == 0) {
-        fail("it starts with a repeat, and there is no texel to repeat");
+        fail("it starts with a repeat, but there is no texel to repeat");
       }
       if (count > length - done) {
         fail("a texel is repeated " + std::to_string(count) + " times where " + std::to_string(length - done) + " of " +

@@ -118,7 +118,7 @@ class PngSource final : public RowSource {
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
     if (header_.interlaced && reader_bytes() > memory_limit_bytes_) {
       throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "is interlaced, so that it must be decoded whole: that takes " +
+                                 "is interlaced, so it must be decoded whole, which takes " +
                                      std::to_string(reader_bytes()) + " bytes, above the limit of " +
                                      std::to_string(memory_limit_bytes_) +
                                      "; raise the limit, or save it without interlacing");

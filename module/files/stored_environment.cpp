@@ -96,7 +96,7 @@ std::string StoredEnvironment::words() const {
     text += ", " + std::to_string(levels) +
             (content == LevelContent::reflections ? " prefiltered mips"
              : content == LevelContent::radiance  ? " mips"
-                                                  : " levels of which it does not say what they are");
+                                                  : " levels of unknown meaning");
   }
   return has_polynomial ? text + ", polynomial" : text;
 }

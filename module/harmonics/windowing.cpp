@@ -110,12 +110,12 @@ double min_laplacian_lambda(const SphericalHarmonics& irradiance) {
     const HarmonicMinimum low = minimum(with_factors(irradiance, factors));
     double next = lambda;
     for (int c = 0; c < 3; ++c) {
-      if (std::isnan(low.value[c])) refuse(c, "has a coefficient that is not finite; nothing can be windowed there");
+      if (std::isnan(low.value[c])) refuse(c, "has a coefficient that is not finite; replace it before windowing");
       const BandValues values = values_by_band(irradiance, c, low.direction[c]);
       if (low.value[c] >= -kTolerance * std::abs(values[0])) continue;
       if (!(values[0] > 0.0)) {
         refuse(c, "has a mean of " + platform::number_text(values[0]) +
-                      ", so that no window can lift its irradiance above zero; take the negative light out first "
+                      ", so no window can make its irradiance positive; remove the negative light first "
                       "(NegativePolicy::replace), or use another window");
       }
       next = std::max(next, first_lambda_at(values, -0.5 * kTolerance * values[0], lambda));

@@ -88,8 +88,7 @@ std::filesystem::path path_of(std::string_view utf8) {
   try {
     return {std::u8string(utf8.begin(), utf8.end())};
   } catch (const std::system_error&) {
-    throw Error(ErrorCode::invalid_argument,
-                without_controls(utf8) + ": is no UTF-8, which the names of files must be");
+    throw Error(ErrorCode::invalid_argument, without_controls(utf8) + ": is not valid UTF-8, which file names must be");
   }
 }
 

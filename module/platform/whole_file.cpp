@@ -72,7 +72,7 @@ void WholeFile::fail(const char* what, const std::string& why) {
   if (!failed_) failure_ = why;
   failed_ = true;
   const char* const remedy = memory_ != nullptr ? "; the caller's bytes are as they were, write it to a file"
-                                                : "; nothing was left there, try another directory or disk";
+                                                : "; no partial file was left; try another directory or disk";
   throw file_error(ErrorCode::file_access, path_, std::string(what) + ": " + why + remedy);
 }
 

@@ -60,7 +60,7 @@ void check_options(const ProbeOptions& options, bool with_depths) {
   image::require_range("environment_bands of probes", options.environment_bands, 0, kMaximumBands + 1 - kMostBands);
   if (options.environment_bands > 0 && !with_depths) {
     refuse("ProbeOptions: environment_bands is " + std::to_string(options.environment_bands) +
-           ", but there are no depths to tell where a probe sees the environment; pass them, or 0");
+           ", but there are no depths, which show where a probe sees the environment; pass them, or 0");
   }
 }
 

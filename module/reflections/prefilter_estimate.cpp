@@ -265,7 +265,7 @@ int choose_bands_by_energy(PrefilterPlan& plan, SpectralSource source) {
                     "the kernel of mip " + std::to_string(level) + " is too narrow or has too sharp an edge: with " +
                         std::to_string(plan.bands) + " harmonic bands the mip errs by an estimated " +
                         platform::number_text(error) + ", and rms_error is " + platform::number_text(plan.bounds.rms) +
-                        "; widen the kernel, raise rms_error, or take the reference method");
+                        "; widen the kernel, raise rms_error, or use the reference method");
       }
     }
     for (MipPlan& made : plan.mips) {
@@ -325,7 +325,7 @@ void refuse_rms_error(double estimate, double rms_error, const std::string& what
   throw Error(ErrorCode::limit_exceeded, "rms_error " + platform::number_text(rms_error) +
                                              " cannot be kept on this image: " + what + " would err by an estimated " +
                                              platform::number_text(estimate) +
-                                             "; raise rms_error to that, or take the reference method");
+                                             "; raise rms_error to that, or use the reference method");
 }
 
 double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {

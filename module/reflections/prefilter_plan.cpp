@@ -116,7 +116,7 @@ MipMethod method_for(const PrefilterOptions& options, double reach, const MipPla
   refuse(ErrorCode::limit_exceeded, "roughness " + platform::number_text(mip.roughness) + " needs " +
                                         std::to_string(static_cast<std::int64_t>(std::ceil(bands))) +
                                         " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
-                                        " are possible; take another method, or automatic");
+                                        " are possible; use another method, or automatic");
 }
 
 }  // namespace

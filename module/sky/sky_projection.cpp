@@ -178,7 +178,7 @@ void SkyProjection::check_size(std::size_t rings) const {
   throw Error(ErrorCode::limit_exceeded,
               "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(slice_.azimuths()) +
                   " azimuths x " + std::to_string(slice_.suns()) +
-                  " suns take more than 1 GiB; fewer zeniths, azimuths or suns in the table would do");
+                  " suns take more than 1 GiB; use fewer zeniths, azimuths or suns in the table");
 }
 
 void SkyProjection::add_rings(const RingRule& rings, bool below) {

@@ -378,7 +378,7 @@ SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& op
   if (bytes > options.memory_limit_bytes) {
     throw Error(ErrorCode::limit_exceeded, "the sky tables need " + std::to_string(bytes) + " bytes, the limit is " +
                                                std::to_string(options.memory_limit_bytes) +
-                                               ": take smaller tables or raise memory_limit_bytes");
+                                               ": use smaller tables or raise memory_limit_bytes");
   }
   jobs::throw_if_cancelled(control);
   static_cast<void>(sky::solver_kernels());  // a process's first choice of them allocates: not inside a tile

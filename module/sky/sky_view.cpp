@@ -33,7 +33,7 @@ constexpr int kChunk = 64;  // directions
 void check_size(const char* name, std::uint64_t found, std::uint64_t expected) {
   if (found == expected) return;
   refuse("the table " + std::string(name) + " holds " + std::to_string(found) + " floats where its options say " +
-         std::to_string(expected) + "; take tables as precompute_sky and load_sky_tables give them");
+         std::to_string(expected) + "; use tables from precompute_sky or load_sky_tables");
 }
 
 /// Tables may be filled by hand; nothing may be read past their ends.

@@ -168,7 +168,7 @@ std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOption
   if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
     throw Error(ErrorCode::invalid_argument,
                 "the atmosphere has " + std::to_string(atmosphere.wavelengths_nm.size()) +
-                    " wavelengths; tables of radiances hold three: take colour = linear_srgb, or three wavelengths");
+                    " wavelengths; spectral tables hold three: use colour = linear_srgb, or three wavelengths");
   }
   const bool with_aerosol = sky::scatters(atmosphere.aerosol);
   const std::uint64_t sun_nodes = std::uint64_t{128} * 256;

@@ -110,7 +110,7 @@ std::optional<JobError> JobHandle::error() const {
   } catch (const std::exception& exception) {
     return JobError{std::nullopt, exception.what()};
   } catch (...) {
-    return JobError{std::nullopt, "an exception that is no std::exception"};
+    return JobError{std::nullopt, "an exception of a type other than std::exception"};
   }
 }
 

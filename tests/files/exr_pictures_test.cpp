@@ -303,7 +303,7 @@ TEST_CASE("overscan is cut off and crops are put back, in any rows", "[codec]") 
                      data.top + data.height > display.top + 40;
     const bool lacking = data.left > display.left || data.top > display.top ||
                          data.left + data.width < display.left + 80 || data.top + data.height < display.top + 40;
-    REQUIRE(says(read.info, "overscan cut off") == cut);
+    REQUIRE(says(read.info, "overscan cropped") == cut);
     REQUIRE(says(read.info, "padded with black") == lacking);
     const int first = between(0, 40);
     const int count = between(1, 41 - first);
@@ -411,7 +411,7 @@ TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
   };
   CHECK(message({0, 0, 65536, 32768}) == path.string() +
                                              ": stores 30 x 20 texels of a display window of 65536 x 32768, less than "
-                                             "a 64th; save it with the display window that is meant");
+                                             "a 64th; save it with the intended display window");
   CHECK(message({0, 0, 200000, 100000}).find("its display window of 200000 x 100000 is larger than any layout holds") !=
         std::string::npos);
 }

@@ -366,7 +366,7 @@ TEST_CASE("a picture of columns is refused where decoding it whole takes too muc
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
   const ThrownError error = thrown_by([&] { (void)files::open_row_source(path, options)->open_reader(); });
   CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": its scanlines are columns, so that it must be decoded whole"));
+  CHECK(error.says(path.string() + ": its scanlines are columns, so it must be decoded whole"));
   CHECK(error.says("save it as -Y +X"));
   options.memory_limit_bytes = 1U << 20U;
   CHECK(measure_environment(path, options).texels == 512 * 256);

@@ -295,7 +295,7 @@ TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much",
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
   const ThrownError error = thrown_by([&] { (void)files::open_row_source(path, options)->open_reader(); });
   CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": is interlaced, so that it must be decoded whole"));
+  CHECK(error.says(path.string() + ": is interlaced, so it must be decoded whole"));
   CHECK(error.says("save it without interlacing"));
   write_bytes(path, sound_png(640, 320, false));
   CHECK(files::open_row_source(path, options)->reader_bytes() < options.memory_limit_bytes);

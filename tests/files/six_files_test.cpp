@@ -98,7 +98,7 @@ TEST_CASE("names that only resemble those of faces are none", "[codec][layout]")
   for (const std::string& name : kFamilies[3]) touch(directory.file("thump" + name + ".exr"));
   const std::string ends = "its name does not end as one of six faces does (px nx py ny pz nz; posx negx posy";
   check_refusal(directory.file("map10.exr"), ErrorCode::unsupported_file, ends);
-  check_refusal(directory.file("thumpup.exr"), ErrorCode::unsupported_file, "rename the six files so");
+  check_refusal(directory.file("thumpup.exr"), ErrorCode::unsupported_file, "rename the six files accordingly");
   check_refusal(directory.file("none.exr"), ErrorCode::file_access, "there is no such file");
   check_refusal(directory.file("."), ErrorCode::file_access, "is a directory without six faces of a cube");
 }
@@ -107,7 +107,7 @@ TEST_CASE("a numbered series of more than six is no cube", "[codec][layout]") {
   const TemporaryDirectory directory;
   for (int number = 0; number < 7; ++number) touch(directory.file("frame_" + std::to_string(number) + ".exr"));
   check_refusal(directory.file("frame_3.exr"), ErrorCode::unsupported_file,
-                "is one of a series that goes on after 5 (there is a frame_6), so no six files of a cube; name the "
+                "belongs to a series that continues after 5 (there is a frame_6), so no six files of a cube; name the "
                 "faces px nx py ny pz nz");
   check_refusal(directory.file("."), ErrorCode::file_access, "is a directory without six faces");
   std::filesystem::remove(directory.file("frame_6.exr"));

@@ -176,7 +176,7 @@ TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
     const ThrownError error = thrown_by([&] { (void)turned(SphericalHarmonics(3), bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("quaternion"));
-    CHECK(error.says("(1 0 0 0) turns nothing"));
+    CHECK(error.says("(1 0 0 0) is the identity"));
   }
 }
 

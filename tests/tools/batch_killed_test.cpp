@@ -78,7 +78,7 @@ TEST_CASE("A folder of results that is full is no job's failure", "[command][bat
   const CommandResult full = shell(batch, "ulimit -f 2; run --json");
   INFO(full.errors);
   CHECK(full.exit_code != 0);  // 128 more than SIGXFSZ
-  CHECK(contains(full.errors, "jobs.results: takes no more results"));
+  CHECK(contains(full.errors, "jobs.results: cannot be written to"));
   CHECK(batch.report().empty());
   CHECK(batch.result_names().empty());
   CHECK(names_in(batch.results() / "partial").empty());
