@@ -159,9 +159,9 @@ std::string place_text(const InfoReport& report) {
 }
 
 std::string info_table(const InfoReport& report) {
-  return file_lines(report.file) + range_lines(report.pixels) + '\n' +
-         line("odd values", odd_values_text(report.pixels)) + line("brightest", significant(report.pixels.brightest)) +
-         line("", place_text(report)) + line("", direction_text(report.pixels.brightest_direction)) +
+  return file_lines(report.file) + range_lines(report.pixels) + '\n' + line("special", odd_values_text(report.pixels)) +
+         line("brightest", significant(report.pixels.brightest)) + line("", place_text(report)) +
+         line("", direction_text(report.pixels.brightest_direction)) +
          "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter of the width from "
          "the "
          "left.\n";

@@ -161,16 +161,17 @@ std::vector<EngineTerm> indexed(std::string_view name, const Nine& nine) {
 }
 
 EngineLight own_form(const SphericalHarmonics& radiance) {
-  return {Engine::welkin,
-          "polynomial of the normal, in GLSL",
-          "// sh is U(l, m) A(l)/pi K(l, m), A = (pi, 2pi/3, pi/4) by band, K the basis functions' constants, no sign\n"
-          "// turned. Returns irradiance over pi on a surface that faces n, of length 1: multiply it by the albedo.\n"
-          "vec3 diffuse_light(vec3 n) {\n"
-          "  return sh[0] + sh[1] * n.y + sh[2] * n.z + sh[3] * n.x + sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) +\n"
-          "         sh[6] * (3.0 * n.z * n.z - 1.0) + sh[7] * (n.x * n.z) + sh[8] * (n.x * n.x - n.y * n.y);\n"
-          "}",
-          indexed("sh", pre_scaled(radiance)),
-          {}};
+  return {
+      Engine::welkin,
+      "polynomial of the normal, in GLSL",
+      "// sh is U(l, m) A(l)/pi K(l, m), A = (pi, 2pi/3, pi/4) by band, K the basis functions' constants, signs\n"
+      "// unchanged. Returns irradiance over pi on a surface that faces n, of length 1: multiply it by the albedo.\n"
+      "vec3 diffuse_light(vec3 n) {\n"
+      "  return sh[0] + sh[1] * n.y + sh[2] * n.z + sh[3] * n.x + sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) +\n"
+      "         sh[6] * (3.0 * n.z * n.z - 1.0) + sh[7] * (n.x * n.z) + sh[8] * (n.x * n.x - n.y * n.y);\n"
+      "}",
+      indexed("sh", pre_scaled(radiance)),
+      {}};
 }
 
 EngineLight babylon(const SphericalHarmonics& radiance) {
@@ -197,7 +198,7 @@ EngineLight babylon(const SphericalHarmonics& radiance) {
 EngineLight three(const SphericalHarmonics& radiance) {
   return {Engine::three,
           "SphericalHarmonics3, as in LightProbe.sh",
-          "Radiance coefficients U(l, m) at l (l + 1) + m: no factor, no sign (real, orthonormal, no\n"
+          "Radiance coefficients U(l, m) at l (l + 1) + m: no factor, signs unchanged (real, orthonormal, no\n"
           "Condon-Shortley phase). The shader's shGetIrradianceAt multiplies by A = (pi, 2pi/3, pi/4) and Y:\n"
           "  E(n) = 0.886227 c0 + 1.023328 (c1 y + c2 z + c3 x) + 0.858086 (c4 xy + c5 yz + c7 xz)\n"
           "         + c6 (0.743125 zz - 0.247708) + 0.429043 c8 (xx - yy);  BRDF_Lambert then divides by pi.",
@@ -208,7 +209,7 @@ EngineLight three(const SphericalHarmonics& radiance) {
 EngineLight filament(const SphericalHarmonics& radiance) {
   return {Engine::filament,
           "float3 sh[9], IndirectLight::Builder::irradiance(3, sh)",
-          "U(l, m) A(l)/pi K(l, m), K the basis functions' constants: pre-scaled for the shader, no sign turned.\n"
+          "U(l, m) A(l)/pi K(l, m), K the basis functions' constants: pre-scaled for the shader, signs unchanged.\n"
           "  E(n)/pi = sh0 + sh1 y + sh2 z + sh3 x + sh4 xy + sh5 yz + sh6 (3zz - 1) + sh7 xz + sh8 (xx - yy)\n"
           "As cmgen --sh-shader --sh-window=no prints it; cmgen applies a window by default.",
           indexed("sh", pre_scaled(radiance)),
@@ -235,7 +236,8 @@ std::vector<EngineVector> packed(const Nine& c, const std::array<const char*, 7>
 EngineLight unity(const SphericalHarmonics& radiance) {
   const Nine c = pre_scaled(radiance);
   return {Engine::unity, "SphericalHarmonicsL2, and its shader vectors",
-          "sh[channel, i] = U(l, m) A(l)/pi K(l, m), K the basis functions' constants; i = l (l + 1) + m, no sign.\n"
+          "sh[channel, i] = U(l, m) A(l)/pi K(l, m), K the basis functions' constants; i = l (l + 1) + m, signs "
+          "unchanged.\n"
           "The shader's vectors, for red: SHAr = (sh3, sh1, sh2, sh0 - sh6), SHBr = (sh4, sh5, 3 sh6, sh7), and\n"
           "SHC = sh8 of red, green, blue, and 1. ShadeSH9(n) is E(n)/pi, to be multiplied by the albedo:\n"
           "  red = dot(SHAr, (x, y, z, 1)) + dot(SHBr, (xy, yz, zz, zx)) + SHC.r (xx - yy)",
@@ -275,7 +277,7 @@ EngineLight godot(const SphericalHarmonics& radiance) {
   for (glm::dvec3& rgb : nine) rgb *= std::numbers::inv_pi;
   return {Engine::godot,
           "lightmap probe",
-          "U(l, m)/pi at l (l + 1) + m, no sign. (Godot's sky lights through mip maps and has no harmonics.)\n"
+          "U(l, m)/pi at l (l + 1) + m, signs unchanged. (Godot's sky lights through mip maps and has no harmonics.)\n"
           "  E(n)/pi = 0.886227 c0 + 1.023327 (c1 y + c2 z + c3 x) + 0.858086 (c4 xy + c5 yz + c7 xz)\n"
           "            + 0.247708 c6 (3zz - 1) + 0.429043 c8 (xx - yy)",
           indexed("sh", nine),
