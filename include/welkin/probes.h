@@ -130,9 +130,9 @@ struct BakedProbes {
 /// of the sky.
 ///
 /// - Radiance is bit-identical to that of `project_many`, and fails with the same errors.
-/// - Distances: texels are first averaged by solid angle in blocks, at most 16 per edge. A texel of a map is the mean
-///   of blocks, weighted by solid angle times max(0, cosine)^power of the angle between the texel's direction and the
-///   centre of the block, corrected for variation within the block (docs/guides/probe_grids.md).
+/// - Distances: texels are first averaged by solid angle in blocks, at most 16 per edge. A texel of a map is a mean of
+///   blocks. The weight is solid angle times max(0, cosine)^power, for the angle between the texel's direction and the
+///   block's centre, corrected for variation within the block (docs/guides/probe_grids.md).
 /// - Validity is measured by the solid angles of texels.
 /// - Invalid probes are filled by `dilate`.
 /// - Visibility of the sky is computed as by `project` with exact quadrature, in the number of bands that relighting

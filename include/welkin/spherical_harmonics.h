@@ -231,7 +231,7 @@ struct Sun {
 /// An engine adds the sun back as a directional light with `irradiance` on a surface facing it, which restores the
 /// map's total radiance. A real disc of angular radius a has (1 + cos a) / 2 of that irradiance: 2e-5 less for half a
 /// degree, 7e-4 for three. Band l of a spot with mean squared radius r^2 (radians) is smaller than the light's by the
-/// factor 1 - l(l+1) r^2 / 4, which for a disc of half a degree is 6e-5 in band 2.
+/// factor 1 - l(l+1) r^2 / 4; a disc of half a degree loses 6e-5 in band 2.
 ///
 /// A texel with a NaN or infinite channel is ignored and not changed. Replace infinities of a sun that overflowed half
 /// floats (65504) first. Negative values are kept. Cost: one pass over the map, and another over the part with the
