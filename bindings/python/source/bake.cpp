@@ -195,17 +195,18 @@ void bind_bake(py::module_& module) {
       "     quality='normal', policy=None, memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None,\n"
       "     progress=None, threads=None)\n"
       "--\n\n"
-      "All that a renderer loads, as a `Bake`. Pixels, (height, width, channels) or (6, n, n, channels), or a file (a\n"
-      "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
-      "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
-      "specular    as `prefilter`: size=256, mips, roughness, lobe_roughness, lobe, spectra, method, quality,\n"
+      "Bakes everything that a renderer loads and returns a `Bake`. `pixels`: an array (height, width, channels)\n"
+      "or (6, n, n, channels), or a file (its path or bytes; `read`: options of `read`). Each part is True, False\n"
+      "or a dictionary of options:\n\n"
+      "background  size=None (texels per edge; None: as the reflections), mips, mip_filter\n"
+      "specular    as in `prefilter`: size=256, mips, roughness, lobe_roughness, lobe, spectra, method, quality,\n"
       "            rms_error, maximum_error\n"
-      "octahedral  of the reflections, as `to_octahedral`: size=256, levels, border\n"
+      "octahedral  map of the reflections, as in `to_octahedral`: size=256, levels, border\n"
       "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
-      "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
-      "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `quality` is of\n"
-      "reflections and irradiance, as in `prefilter`. `memory_limit`: bytes. `plan`: what `plan` made of the same\n"
-      "pixels, in place of these.");
+      "brdf        as in `brdf_table`: width=64, height=64, model, sheen\n\n"
+      "Radiance is in the pixels' unit, such as W/m2/sr; irradiance is then in W/m2. `quality` applies to\n"
+      "reflections and irradiance, as in `prefilter`. `memory_limit`: bytes. `plan`: a `Plan` for the same\n"
+      "pixels, in place of the options.");
 }
 
 }  // namespace welkin::python

@@ -67,7 +67,7 @@ void bind_conventions(py::module_& module) {
             if (!self.faces_from_engine) return py::none();
             return array_of(*self.faces_from_engine);
           },
-          "(3, 3): takes a direction in the engine's axes to the one of its cube faces; or None.")
+          "(3, 3): matrix from directions in the engine's axes to the axes of its cube faces, or None.")
       .def("__repr__", [](const Convention& self) {
         return "<welkin.Convention: " + std::string(self.title) + ", " + self.axes + ">";
       });
@@ -80,7 +80,9 @@ void bind_conventions(py::module_& module) {
         }
         return all;
       },
-      "conventions()\n--\n\nThe engines that are known, by name: a `Convention` each.");
+      "conventions()\n"
+      "--\n\n"
+      "Returns the known engines: a dictionary from name to `Convention`.");
 }
 
 }  // namespace
@@ -93,16 +95,19 @@ void bind_engines(py::module_& module) {
       .def_readonly("form", &EngineLight::form, "The engine's type: \"SphericalPolynomial\", ...")
       .def_readonly("formula", &EngineLight::formula, "What the numbers are and how the shader evaluates them.")
       .def_property_readonly("terms", &terms_of, "Triples (3,) by the engine's names, in its order.")
-      .def_property_readonly("vectors", &vectors_of, "Four-vectors (4,) by the shader's names; Unity's and Unreal's.")
+      .def_property_readonly("vectors", &vectors_of,
+                             "Vectors (4,) by the shader's names; for Unity and Unreal\n"
+                             "only.")
       .def("__repr__", [](const EngineLight& self) {
         return "<welkin.EngineLight: " + std::string(convention(self.engine).title) + ", " + self.form + ", " +
                std::to_string(self.terms.size()) + " terms>";
       });
-  module.def(
-      "engine_light", &light_of, py::arg("radiance"), py::arg("engine"), py::arg("in_place") = false,
-      "engine_light(radiance, engine, in_place=False)\n--\n\n"
-      "Coefficients of radiance in the form of \"babylon\", \"three\", \"filament\", \"gltf\", \"unity\", \"unreal\",\n"
-      "\"godot\" or \"welkin\", rotated to the engine's axes unless `in_place`.");
+  module.def("engine_light", &light_of, py::arg("radiance"), py::arg("engine"), py::arg("in_place") = false,
+             "engine_light(radiance, engine, in_place=False)\n"
+             "--\n\n"
+             "Converts radiance coefficients to the form of \"babylon\", \"three\", \"filament\", \"gltf\", \"unity\", "
+             "\"unreal\",\n"
+             "\"godot\" or \"welkin\", rotated to the engine's axes unless `in_place`.");
 }
 
 }  // namespace welkin::python

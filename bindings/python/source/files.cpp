@@ -301,42 +301,54 @@ void bind_files(py::module_& module) {
       });
   module.def("read", &read_file, py::arg("file"),
              "read(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "     primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
-             "OpenEXR, Radiance .hdr, PFM, PNG, KTX2, KTX, DDS and .env, by a path or as bytes, as an `Environment`.");
+             "     primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n"
+             "--\n\n"
+             "Reads an OpenEXR, Radiance .hdr, PFM, PNG, KTX2, KTX, DDS or .env file, given as a path or bytes.\n"
+             "Returns an `Environment`.");
   module.def("inspect", &inspect_file, py::arg("file"),
              "inspect(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "        primaries='rec709', memory_limit=8589934592)\n--\n\nThe header alone: a dictionary.");
+             "        primaries='rec709', memory_limit=8589934592)\n"
+             "--\n\n"
+             "Reads the header only. Returns a dictionary.");
   module.def("measure", &measure_file, py::arg("file"),
              "measure(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "        primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
-             "Range, mean by solid angle, NaN and the brightest texel of a file, streaming: a dictionary.");
+             "        primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n"
+             "--\n\n"
+             "Returns range, mean by solid angle, number of NaN and the brightest texel of a file as a\n"
+             "dictionary. Streams the file.");
   module.def("write", &write_file, py::arg("path"), py::arg("pixels"), py::arg("layout") = "automatic",
              py::arg("type") = "automatic",
              "write(path, pixels, layout='automatic', type='automatic', *, encoding=None, read=None, progress=None, "
              "threads=None)\n"
-             "--\n\nTo .exr, .hdr, .pfm or .png, by the extension; complete or not there. `layout`: of the file.\n"
-             "`type`: \"half\", \"float\", \"uint8\", \"uint16\". Gives {\"files\", \"values_clamped\"}.");
+             "--\n\n"
+             "Writes .exr, .hdr, .pfm or .png, by the extension: complete or not at all. `layout`: that of the\n"
+             "file. `type`: \"half\", \"float\", \"uint8\", \"uint16\". Returns {\"files\", \"values_clamped\"}.");
   module.def("encode", &encode, py::arg("name"), py::arg("pixels"), py::arg("layout") = "automatic",
              py::arg("type") = "automatic",
              "encode(name, pixels, layout='automatic', type='automatic', *, encoding=None, read=None, progress=None, "
              "threads=None)\n"
-             "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
+             "--\n\n"
+             "Returns the bytes that `write` would write. The extension of `name` selects the format.");
   module.def("read_texture", &read_texture_file, py::arg("file"),
-             "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
-             "A .ktx2, .ktx or .dds cubemap with all its mips, identified by its first bytes, as a `Texture`.");
-  module.def("write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
-             "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
-             "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "
-             "threads=None)\n--\n\n"
-             "A `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`, to .ktx2, "
-             ".ktx, .dds or .exr.\n"
-             "`format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", "
-             "\"astc_4x4_hdr\",\n\"astc_6x6_hdr\"; `supercompression` of .ktx2: \"none\", \"zlib\", \"zstd\". Gives "
-             "{\"files\",\n"
-             "\"values_clamped\"}.");
+             "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n"
+             "--\n\n"
+             "Reads a .ktx2, .ktx or .dds cubemap with all its mips, identified by its first bytes. Returns a\n"
+             "`Texture`.");
+  module.def(
+      "write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
+      "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
+      "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "
+      "threads=None)\n"
+      "--\n\n"
+      "Writes a `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`\n"
+      "to .ktx2, .ktx, .dds or .exr. `format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\",\n"
+      "\"bc6h_ufloat\", \"bc6h_sfloat\", \"astc_4x4_hdr\", \"astc_6x6_hdr\". `supercompression` (.ktx2): \"none\",\n"
+      "\"zlib\", \"zstd\". Returns {\"files\", \"values_clamped\"}.");
   module.def("write_env", &write_env, py::arg("path"), py::arg("specular"), py::arg("radiance"),
-             "write_env(path, specular, radiance)\n--\n\n"
-             "A whole chain (size a power of two, to 1 texel) and coefficients of radiance as Babylon.js's .env.");
+             "write_env(path, specular, radiance)\n"
+             "--\n\n"
+             "Writes a complete chain (size a power of two, down to 1 texel) and coefficients of radiance as\n"
+             "Babylon.js's .env.");
 }
 
 }  // namespace welkin::python

@@ -138,37 +138,44 @@ void bind_harmonics(py::module_& module) {
   bind_windowed(module);
   py::class_<SphericalHarmonics>(
       module, "SphericalHarmonics",
-      "Coefficients of red, green and blue over real, orthonormal spherical harmonics without Condon-Shortley phase:\n"
-      "(l, m) stands at l (l + 1) + m. Y(1, -1), Y(1, 0), Y(1, 1) are proportional to y, z, x.\n\n"
-      "SphericalHarmonics(bands) is dark; SphericalHarmonics(array) copies an array of shape (bands^2, 3).\n"
-      "light[i] is coefficient i, (3,), and len(light) is bands^2. + - * / work, factors being numbers or (3,), and\n"
-      "sum() of a list; == compares coefficients.")
+      "RGB coefficients over real, orthonormal spherical harmonics without Condon-Shortley phase. Coefficient (l,\n"
+      "m) has the index l (l + 1) + m; Y(1, -1), Y(1, 0), Y(1, 1) are proportional to y, z, x.\n\n"
+      "SphericalHarmonics(bands) is zero; SphericalHarmonics(array) copies an array of shape (bands^2, 3).\n"
+      "light[i] is coefficient i, (3,), and len(light) is bands^2. + - * / take numbers or arrays (3,) as\n"
+      "factors, sum() adds a list, and == compares coefficients.")
       .def(py::init<int>())
       .def(py::init(&from_array))
       .def_property_readonly("bands", &SphericalHarmonics::bands, "How many bands: 1 to 16.")
       .def_property_readonly("coefficients", &coefficients_of,
-                             "(bands^2, 3), float64, on the object's own memory: writing to it changes the object.")
+                             "(bands^2, 3), float64, a view of the object's memory: writing to it changes the\n"
+                             "object.")
       .def("__array__", [](const py::object& self, const py::args& words,
                            const py::kwargs& named) { return as_asked(coefficients_of(self), words, named); })
       .def("__call__", &values_at,
-           "__call__(self, directions)\n--\n\nThe sum at directions (..., 3) of any length above 0: radiance or "
-           "irradiance, (..., 3).")
+           "__call__(self, directions)\n"
+           "--\n\n"
+           "Evaluates the sum at directions (..., 3) of any length above 0: radiance or irradiance, (..., 3).")
       .def_property_readonly(
           "mean", [](const SphericalHarmonics& self) { return array_of(mean_radiance(self)); },
           "Mean over the sphere: (3,).")
       .def("irradiance", &irradiance_from_radiance,
-           "irradiance(self)\n--\n\nOf radiance: irradiance, W/m2 where radiance is W/m2/sr (band l times the cosine\n"
-           "lobe's factor). A uniform radiance of 1 gives pi.")
+           "irradiance(self)\n"
+           "--\n\n"
+           "Converts radiance to irradiance, W/m2 where radiance is W/m2/sr: multiplies band l by the cosine\n"
+           "lobe's factor. A uniform radiance of 1 gives pi.")
       .def("lambertian", &lambertian_from_irradiance, "lambertian(self)\n--\n\nOf irradiance: times 1/pi.")
       .def(
           "turned",
           [](const SphericalHarmonics& self, const py::object& turn) { return turned(self, turn_of(turn, "turn")); },
           py::arg("turn"),
-          "turned(self, turn)\n--\n\nThe light after a turn: what came from direction d comes from turn @ d. `turn`: "
-          "an\n"
-          "orthogonal 3 x 3 matrix (mirrors too), or a quaternion (w, x, y, z). Microseconds for three bands.")
+          "turned(self, turn)\n"
+          "--\n\n"
+          "Returns the light rotated: light from direction d then comes from turn @ d. `turn`: an orthogonal 3 x\n"
+          "3 matrix (also a mirror), or a quaternion (w, x, y, z). Takes microseconds for three bands.")
       .def("with_bands", &with_bands, py::arg("bands"),
-           "with_bands(self, bands)\n--\n\nBands cut off, or added as zero.")
+           "with_bands(self, bands)\n"
+           "--\n\n"
+           "Returns the coefficients with bands truncated, or added as zero.")
       .def(
           "lerp", [](const SphericalHarmonics& a, const SphericalHarmonics& b, double t) { return lerp(a, b, t); },
           py::arg("other"), py::arg("t"), "lerp(self, other, t)\n--\n\n(1 - t) self + t other.")
@@ -176,24 +183,29 @@ void bind_harmonics(py::module_& module) {
           "product",
           [](const SphericalHarmonics& a, const SphericalHarmonics& b, int bands) { return product(a, b, bands); },
           py::arg("other"), py::arg("bands") = 0,
-          "product(self, other, bands=0)\n--\n\nCoefficients of the pointwise product; 0 bands: all that it has, 16 at "
-          "most.")
+          "product(self, other, bands=0)\n"
+          "--\n\n"
+          "Returns coefficients of the pointwise product. 0 bands: all that the product has, at most 16.")
       .def("minimum", &minimum_of,
-           "minimum(self)\n--\n\n(values (3,), directions (3, 3)): the least value of each channel, and where it is.")
+           "minimum(self)\n"
+           "--\n\n"
+           "Returns (values (3,), directions (3, 3)): the minimum of each channel and its direction.")
       .def("dominant_light", &dominant_of,
-           "dominant_light(self)\n--\n\nOf radiance: (direction (3,), irradiance (3,)) of the directional light that "
-           "comes\n"
-           "closest, or None where no direction stands out.")
+           "dominant_light(self)\n"
+           "--\n\n"
+           "Returns (direction (3,), irradiance (3,)) of the directional light that best approximates the\n"
+           "radiance, or None if it has no direction.")
       .def(
           "window",
           [](const SphericalHarmonics& self, const std::string& window, double width) {
             return apply_window(self, value_of<Window>("window", window, kWindows), width);
           },
           py::arg("window") = "min-laplacian", py::arg("width") = 0.0,
-          "window(self, window='min-laplacian', width=0.0)\n--\n\n"
-          "Radiance against ringing, as a `Windowed`: \"none\", \"hanning\", \"lanczos\" (`width` in bands, 0: as "
-          "many\n"
-          "as there are) or \"min-laplacian\", the least that leaves no irradiance negative.")
+          "window(self, window='min-laplacian', width=0.0)\n"
+          "--\n\n"
+          "Applies a window against ringing to radiance. Returns a `Windowed`. `window`: \"none\", \"hanning\",\n"
+          "\"lanczos\" (`width` in bands, 0: the number of bands) or \"min-laplacian\", the minimum for which no\n"
+          "irradiance is negative.")
       .def(
           "__add__", [](const SphericalHarmonics& a, const SphericalHarmonics& b) { return add(a, b); },
           py::is_operator())
@@ -222,7 +234,9 @@ void bind_harmonics(py::module_& module) {
                text(mean_radiance(self)) + ">";
       });
   module.def("cosine_lobe", &cosine_lobe, py::arg("l"),
-             "cosine_lobe(l)\n--\n\nThe cosine lobe's factor for band l: pi, 2 pi/3, pi/4, 0, -pi/24, ...");
+             "cosine_lobe(l)\n"
+             "--\n\n"
+             "Returns the cosine lobe's factor for band l: pi, 2 pi/3, pi/4, 0, -pi/24, ...");
   module.def(
       "basis",
       [](const py::object& directions, int bands) {
@@ -242,7 +256,9 @@ void bind_harmonics(py::module_& module) {
         return values;
       },
       py::arg("directions"), py::arg("bands") = 3,
-      "basis(directions, bands=3)\n--\n\nY(l, m) at directions (..., 3) of any length above 0: (..., bands^2).");
+      "basis(directions, bands=3)\n"
+      "--\n\n"
+      "Returns Y(l, m) at directions (..., 3) of any length above 0: (..., bands^2).");
 }
 
 }  // namespace welkin::python

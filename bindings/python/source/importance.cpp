@@ -135,8 +135,8 @@ py::tuple variance_of(const SharedImportance& self, const py::object& pixels, co
 void bind_importance(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(AliasEntry, own, other);
   py::class_<SharedImportance>(module, "ImportanceTable",
-                               "A density over the sphere, constant by solid angle within each texel of a lat-long.\n\n"
-                               "Arrays are read only and lie on the table's own memory. They are those of pbrt's\n"
+                               "A density over the sphere, constant per solid angle within each texel of a lat-\n"
+                               "long. Arrays are read-only views of the table's memory, laid out as pbrt's\n"
                                "PiecewiseConstant2D.")
       .def_property_readonly(
           "width", [](const SharedImportance& self) { return self.table->width; }, "Texels.")
@@ -147,7 +147,8 @@ void bind_importance(py::module_& module) {
           [](const SharedImportance& self) {
             return part_of(self, self.table->function, {self.table->height, self.table->width});
           },
-          "(height, width) float32: the integral of the weight over each texel; over `integral`, its probability.")
+          "(height, width) float32: integral of the weight over each texel; divided by `integral`, its\n"
+          "probability.")
       .def_property_readonly(
           "row_cdf",
           [](const SharedImportance& self) { return part_of(self, self.table->row_cdf, {self.table->height + 1}); },
@@ -157,39 +158,48 @@ void bind_importance(py::module_& module) {
           [](const SharedImportance& self) {
             return part_of(self, self.table->column_cdf, {self.table->height, self.table->width + 1});
           },
-          "(height, width + 1) float32: within a row, of the columns before each.")
+          "(height, width + 1) float32: probability within a row of the columns before each.")
       .def_property_readonly(
           "integral", [](const SharedImportance& self) { return self.table->integral; }, "The sum of `function`.")
       .def("sample", &sampled, py::arg("across"), py::arg("down"),
-           "sample(self, across, down)\n--\n\n(directions (..., 3), densities (...)) of numbers from 0 to 1 of one "
-           "shape\n"
-           "(...): `down` picks the row, `across` the column. Densities are for each steradian.")
+           "sample(self, across, down)\n"
+           "--\n\n"
+           "Returns (directions (..., 3), densities (...)) for numbers in [0, 1) of shape (...): `down` selects\n"
+           "the row, `across` the column. Densities are per steradian.")
       .def("density", &densities_at, py::arg("directions"),
-           "density(self, directions)\n--\n\nThe density, for each steradian, at directions (..., 3): (...).")
+           "density(self, directions)\n"
+           "--\n\n"
+           "Returns the density per steradian at directions (..., 3): (...).")
       .def("alias", &alias_of,
-           "alias(self, *, progress=None, threads=None)\n--\n\n(rows (height,), columns (height, width)): alias tables "
-           "of\n"
-           "the same probabilities, to pick in constant time. Fields: own, float32, the share that stands for the\n"
-           "entry itself, and other, uint32, the index that the rest stands for.")
+           "alias(self, *, progress=None, threads=None)\n"
+           "--\n\n"
+           "Returns (rows (height,), columns (height, width)): alias tables with the same probabilities, for\n"
+           "sampling in constant time. Fields: own (float32), the probability of the entry itself, and other\n"
+           "(uint32), the index used otherwise.")
       .def("pyramid", &pyramid_of,
-           "pyramid(self, *, progress=None, threads=None)\n--\n\nProbabilities of ever larger blocks, (height, width)\n"
-           "float32 and each level half the one before, to a single block.")
+           "pyramid(self, *, progress=None, threads=None)\n"
+           "--\n\n"
+           "Returns probabilities of blocks, (height, width) float32, each level half the size of the one before,\n"
+           "down to one block.")
       .def("variance", &variance_of, py::arg("pixels"),
            "variance(self, pixels, *, weight='luminance', policy=None, layout=None, encoding=None, read=None, "
            "progress=None,\n"
-           "         threads=None)\n--\n\n"
-           "(uniform, table): variance of one sample's estimate of the pixels' total weight, over the total's\n"
-           "square, with directions all alike and with the table's.")
+           "         threads=None)\n"
+           "--\n\n"
+           "Returns (uniform, table): the variance of a one-sample estimate of the pixels' total weight, relative\n"
+           "to the square of the total, for uniform directions and for the table.")
       .def("__repr__", [](const SharedImportance& self) {
         return "<welkin.ImportanceTable: " + std::to_string(self.table->width) + " x " +
                std::to_string(self.table->height) + ">";
       });
-  module.def("importance_table", &table_of, py::arg("pixels"),
-             "importance_table(pixels, *, width=0, height=0, weight='luminance', mis_compensation=False, policy=None,\n"
-             "                 layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-             "By which a path tracer picks directions of a lat-long, as an `ImportanceTable`. `width`, `height`: up\n"
-             "to the image's, 0 for just these. `weight`: \"luminance\", \"mean\" or \"largest\" of the channels.\n"
-             "`mis_compensation`: subtracts the mean, for estimators that also sample the material.");
+  module.def(
+      "importance_table", &table_of, py::arg("pixels"),
+      "importance_table(pixels, *, width=0, height=0, weight='luminance', mis_compensation=False, policy=None,\n"
+      "                 layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "Computes a table for sampling directions of a lat-long. Returns an `ImportanceTable`. `width`,\n"
+      "`height`: at most the image's; 0: the image's. `weight`: \"luminance\", or \"mean\" or \"largest\" of the\n"
+      "channels. `mis_compensation`: subtracts the mean, for estimators that also sample the material.");
 }
 
 }  // namespace welkin::python

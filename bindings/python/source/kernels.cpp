@@ -32,15 +32,17 @@ py::array values_at(const NamedKernel& self,
 
 void bind_kernels(py::module_& module) {
   py::class_<NamedKernel>(module, "ZonalKernel",
-                          "A lobe that is the same all about its axis, by the cosine to it; its integral over the\n"
-                          "sphere is 1. `prefilter(pixels, kernels=[...])` takes one for each mip.")
+                          "A radially symmetric lobe, by the cosine to its axis; its integral over the sphere is\n"
+                          "1. `prefilter(pixels, kernels=[...])` takes one per mip.")
       .def_static(
           "charlie",
           [](double roughness) {
             return NamedKernel{ZonalKernel::charlie(roughness), with_number("charlie", "roughness", roughness)};
           },
           py::arg("roughness"),
-          "charlie(roughness)\n--\n\nSheen (Estevez and Kulla 2017) with N = V = R; roughness from 0.01 to 1.")
+          "charlie(roughness)\n"
+          "--\n\n"
+          "Returns sheen (Estevez and Kulla 2017) with N = V = R; roughness 0.01 to 1.")
       .def_static(
           "lambert",
           [] {
@@ -58,15 +60,20 @@ void bind_kernels(py::module_& module) {
           [](double power) {
             return NamedKernel{ZonalKernel::blinn(power), with_number("blinn", "power", power)};
           },
-          py::arg("power"), "blinn(power)\n--\n\ncosine times the half vector's cosine^power, power from 0 to 1e6.")
+          py::arg("power"),
+          "blinn(power)\n"
+          "--\n\n"
+          "Returns cosine times the half vector's cosine^power; power 0 to 1e6.")
       .def_static(
           "from_function",
           [](const std::function<double(double)>& value, const std::vector<double>& breaks) {
             return NamedKernel{ZonalKernel::from_function(value, breaks), "a function of the cosine"};
           },
           py::arg("value"), py::arg("breaks") = std::vector{0.0},
-          "from_function(value, breaks=[0.0])\n--\n\nAny function of the cosine, from -1 to 1, that is smooth between\n"
-          "`breaks`. It is called here, some hundred to some ten thousand times, and nowhere else.")
+          "from_function(value, breaks=[0.0])\n"
+          "--\n\n"
+          "Returns the kernel of any function of the cosine, from -1 to 1, that is smooth between `breaks`.\n"
+          "`value` is called during this call only, hundreds to tens of thousands of times.")
       .def_static(
           "from_spectrum",
           [](const std::vector<double>& factors) {
@@ -74,9 +81,13 @@ void bind_kernels(py::module_& module) {
                                "a spectrum of " + std::to_string(factors.size()) + " degrees"};
           },
           py::arg("factors"),
-          "from_spectrum(factors)\n--\n\nBy what each degree is multiplied, over the first one, which must be above 0.")
+          "from_spectrum(factors)\n"
+          "--\n\n"
+          "Returns the kernel that multiplies degree l by factors[l] / factors[0]; factors[0] must be above 0.")
       .def("value", &values_at, py::arg("cosines"),
-           "value(self, cosines)\n--\n\nFor each steradian, at cosines (...): (...).")
+           "value(self, cosines)\n"
+           "--\n\n"
+           "Returns the density per steradian at cosines (...): (...).")
       .def(
           "spectrum",
           [](const NamedKernel& self, int bands) {
@@ -84,13 +95,16 @@ void bind_kernels(py::module_& module) {
             const auto count = static_cast<py::ssize_t>(factors.size());
             return owning(std::move(factors), {count});
           },
-          py::arg("bands"), "spectrum(self, bands)\n--\n\nBy what each degree below `bands` is multiplied: (bands,).")
+          py::arg("bands"),
+          "spectrum(self, bands)\n"
+          "--\n\n"
+          "Returns the factors of the degrees below `bands`: (bands,).")
       .def_property_readonly(
           "roughness", [](const NamedKernel& self) { return self.kernel.roughness(); }, "Of `charlie`; 0 of others.")
       .def("__repr__", [](const NamedKernel& self) { return "<welkin.ZonalKernel: " + self.words + ">"; });
   module.def("charlie_roughness_of_mips", &charlie_roughness_of_mips, py::arg("mips"), py::arg("size"),
              "charlie_roughness_of_mips(mips, size)\n--\n\n"
-             "Roughness of each mip of a sheen chain, as the sample renderer of glTF looks it up.");
+             "Returns the roughness of each mip of a sheen chain, as in glTF's sample renderer.");
 }
 
 }  // namespace welkin::python

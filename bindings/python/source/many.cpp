@@ -137,9 +137,10 @@ ManyLights bake_all(const py::object& pixels, const py::kwargs& given) {
 void bind_many(py::module_& module) {
   py::class_<ManyLights>(module, "ManyLights", "What `project_many` and `bake_many` make of many cubemaps.")
       .def_readonly("coefficients", &ManyLights::coefficients,
-                    "(n, bands^2, 3) float64: of radiance, in the order of `SphericalHarmonics`.")
+                    "(n, bands^2, 3) float64: radiance, in the order of `SphericalHarmonics`.")
       .def_readonly("specular", &ManyLights::specular,
-                    "Reflections of `bake_many`, an array (n, 6, size, size, 4) for each mip; else an empty list.")
+                    "Reflections of `bake_many`, one array (n, 6, size, size, 4) per mip; otherwise an empty\n"
+                    "list.")
       .def_readonly("diagnostics", &ManyLights::diagnostics, "Of all probes together.")
       .def_readonly("peak_bytes", &ManyLights::peak_bytes, "Working memory of all threads.")
       .def_readonly("values_clamped", &ManyLights::values_clamped, "Channel values that float16 could not hold.")
@@ -151,17 +152,19 @@ void bind_many(py::module_& module) {
   module.def(
       "project_many", &project_all, py::arg("probes"),
       "project_many(probes, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None,\n"
-      "             encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Harmonics of many cubemaps, the bits of `project` of each, as `ManyLights`: an array\n"
-      "(n, 6, size, size, channels), or a list of cubemaps or files of any sizes and types. Small ones (to 129 texels\n"
-      "an edge) are projected side by side, one thread each.");
+      "             encoding=None, read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "Computes harmonics of many cubemaps, bit-identical to `project` of each. Returns `ManyLights`. `probes`:\n"
+      "an array (n, 6, size, size, channels), or a list of cubemaps or files of any sizes and types. Cubemaps up\n"
+      "to 129 texels per edge are projected concurrently, one thread each.");
   module.def(
       "bake_many", &bake_all, py::arg("probes"),
       "bake_many(probes, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
       "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, policy=None, bands=3,\n"
-      "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Reflections, by the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps, as\n"
-      "`ManyLights`. `type`: of the reflections, \"float16\" or \"float32\"; alpha is 1.");
+      "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "Computes reflections, with the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps.\n"
+      "Returns `ManyLights`. `type`: that of the reflections, \"float16\" or \"float32\"; alpha is 1.");
 }
 
 }  // namespace welkin::python

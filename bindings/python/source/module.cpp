@@ -14,15 +14,22 @@ namespace {
 void bind_machine(py::module_& module) {
   module.attr("__version__") = WELKIN_VERSION_STRING;
   module.def("available_threads", &available_threads,
-             "available_threads()\n--\n\nHow many threads a call uses unless `threads` says otherwise.");
+             "available_threads()\n"
+             "--\n\n"
+             "Returns the number of threads that a call uses unless `threads` is set.");
   module.def("keep_working_memory", &keep_working_memory, py::arg("bytes"),
-             "keep_working_memory(bytes)\n--\n\nHow many bytes of working memory stay with the process between calls.");
+             "keep_working_memory(bytes)\n"
+             "--\n\n"
+             "Sets how many bytes of unused working memory the process keeps between calls.");
   module.def("release_working_memory", &release_working_memory,
-             "release_working_memory()\n--\n\nFrees all working memory that no call uses.");
+             "release_working_memory()\n"
+             "--\n\n"
+             "Frees all working memory that no call uses.");
   module.def(
       "instruction_set", [] { return name(active_instruction_set()); },
-      "instruction_set()\n--\n\n"
-      "The kernels in use: \"sse2\", \"avx2\", \"avx512\" or \"neon\". All give the same bits.");
+      "instruction_set()\n"
+      "--\n\n"
+      "Returns the instruction set in use: \"sse2\", \"avx2\", \"avx512\" or \"neon\". Results do not depend on it.");
 }
 
 /// pybind11 allocates an object that no constructor has made when it is first looked at, and reads what lay there. It

@@ -85,15 +85,16 @@ py::array directions_at(const py::array_t<double, py::array::c_style | py::array
 
 void bind_octahedral(py::module_& module) {
   py::class_<SharedOctahedral>(module, "OctahedralMap",
-                               "The sphere on a square with borders: +z in the middle, +x to the right, +y down.")
+                               "The sphere on a square with borders: +z at the centre, +x to the right, +y down.")
       .def_property_readonly("levels", &levels_of,
-                             "Arrays (n, n, 3) float32, read only and without copies, largest first.")
+                             "Arrays (n, n, 3) float32, read-only, without copies, largest first.")
       .def_property_readonly(
           "size", [](const SharedOctahedral& self) { return self.map->size; },
           "Texels along an edge of level 0, borders included.")
       .def_property_readonly(
           "border", [](const SharedOctahedral& self) { return self.map->border; },
-          "Texels on each side of level 0. A shader finds a direction at place (1 - 2 b) + b, b = border / size.")
+          "Texels on each side of level 0. A shader looks a direction up at place (1 - 2 b) + b, with b = border\n"
+          "/ size.")
       .def("__len__", [](const SharedOctahedral& self) { return self.map->levels.size(); })
       .def("__repr__", [](const SharedOctahedral& self) {
         return "<welkin.OctahedralMap: " + std::to_string(self.map->size) + " x " + std::to_string(self.map->size) +
@@ -101,15 +102,20 @@ void bind_octahedral(py::module_& module) {
       });
   module.def(
       "to_octahedral", &map_of, py::arg("light"),
-      "to_octahedral(light, *, size=256, levels=1, border=0, progress=None, threads=None)\n--\n\n"
-      "A `Chain`, level by level, or `SphericalHarmonics` as an `OctahedralMap`, which Godot's shaders read and\n"
-      "`write_texture` writes. `border`: texels of level 0 that repeat what lies beyond the edge; 0: one of\n"
-      "the last level. Size and border must be multiples of 2^(levels - 1).");
+      "to_octahedral(light, *, size=256, levels=1, border=0, progress=None, threads=None)\n"
+      "--\n\n"
+      "Converts a `Chain`, level by level, or `SphericalHarmonics` to an `OctahedralMap`, which Godot's shaders\n"
+      "read and `write_texture` writes. `border`: texels of level 0 that repeat the sphere beyond the edge; 0:\n"
+      "one texel of the last level. Size and border must be multiples of 2^(levels - 1).");
   module.def("octahedral_place", &places_of, py::arg("directions"),
-             "octahedral_place(directions)\n--\n\n"
-             "Where directions (..., 3) lie on the square from (0, 0) to (1, 1), column first: (..., 2).");
+             "octahedral_place(directions)\n"
+             "--\n\n"
+             "Encodes directions (..., 3) as positions on the square from (0, 0) to (1, 1), column first: (...,\n"
+             "2).");
   module.def("octahedral_direction", &directions_at, py::arg("places"),
-             "octahedral_direction(places)\n--\n\nThe way back: places (..., 2) to unit directions (..., 3).");
+             "octahedral_direction(places)\n"
+             "--\n\n"
+             "Decodes positions (..., 2) to unit directions (..., 3).");
 }
 
 }  // namespace welkin::python

@@ -100,25 +100,33 @@ void bind_pictures(py::module_& module) {
   module.def(
       "to_cubemap", &cubemap_from, py::arg("pixels"), py::arg("size"),
       "to_cubemap(pixels, size, *, turn=None, filter='area', layout=None, encoding=None, read=None, progress=None,\n"
-      "           threads=None)\n--\n\nAs six faces, (6, size, size, 3) float32, perhaps turned: what lies in\n"
-      "direction d of the pixels lies in turn @ d of the result.");
+      "           threads=None)\n"
+      "--\n\n"
+      "Resamples to six faces, (6, size, size, 3) float32, optionally rotated: direction d of the pixels becomes\n"
+      "direction turn @ d of the result.");
   module.def(
       "to_lat_long", &lat_long_from, py::arg("pixels"), py::arg("height"),
       "to_lat_long(pixels, height, *, turn=None, filter='area', layout=None, encoding=None, read=None, progress=None,\n"
-      "            threads=None)\n--\n\nAs a lat-long, (height, 2 height, 3) float32, perhaps turned.");
+      "            threads=None)\n"
+      "--\n\n"
+      "Resamples to a lat-long, (height, 2 height, 3) float32, optionally rotated.");
   module.def(
       "turn_about_y", [](double degrees) { return array_of(turn_about_y(degrees)); }, py::arg("degrees"),
-      "turn_about_y(degrees)\n--\n\nA turn about y from +z towards +x: (3, 3).");
+      "turn_about_y(degrees)\n"
+      "--\n\n"
+      "Returns a rotation about y, from +z towards +x: (3, 3).");
   module.def(
       "preview", &preview, py::arg("pixels"), py::arg("height") = 128, py::arg("exposure") = 0.0,
       "preview(pixels, height=128, exposure=0.0, *, layout=None, encoding=None, read=None, progress=None, "
       "threads=None)\n"
-      "--\n\nA small lat-long for people, as the bytes of a PNG. `exposure`: radiance is multiplied by it; 0: one\n"
-      "that shows the lit surroundings.");
+      "--\n\n"
+      "Returns a small tone-mapped lat-long as the bytes of a PNG. `exposure`: factor of radiance; 0 selects one\n"
+      "that suits the lit surroundings.");
   module.def("tone_mapped", &tone_mapped, py::arg("pixels"), py::arg("height") = 128, py::arg("exposure") = 0.0,
              "tone_mapped(pixels, height=128, exposure=0.0, *, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n"
-             "--\n\nThe same as an array (height, 2 height, 3) float32, linear in [0, 1].");
+             "--\n\n"
+             "Returns the image of `preview` as an array (height, 2 height, 3) float32, linear in [0, 1].");
 }
 
 }  // namespace welkin::python

@@ -87,8 +87,7 @@ void bind_passes(py::module_& module) {
 
 void bind_plan(py::module_& module) {
   bind_passes(module);
-  py::class_<PlanOfSource>(module, "Plan",
-                           "What a bake would do, before it does it: give it to `bake(pixels, plan=...)`.")
+  py::class_<PlanOfSource>(module, "Plan", "The passes of a bake, planned before it runs: `bake(pixels, plan=...)`.")
       .def_property_readonly(
           "source", [](const PlanOfSource& self) { return self.plan.source; }, "In words.")
       .def_property_readonly(
@@ -109,11 +108,12 @@ void bind_plan(py::module_& module) {
       "plan", &plan_of, py::arg("pixels"),
       "plan(pixels, *, needs=None, background=True, specular=True, octahedral=False, irradiance=True, brdf=True,\n"
       "     bands=3, quality='normal', policy=None, memory_limit=8589934592, layout=None, encoding=None, read=None,\n"
-      "     progress=None, threads=None)\n--\n\n"
-      "Which passes a scene needs, why, and what each will cost, as a `Plan`. Pixels, a file, or a shape alone,\n"
-      "(height, width, channels). `needs`: a dictionary of diffuse_bands, irradiance_cubemap, glossy (a range of\n"
-      "roughness, or False), background, background_mips, brdf_table, stored_results. The other options are those of\n"
-      "the whole bake.");
+      "     progress=None, threads=None)\n"
+      "--\n\n"
+      "Plans which passes a scene needs, with reasons and memory. Returns a `Plan`. `pixels`: an array, a file,\n"
+      "or a shape (height, width, channels). `needs`: a dictionary of diffuse_bands, irradiance_cubemap, glossy\n"
+      "(a range of roughness, or False), background, background_mips, brdf_table, stored_results. The other\n"
+      "options are those of the whole bake.");
 }
 
 }  // namespace welkin::python

@@ -207,16 +207,19 @@ void bind_projection(py::module_& module) {
       module, "PixelPolicy",
       "PixelPolicy(*, clamp=None, preserve_colour=False, gamma=False, nan='replace', infinity='replace', "
       "negative='keep')\n"
-      "--\n\nWhat becomes of pixel values before they count as radiance. `clamp`: an upper bound, each channel by "
-      "itself\n"
-      "or, with `preserve_colour`, all three together. `gamma`: values are clamped to [0, 1] and raised to 2.2. NaN\n"
-      "becomes 0, an infinity the clamp's maximum or 65504, or \"reject\" raises `RejectedPixel`.")
+      "--\n\n"
+      "Treatment of pixel values before they are used as radiance. `clamp`: an upper bound, for each channel or,\n"
+      "with `preserve_colour`, for all three by one factor. `gamma`: clamps values to [0, 1] and raises them to\n"
+      "the power of 2.2. NaN becomes 0 and an infinity becomes the clamp's maximum or 65504; with \"reject\" they\n"
+      "raise `RejectedPixel`.")
       .def(py::init(&policy_of))
       .def(
           "__eq__", [](const PixelPolicy& a, const PixelPolicy& b) { return a == b; }, py::is_operator())
       .def("__repr__", [](const PixelPolicy& self) { return words(self); });
   bind_diagnostics(module);
-  py::class_<Projection>(module, "Projection", "Coefficients of an environment's radiance, and how exact they are.")
+  py::class_<Projection>(module, "Projection",
+                         "Coefficients of an environment's radiance, with counts and an\n"
+                         "error estimate.")
       .def_readonly("radiance", &Projection::radiance, "`SphericalHarmonics` of radiance, W/m2/sr.")
       .def_property_readonly(
           "irradiance", [](const Projection& self) { return irradiance_from_radiance(self.radiance); },
@@ -226,7 +229,9 @@ void bind_projection(py::module_& module) {
         return "<welkin.Projection: " + counted(static_cast<std::size_t>(self.radiance.bands()), "band") + " of " +
                counted(self.diagnostics.texels, "texel") + ">";
       });
-  py::class_<Irradiance>(module, "Irradiance", "Irradiance as coefficients and, if a size was requested, as a cubemap.")
+  py::class_<Irradiance>(module, "Irradiance",
+                         "Irradiance as coefficients and, if a size was requested, as a\n"
+                         "cubemap.")
       .def_readonly("harmonics", &Irradiance::harmonics, "`SphericalHarmonics`, W/m2; call it with normals.")
       .def_readonly("cubemap", &Irradiance::cubemap, "(6, size, size, 3) float32, W/m2; None without a size.")
       .def_readonly("pixels", &Irradiance::cubemap, "The cubemap, as other calls take it.")
@@ -237,23 +242,26 @@ void bind_projection(py::module_& module) {
   module.def(
       "project", &project_source, py::arg("pixels"),
       "project(pixels, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None, encoding=None,\n"
-      "        read=None, progress=None, threads=None)\n--\n\n"
-      "Spherical harmonics of an environment, as a `Projection`. Pixels are read in place; a file (a path or its\n"
-      "bytes; `read`: options of `read`) is streamed. 0.3 ns per texel on one thread, relative error below 5e-7.\n"
-      "`bands`: 1 to 16. `target_size`: texels per edge of the cubemap to which pixels are reduced first; of a "
-      "cubemap\n"
-      "with its mips (a `Chain` of `build_mips`, or a list of arrays (6, n, n, channels)) the nearest level is read.");
+      "        read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "Projects an environment to spherical harmonics. Returns a `Projection`. Pixels are read in place; a file\n"
+      "(its path or bytes; `read`: options of `read`) is streamed. 0.3 ns per texel on one thread, relative error\n"
+      "below 5e-7. `bands`: 1 to 16. `target_size`: texels per edge of the cubemap to which pixels are reduced\n"
+      "first; from a cubemap with its mips (a `Chain` of `build_mips`, or a list of arrays (6, n, n, channels))\n"
+      "the nearest level is read.");
   module.def("irradiance", &irradiance_of, py::arg("light"),
              "irradiance(light, *, size=None, method='harmonics', bands=3, quadrature='exact', target_size=None,\n"
-             "           policy=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-             "Irradiance by normal, as an `Irradiance`, from pixels or from `SphericalHarmonics` of radiance.\n"
-             "`size`: texels per edge of a cubemap, 1 to 4096; `method=\"direct\"` makes it by direct integration of\n"
-             "the pixels, the slow reference.");
+             "           policy=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+             "--\n\n"
+             "Computes irradiance by normal from pixels or from `SphericalHarmonics` of radiance. Returns an\n"
+             "`Irradiance`. `size`: texels per edge of a cubemap, 1 to 4096. `method=\"direct\"` computes it by\n"
+             "direct integration of the pixels, the slow reference.");
   module.def("direct_irradiance", &direct_irradiance_at, py::arg("pixels"), py::arg("normals"),
              "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n"
-             "--\n\nThe reference: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
-             "5 ns per texel and normal on one thread.");
+             "--\n\n"
+             "Computes irradiance by direct integration over all texels, the reference, for normals (..., 3):\n"
+             "(..., 3). 5 ns per texel and normal on one thread.");
 }
 
 }  // namespace welkin::python

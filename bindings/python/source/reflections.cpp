@@ -195,17 +195,17 @@ void bind_chains(py::module_& module) {
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
       .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added one by one.")
       .def_readonly("lobe_roughness", &MipRecord::lobe_roughness,
-                    "Of the mip's lobe: `roughness`, unless it is fitted to lookups.")
+                    "Roughness of the mip's lobe: `roughness`, unless it is fitted to lookups.")
       .def_readonly("error_between", &MipRecord::error_between,
                     "Predicted relative rms error of lookups between this mip and the next, or None.")
       .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")
       .def_property_readonly(
           "mean", [](const MipRecord& self) { return array_of(self.mean); },
-          "Of the texels, by solid angle, (3,). Texels hold the values at their centres, so a lamp narrower than the "
-          "texels of a mip changes it; else it is the same on every mip.")
+          "Mean of the texels by solid angle, (3,). It is nearly the same on every mip, except where a lamp is\n"
+          "narrower than the texels, because a texel holds the value at its centre.")
       .def_readonly("milliseconds", &MipRecord::milliseconds, "Wall time.")
       .def("__repr__", [](const MipRecord& self) { return text(self); });
-  py::class_<Chain>(module, "Chain", "A cubemap with its mips. Arrays lie on the chain's own memory.")
+  py::class_<Chain>(module, "Chain", "A cubemap with its mips. Arrays are views of the chain's memory.")
       .def_property_readonly("levels", &levels_of, "Arrays (6, n, n, 3) float32, largest first, without copies.")
       .def_property_readonly("pixels", &pixels_of, "The first level.")
       .def_property_readonly(
@@ -276,8 +276,8 @@ void bind_reflections(py::module_& module) {
                          "Reflectance of a surface in a uniform environment, by cosine and roughness.")
       .def_property_readonly(
           "values", [](const SharedBrdf& self) { return array_of(self); },
-          "(height, width, channels) float32, read only: row j at roughness (j + 0.5) / height, column i\n"
-          "at N.V = (i + 0.5) / width; scale, bias and, with sheen, the sheen's albedo.")
+          "(height, width, channels) float32, read-only: row j at roughness (j + 0.5) / height, column i at N.V =\n"
+          "(i + 0.5) / width. Channels: scale, bias and, with sheen, the sheen's albedo.")
       .def("__array__", [](const SharedBrdf& self, const py::args& words,
                            const py::kwargs& named) { return as_asked(array_of(self), words, named); })
       .def_property_readonly(
@@ -292,53 +292,59 @@ void bind_reflections(py::module_& module) {
       "prefilter", &prefilter, py::arg("pixels"),
       "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
       "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, kernels=None, policy=None,\n"
-      "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
-      "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: of the mips' lobes, a list, "
-      "or\n"
-      "\"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`: \"ggx\", \"charlie\" "
-      "(sheen), "
-      "\"lambert\",\n"
-      "\"phong\", \"blinn\", or \"spectra\": then `spectra` has for each mip a list of what harmonic degrees 0, 1, ... "
-      "are\n"
-      "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over a "
-      "mip,\n"
-      "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
-      "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
-      "mip, in place of `lobe`.");
+      "          layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "Prefilters reflections, one roughness per mip. Returns `Reflections`. `roughness`: a list, or a schedule:\n"
+      "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: that of the "
+      "mips'\n"
+      "lobes, a list, or \"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`:\n"
+      "\"ggx\", \"charlie\" (sheen), \"lambert\", \"phong\", \"blinn\", or \"spectra\", with a list in `spectra` per "
+      "mip: the\n"
+      "factors of harmonic degrees 0, 1, ... `method`: \"automatic\", \"spectral\", \"reference\" (slow). `rms_error`\n"
+      "bounds a mip's relative rms error, `maximum_error` the relative error of any texel (None: ten times\n"
+      "`rms_error`). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the integral, minutes);\n"
+      "`rms_error` takes precedence. `kernels`: a list of `ZonalKernel`, one per mip, in place of `lobe`.");
   module.def("reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
              "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
-             "                   threads=None)\n--\n\n"
-             "The reference for `prefilter` at directions (..., 3), in double over all texels: (..., 3). `lobe`: GGX's "
-             "by its\n"
-             "roughness, or a `ZonalKernel`.");
+             "                   threads=None)\n"
+             "--\n\n"
+             "Computes the reference for `prefilter` at directions (..., 3), in double over all texels: (..., 3).\n"
+             "`lobe`: the roughness of a GGX lobe, or a `ZonalKernel`.");
   module.def(
       "brdf_table", &table_of,
-      "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n--\n\n"
-      "The other half of the split sum, as a `BrdfTable`; absolute error below 1e-5. Tables that were used last\n"
-      "are kept and shared.");
+      "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n"
+      "--\n\n"
+      "Computes the second part of the split sum. Returns a `BrdfTable`; absolute error below 1e-5. Recent tables\n"
+      "are cached and shared.");
   module.def(
       "build_mips", &mips_of, py::arg("pixels"),
       "build_mips(pixels, *, filter='solid-angle', levels=None, layout=None, encoding=None, read=None, progress=None,\n"
-      "           threads=None)\n--\n\nA cubemap and its mips, as a `Chain`: \"solid-angle\" keeps the total\n"
-      "radiance, \"box\" is what graphics APIs do.");
+      "           threads=None)\n"
+      "--\n\n"
+      "Computes the mips of a cubemap. Returns a `Chain`. `filter`: \"solid-angle\" preserves the total radiance,\n"
+      "\"box\" is that of graphics APIs.");
   module.def(
       "roughness_of_mips",
       [](const std::string& schedule, int mips, int size) {
         return roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
       },
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
-      "roughness_of_mips(schedule, mips, size)\n--\n\nPerceptual roughness of each mip, by the name of a schedule.");
+      "roughness_of_mips(schedule, mips, size)\n"
+      "--\n\n"
+      "Returns the perceptual roughness of each mip for a schedule.");
   module.def(
       "fitted_roughness_of_mips",
       [](const std::string& schedule, int mips, int size) {
         return fitted_roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
       },
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
-      "fitted_roughness_of_mips(schedule, mips, size)\n--\n\nRoughness of the mips' lobes that linear lookups between "
-      "mips show best.");
+      "fitted_roughness_of_mips(schedule, mips, size)\n"
+      "--\n\n"
+      "Returns the roughness of lobes that minimises the error of linear lookups between mips.");
   module.def("mip_of_roughness", &mip_of_roughness, py::arg("table"), py::arg("roughness"),
-             "mip_of_roughness(table, roughness)\n--\n\nThe mip, fractions too, at which a shader finds a roughness.");
+             "mip_of_roughness(table, roughness)\n"
+             "--\n\n"
+             "Returns the fractional mip at which a shader finds a roughness.");
 }
 
 }  // namespace welkin::python

@@ -222,20 +222,26 @@ py::dict tables_of(const Sky& sky) {
 }
 
 void bind_curve(py::module_& module) {
-  py::class_<SkyCurve>(module, "SkyCurve", "A sky's coefficients over the sun's elevation: microseconds a sun.")
+  py::class_<SkyCurve>(module, "SkyCurve",
+                       "A sky's coefficients as a function of the sun's elevation. A lookup\n"
+                       "takes microseconds.")
       .def_property_readonly("bands", &SkyCurve::bands, "How many.")
       .def_property_readonly("nbytes", &SkyCurve::bytes, "Memory.")
       .def(
           "__call__", [](const SkyCurve& self, const py::object& sun) { return self.at(vector_of(sun, "sun")); },
           py::arg("sun"),
-          "__call__(self, sun)\n--\n\n`SphericalHarmonics` of radiance for a direction towards the sun, without its "
-          "disc.")
+          "__call__(self, sun)\n"
+          "--\n\n"
+          "Returns `SphericalHarmonics` of radiance for a direction towards the sun, without its disc.")
       .def(
           "sun_irradiance",
           [](const SkyCurve& self, const py::object& sun) {
             return array_of(self.sun_irradiance(vector_of(sun, "sun")));
           },
-          py::arg("sun"), "sun_irradiance(self, sun)\n--\n\nOf the direct sun on a surface that faces it: (3,).")
+          py::arg("sun"),
+          "sun_irradiance(self, sun)\n"
+          "--\n\n"
+          "Returns the irradiance of direct sunlight on a surface that faces the sun: (3,).")
       .def("__repr__", [](const SkyCurve& self) {
         return "<welkin.SkyCurve: " + counted(static_cast<std::size_t>(self.bands()), "band") + ", " +
                std::to_string(self.bytes() / 1024) + " KiB" + ">";
@@ -243,47 +249,65 @@ void bind_curve(py::module_& module) {
 }
 
 void bind_sky_class(py::module_& module) {
-  py::class_<Sky>(module, "Sky", "A computed sky as it is seen from one altitude. `sun`: a direction towards it, y up.")
+  py::class_<Sky>(module, "Sky",
+                  "A computed sky, seen from one altitude. `sun`: a direction towards the sun, y\n"
+                  "up.")
       .def_property_readonly(
           "name", [](const Sky& self) { return self.tables().atmosphere.name; }, "Of the atmosphere.")
       .def_property_readonly(
           "altitude", [](const Sky& self) { return self.view.altitude_m(); }, "Metres above the ground.")
       .def_property_readonly(
           "tables", &tables_of,
-          "The precomputed tables by name, read only: \"transmittance\", \"scattering\", \"single_mie\" (or\n"
-          "None), \"irradiance\".")
+          "The precomputed tables by name, read-only: \"transmittance\", \"scattering\", \"single_mie\" (or None),\n"
+          "\"irradiance\".")
       .def("at_altitude", &seen_from, py::arg("altitude"), py::arg("ground") = true,
-           "at_altitude(self, altitude, ground=True)\n--\n\nThe same sky from another height in metres: milliseconds.")
+           "at_altitude(self, altitude, ground=True)\n"
+           "--\n\n"
+           "Returns the same sky from another altitude in metres. Takes milliseconds.")
       .def("radiance", &radiance_at, py::arg("directions"), py::arg("sun"),
-           "radiance(self, directions, sun)\n--\n\nFrom unit directions (..., 3): (..., 3) float32, without the sun's "
-           "disc;\n"
-           "cd/m2 in linear sRGB, or W/m2/sr/nm of a spectral sky. Some 50 ns each.")
+           "radiance(self, directions, sun)\n"
+           "--\n\n"
+           "Returns radiance from unit directions (..., 3), without the sun's disc: (..., 3) float32, cd/m2 in\n"
+           "linear sRGB, or W/m2/sr/nm for a spectral sky. 50 ns per direction.")
       .def("sun", &sun_of, py::arg("sun"),
-           "sun(self, sun)\n--\n\nThe sun as a directional light: direction, irradiance, radiance, solid_angle,\n"
+           "sun(self, sun)\n"
+           "--\n\n"
+           "Returns the sun as a directional light: direction, irradiance, radiance, solid_angle,\n"
            "angular_radius_degrees.")
       .def(
           "irradiance",
           [](const Sky& self, const py::object& sun) { return array_of(self.view.irradiance(vector_of(sun, "sun"))); },
-          py::arg("sun"), "irradiance(self, sun)\n--\n\nOf the sky on level ground, without direct sun: (3,).")
+          py::arg("sun"),
+          "irradiance(self, sun)\n"
+          "--\n\n"
+          "Returns the irradiance of the sky on level ground, without direct sunlight: (3,).")
       .def("harmonics", &harmonics_at, py::arg("sun"),
-           "harmonics(self, sun, *, bands=3, quadrature='gauss-split', zeniths=16, azimuths=16)\n--\n\n"
-           "`SphericalHarmonics` of radiance, without the sun's disc.")
+           "harmonics(self, sun, *, bands=3, quadrature='gauss-split', zeniths=16, azimuths=16)\n"
+           "--\n\n"
+           "Returns `SphericalHarmonics` of radiance, without the sun's disc.")
       .def("curve", &curve_of,
            "curve(self, *, bands=3, nodes=256, quadrature='gauss-split', zeniths=32, azimuths=32, progress=None,\n"
-           "      threads=None)\n--\n\nAll suns at once, as a `SkyCurve`.")
-      .def(
-          "cubemap", &cubemap_of, py::arg("sun"), py::arg("size"),
-          "cubemap(self, sun, size, *, sun_disc=False, progress=None, threads=None)\n--\n\n(6, size, size, 3) float32.")
+           "      threads=None)\n"
+           "--\n\n"
+           "Computes the harmonics for all elevations of the sun. Returns a `SkyCurve`.")
+      .def("cubemap", &cubemap_of, py::arg("sun"), py::arg("size"),
+           "cubemap(self, sun, size, *, sun_disc=False, progress=None, threads=None)\n"
+           "--\n\n"
+           "Returns an image of the sky: (6, size, size, 3) float32.")
       .def("lat_long", &lat_long_of, py::arg("sun"), py::arg("height"),
-           "lat_long(self, sun, height, *, sun_disc=False, progress=None, threads=None)\n--\n\n(height, 2 height, 3) "
-           "float32.")
+           "lat_long(self, sun, height, *, sun_disc=False, progress=None, threads=None)\n"
+           "--\n\n"
+           "Returns an image of the sky: (height, 2 height, 3) float32.")
       .def(
           "save",
           [](const Sky& self, const std::filesystem::path& path) {
             const py::gil_scoped_release released;
             save_sky_tables(self.tables(), path);
           },
-          py::arg("path"), "save(self, path)\n--\n\nThe tables to a file; `load_sky` gives the same bits.")
+          py::arg("path"),
+          "save(self, path)\n"
+          "--\n\n"
+          "Saves the tables to a file. `load_sky` restores the same bits.")
       .def("__repr__", [](const Sky& self) {
         return "<welkin.Sky: " + self.tables().atmosphere.name + " at " +
                std::to_string(static_cast<long>(self.view.altitude_m())) + " m, " +
@@ -301,19 +325,23 @@ void bind_sky(py::module_& module) {
       "sky(planet='earth', *, altitude=0.0, aerosol='clear', wavelengths=None, ground_albedo=None,\n"
       "    night_zenith_luminance=0.0, ground=True, colour='linear-srgb', table_layout='full', heights=32,\n"
       "    view_zeniths=64, sun_zeniths=64, sun_angles=8, orders=4, minimum_sun_elevation=-30.0,\n"
-      "    memory_limit=4294967296, progress=None, threads=None)\n--\n\n"
-      "A sky's tables and its view, as a `Sky`: 2 s of CPU time at the default sizes.\n"
-      "Planets: \"earth\", \"earth-bruneton\", \"earth-hillaire\", \"mars\". `aerosol` of \"earth\": \"clear\", "
-      "\"hazy\",\n"
-      "\"dusty\", \"polluted\". `colour`: cd/m2 in linear sRGB, or \"spectral\", W/m2/sr/nm at three wavelengths.\n"
-      "`altitude` in metres, `wavelengths` in nm.");
+      "    memory_limit=4294967296, progress=None, threads=None)\n"
+      "--\n\n"
+      "Computes the tables of a sky and a view of it. Returns a `Sky`. Takes 2 s of CPU time at the default\n"
+      "sizes. Planets: \"earth\", \"earth-bruneton\", \"earth-hillaire\", \"mars\". `aerosol` of \"earth\": "
+      "\"clear\",\n"
+      "\"hazy\", \"dusty\", \"polluted\". `colour`: \"linear-srgb\", cd/m2, or \"spectral\", W/m2/sr/nm at three\n"
+      "wavelengths. `altitude` in metres, `wavelengths` in nm.");
   module.def("load_sky", &load_sky, py::arg("file"),
-             "load_sky(file, *, altitude=0.0, ground=True)\n--\n\nA sky that `Sky.save` wrote.");
+             "load_sky(file, *, altitude=0.0, ground=True)\n"
+             "--\n\n"
+             "Loads a sky that `Sky.save` wrote.");
   module.def(
       "sun_direction", [](double elevation, double azimuth) { return array_of(sun_direction(elevation, azimuth)); },
       py::arg("elevation"), py::arg("azimuth") = 0.0,
-      "sun_direction(elevation, azimuth=0.0)\n--\n\n"
-      "Unit direction (3,) towards a sun, in degrees; azimuth from +z towards +x.");
+      "sun_direction(elevation, azimuth=0.0)\n"
+      "--\n\n"
+      "Returns the unit direction (3,) towards a sun, in degrees; azimuth from +z towards +x.");
 }
 
 }  // namespace welkin::python

@@ -28,7 +28,7 @@ constexpr int kByte = py::detail::npy_api::NPY_UBYTE_;
 PixelFormat format_of_bytes(bool alpha, const std::string& encoding) {
   if (encoding == "linear") return alpha ? PixelFormat::rgba8 : PixelFormat::rgb8;
   if (encoding == "srgb") return alpha ? PixelFormat::srgba8 : PixelFormat::srgb8;
-  refuse(encoding.empty() ? "of uint8 it must be said what they mean: encoding=\"srgb\" (images) or \"linear\""
+  refuse(encoding.empty() ? "of uint8 need an encoding: encoding=\"srgb\" (images) or \"linear\""
                           : "encoding=\"" + encoding + "\" is none of \"srgb\", \"linear\"");
 }
 
