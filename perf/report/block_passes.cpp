@@ -86,8 +86,8 @@ std::vector<PassRunner> block_passes() {
   return {
       {{"blocks", "Compressed specular chains",
         "A prefiltered chain is written to a KTX2 in memory, in formats of 4, 1 and 4/9 (ASTC 6x6) bytes per texel.",
-        "Of each channel value the difference over the value, over 2^-14 where that is more. rms and the largest, "
-        "over all levels."},
+        "Difference of each channel value relative to the value, or to 2^-14 if that is larger. rms and maximum over "
+        "all levels."},
        2.0,
        measure}};
 }

@@ -118,7 +118,7 @@ std::string answer(ReportCommandOptions& options) {
 
 void add_output_files(Options& table, ReportCommandOptions& options) {
   add_option(table, "-o,--output", &options.page, "FILE.html",
-             "The page to write; default report.html, or no page if only raw figures are asked for");
+             "The page to write; default report.html, or no page if only raw figures are requested");
   add_option(table, "--json", &options.json, "FILE", "Write the raw figures as JSON, which --against reads");
   add_option(table, "--csv", &options.csv, "FILE", "Write the raw figures as CSV");
 }
@@ -137,8 +137,8 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
   add_option(table, "--environment", &options.environment, "FILE",
              "Measure on this image instead of the built-in light");
   add_option(table, "--threads", &options.run.threads, "N",
-             "Threads of the timed calls, 0 for all that this process may use; default 1: it counts "
-             "processor time, which repeats best, and more count wall time",
+             "Threads of the timed calls, 0 for all that this process may use; default 1, which measures "
+             "CPU time, the most repeatable; more threads measure wall time",
              {.bounds = whole_between(0, 1024)});
 }
 

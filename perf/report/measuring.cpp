@@ -19,7 +19,7 @@ double now(Clock clock) {
 
 }  // namespace
 
-const char* name(Clock clock) noexcept { return clock == Clock::processor ? "processor time" : "wall time"; }
+const char* name(Clock clock) noexcept { return clock == Clock::processor ? "CPU time" : "wall time"; }
 
 double Stopwatch::seconds(const std::function<void()>& work) const {
   double fastest = 0.0;

@@ -12,7 +12,7 @@ enum class Clock {
   wall,
 };
 
-/// "processor time", "wall time"
+/// "CPU time", "wall time"
 [[nodiscard]] const char* name(Clock clock) noexcept;
 
 /// Runs work again and again, in an arena of its own.

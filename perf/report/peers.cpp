@@ -61,7 +61,7 @@ Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
   for (int level = 0; level < levels; ++level) {
     const Environment environment = read_environment(folder / ("m" + std::to_string(level) + "_px.exr"));
     const CubemapView view = environment.cubemap();
-    if (view.size != chain.level_size(level)) throw Error(ErrorCode::corrupt_file, "another size than was asked for");
+    if (view.size != chain.level_size(level)) throw Error(ErrorCode::corrupt_file, "another size than requested");
     const auto values = std::size_t{3} * static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
     for (int face = 0; face < 6; ++face) {
       const auto* const from = static_cast<const float*>(view.faces[static_cast<std::size_t>(face)]);
@@ -133,7 +133,7 @@ Peers Peers::find(const std::filesystem::path& node_modules) {
     peers.notes_.emplace_back("Filament's cmgen is not on this machine (Debian: libfilament-tools): left out.");
   }
   if (node_modules.empty()) {
-    peers.notes_.emplace_back("Babylon.js and three.js were not asked for (--node-modules): left out.");
+    peers.notes_.emplace_back("Babylon.js and three.js were not requested (--node-modules): left out.");
   } else if (!on_path("node")) {
     peers.notes_.emplace_back("Node.js is not on this machine: Babylon.js and three.js are left out.");
   } else if (!std::filesystem::is_directory(node_modules / "node_modules")) {

@@ -281,7 +281,7 @@ std::vector<PassRunner> prefilter_passes() {
   all.push_back(
       {{kFromFile, "Reflections, a chain from a file",
         std::string("A specular chain down to 16 texels, roughness spread as Filament has it, from a Radiance .hdr "
-                    "file, reading included. Of cmgen the whole process counts, with writing the levels as OpenEXR.") +
+                    "file, reading included. For cmgen, the time is that of the process, which writes OpenEXR.") +
             kOfReference,
         std::string(kErrors) + kOverMips},
        8.0,

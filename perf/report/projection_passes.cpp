@@ -145,24 +145,24 @@ std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<c
 std::vector<PassRunner> projection_passes() {
   return {{{"project-cubemap", "Cubemap to harmonics",
             "Three bands of a cubemap of RGB floats in memory, at its full size or reduced to a target size first. The "
-            "mip chain of 'from mips' is there already.",
+            "mip chain of 'from mips' exists beforehand.",
             kErrors},
            3.0,
            by_target},
           {{"project-format", "Pixel formats",
-            "Three bands of the same cubemap in each pixel format, full size. What the format cannot hold (8 bits end "
-            "at 1) is its error.",
+            "Three bands of the same cubemap in each pixel format, full size. The error includes what the format "
+            "cannot hold (8 bits end at 1).",
             kErrors},
            1.0,
            by_format},
           {{"project-lat-long", "Lat-long to harmonics",
-            "Three bands of a lat-long of RGB floats in memory: directly, or by way of a cubemap, whose making counts.",
+            "Three bands of a lat-long of RGB floats in memory: directly, or by way of a cubemap, which is timed too.",
             kErrors},
            3.0,
            from_lat_long},
           {{"project-file", "File to harmonics",
-            "Three bands of a Radiance .hdr file, reading included. Of cmgen the whole process counts: its start, "
-            "reading, a cubemap, its projection and writing a text file.",
+            "Three bands of a Radiance .hdr file, reading included. For cmgen, the time is that of the process: "
+            "start, reading, a cubemap, its projection and writing a text file.",
             kErrors},
            2.0,
            from_file}};

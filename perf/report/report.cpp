@@ -185,7 +185,7 @@ std::string to_text(const Comparison& comparison) {
       lines("No longer measured", comparison.gone) + lines("New", comparison.added);
   if (!comparison.times_refused.empty()) text += "Times are not compared: " + comparison.times_refused + ".\n";
   return text + std::to_string(comparison.compared) + " settings compared: " +
-         (comparison.regressed() ? "some are worse than they were.\n" : "none is worse than it was.\n");
+         (comparison.regressed() ? "some are worse than before.\n" : "none is worse than before.\n");
 }
 
 }  // namespace welkin::report

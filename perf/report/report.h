@@ -38,7 +38,7 @@ struct Machine {
   std::string compiler;
   std::string instruction_set;
   std::string welkin;  ///< version
-  std::string clock;   ///< "processor time" or "wall time"
+  std::string clock;   ///< "CPU time" or "wall time"
   std::string date;    ///< UTC, ISO 8601
   int threads = 1;     ///< that timed calls worked with
 

@@ -168,7 +168,7 @@ Report read_report(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (trouble || !stream) {
     throw Error(ErrorCode::file_access,
-                path.string() + ": cannot be read; it should be what an earlier 'welkin report --json FILE' wrote");
+                path.string() + ": cannot be read; pass a file that 'welkin report --json FILE' wrote");
   }
   if (bytes > kLargestFile)
     throw Error(ErrorCode::limit_exceeded, path.string() + ": is above 64 MiB, which no report is");

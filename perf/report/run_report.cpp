@@ -83,7 +83,7 @@ const Scale& scale(const std::string& name) {
   for (const Scale& one : all) {
     if (one.name == name) return one;
   }
-  throw Error(ErrorCode::invalid_argument, "\"" + name + "\" is no scale of a report; there are tiny, quick and full");
+  throw Error(ErrorCode::invalid_argument, "\"" + name + "\" is not a scale of a report; use tiny, quick or full");
 }
 
 std::vector<std::string> scale_names() { return {"tiny", "quick", "full"}; }

@@ -12,7 +12,7 @@ inline report::Measurement point(const std::string& setting, double error, doubl
 
 inline report::Report made_up_report() {
   report::Report report;
-  report.machine = {"a processor", "a compiler", "avx2", "0.1.0", "processor time", "2026-11-22T00:00:00Z", 1};
+  report.machine = {"a processor", "a compiler", "avx2", "0.1.0", "CPU time", "2026-11-22T00:00:00Z", 1};
   report.scale = "quick";
   report.environment = "a light";
   report.passes = {{"one", "The first", "What is done.", "What rms is."}, {"two", "The second", "Else.", "Else."}};
