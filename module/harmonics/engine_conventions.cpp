@@ -236,8 +236,7 @@ std::vector<EngineVector> packed(const Nine& c, const std::array<const char*, 7>
 EngineLight unity(const SphericalHarmonics& radiance) {
   const Nine c = pre_scaled(radiance);
   return {Engine::unity, "SphericalHarmonicsL2, and its shader vectors",
-          "sh[channel, i] = U(l, m) A(l)/pi K(l, m), K the basis functions' constants; i = l (l + 1) + m, signs "
-          "unchanged.\n"
+          "sh[channel, i] = U(l, m) A(l)/pi K(l, m), K the basis functions' constants; i = l (l + 1) + m.\n"
           "The shader's vectors, for red: SHAr = (sh3, sh1, sh2, sh0 - sh6), SHBr = (sh4, sh5, 3 sh6, sh7), and\n"
           "SHC = sh8 of red, green, blue, and 1. ShadeSH9(n) is E(n)/pi, to be multiplied by the albedo:\n"
           "  red = dot(SHAr, (x, y, z, 1)) + dot(SHBr, (xy, yz, zz, zx)) + SHC.r (xx - yy)",
