@@ -300,7 +300,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   CHECK(header.exit_code == 1);
   CHECK(header.output.empty());
   CHECK(contains(header.errors, "bright.pfm: a number of the light is"));
-  CHECK(contains(header.errors, "which no float holds"));
+  CHECK(contains(header.errors, "which exceeds the range of floats"));
   // A bake has the same light as JSON, and all its other files.
   const nlohmann::json bake = bake_into(folder.path() / "bright", quoted(bright) + " --size 16 --no-previews");
   CHECK(contains(bake.at("notes").dump(), "sh.h is omitted"));
