@@ -442,12 +442,7 @@ template <typename Move>
 void for_each_row(int rows, int width, const Control& control, const Move& move) {
   const int tile_rows = std::max(1, kTileTexels / width);
   const jobs::Placement where = jobs::placement_for(static_cast<std::int64_t>(rows) * width);
-  const int tiles = (rows + tile_rows - 1) / tile_rows;
-  jobs::run_tiles(static_cast<std::size_t>(tiles), where, jobs::worker_count(where), control,
-                  [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    for (int row = first; row < std::min(rows, first + tile_rows); ++row) move(row);
-                  });
+  jobs::run_rows(rows, tile_rows, where, jobs::worker_count(where), control, [&](int row, std::size_t) { move(row); });
 }
 
 }  // namespace

@@ -125,18 +125,15 @@ void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
 }
 
 void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const {
-  constexpr std::size_t kTileRows = 4;
+  constexpr int kTileRows = 4;
   constexpr int kTileTexels = 2048;
   const std::vector<RingWeights::TexelRow>& rows = weights_.rows();
   const std::size_t texels = rows.back().record + static_cast<std::size_t>(rows.back().count);
   platform::AlignedBuffer<float> records(weights_.record_count() * kRecordFloats);
   const auto placement = jobs::placement_for(std::int64_t{2} * key_.rows * key_.rows);
   const std::size_t workers = jobs::worker_count(placement);
-  const std::size_t gathers = (rows.size() + kTileRows - 1) / kTileRows;
-  jobs::run_tiles(gathers, placement, workers, jobs::part_of(control, 0.0, 0.2), [&](std::size_t tile, std::size_t) {
-    for (std::size_t k = tile * kTileRows; k < std::min(rows.size(), (tile + 1) * kTileRows); ++k)
-      gather(faces, rows[k], records.data());
-  });
+  jobs::run_rows(static_cast<int>(rows.size()), kTileRows, placement, workers, jobs::part_of(control, 0.0, 0.2),
+                 [&](int row, std::size_t) { gather(faces, rows[static_cast<std::size_t>(row)], records.data()); });
   static const auto composed = composed_images();
   float* to = records.data() + texels * kRecordFloats;
   for (const RingWeights::ImageRecord& image : weights_.images()) {
