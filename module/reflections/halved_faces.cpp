@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -129,8 +130,8 @@ void halve_rows(const HalvingTable& table, int size, const float* const* from, i
     HalvedRow run{
         .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .room = own};
     for (; weighed < shares.first + shares.count; ++weighed) {
-      ring_kernels().light_of_row(from[weighed], table.angles(weighed), floats,
-                                  room + std::ptrdiff_t{floats} * (weighed - begin));
+      std::transform(from[weighed], from[weighed] + floats, table.angles(weighed),
+                     room + std::ptrdiff_t{floats} * (weighed - begin), std::multiplies<>());
     }
     for (int k = 0; k < shares.count; ++k) {
       run.light[k] = room + std::ptrdiff_t{floats} * (shares.first + k - begin);

@@ -17,7 +17,6 @@ namespace {
 
 using reflections::kRecordFloats, reflections::kRingImages, reflections::RingTable, reflections::RingTap;
 
-/// Of packed RGB floats.
 std::vector<const float*> rows_of(const TestCubemap& cube) {
   std::vector<const float*> rows;
   for (int row = 0; row < 6 * cube.size; ++row)
