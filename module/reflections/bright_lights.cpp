@@ -399,6 +399,7 @@ void BrightLights::add_to_field(const FaceArea& area, const Blur& lobe, LightFie
 /// Adds an area's field and the lights of `room`'s runs to its texels, packed RGB.
 void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb,
                                  Room& room) const {
+  if (texels_) add_exactly(area, lobe, rgb, room);
   if (field.dark() && room.runs.empty() && room.parts.empty()) return;
   const int across = area.across();
   const int texels = across * area.down();
@@ -428,11 +429,35 @@ void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const L
   }
 }
 
+/// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
+void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const {
+  if (room.parts.empty()) return;
+  const double whole = lobe_integral(lobe.lobe.alpha());
+  const GgxFunction ggx(lobe.lobe.alpha());
+  for (int row = area.row; row < area.end_row; ++row) {
+    for (int column = area.column; column < area.end_column; ++column) {
+      const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
+      std::array<double, 3> sum{};
+      for (const LobeRun& run : room.parts) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          const Rectangle& part = rectangles_[static_cast<std::size_t>(k)];
+          const double share = texels_->integral(part.texels, normal, ggx) / whole;
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(part.excess[c]);
+        }
+      }
+      float* const texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + column);
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<float>(static_cast<double>(texel[c]) + sum[c]);
+    }
+  }
+  room.parts.clear();
+}
+
 /// Adds the lights of `room`'s pending nodes from `first` on to an area of texels that no field is interpolated over.
 void BrightLights::add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
                                std::size_t first, float* rgb, Room& room) const {
-  // Over a wide block, parts, which are placed at their middles, would be used for texels at the peak.
-  const int edge = area.size <= kWideBlocks ? 1 : kPartEdge;
+  // Integrals are costly. Over a wide block, parts, which are placed at their middles, would be used for texels at the
+  // peak.
+  const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
   const bool parted = area.across() > edge || area.down() > edge;
   const std::size_t end = room.pending.size();
   const auto take_pending = [&room](std::size_t from, std::size_t to) {

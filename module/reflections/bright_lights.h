@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "reflections/bright_texels.h"
+#include "reflections/direct.h"
 #include "reflections/light_field.h"
 #include "reflections/lobe.h"
 #include "reflections/lobe_kernels.h"
@@ -62,7 +63,7 @@ struct LightLobes {
 /// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
 /// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
 /// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
-/// the horizon cuts it.
+/// the horizon cuts it; large texels, of which a parallelogram is no part, are integrated there.
 class BrightLights {
  public:
   BrightLights() = default;
@@ -95,7 +96,12 @@ class BrightLights {
     double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
     std::array<int, 2> children{-1, -1};
     LobeRun smooth{};
-    LobeRun parts{};  ///< of a leaf, among the cut lights
+    LobeRun parts{};  ///< of a leaf, among the cut lights; or itself among the rectangles
+  };
+  /// Texels of one radiance.
+  struct Rectangle {
+    projection::TexelRectangle texels;
+    std::array<float, 3> excess{};
   };
   struct Block;
   struct Blur;
@@ -119,6 +125,7 @@ class BrightLights {
   [[nodiscard]] Block block_of(const FaceArea& area, const Blur& lobe) const;
   void choose(const Block& block, Step step, Room& room) const;
   void sum_runs(int face, int count, const Blur& lobe, Room& room) const;
+  void add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const;
   void add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const;
   void add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb, Room& room) const;
   void add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
@@ -140,6 +147,8 @@ class BrightLights {
   std::vector<Node> nodes_;   ///< the first is the root
   std::vector<LobeLight> lights_;
   std::vector<CutLight> cut_lights_;
+  std::shared_ptr<const projection::TexelIntegrals> texels_;  ///< null: there are cut lights. Else rectangles of them
+  std::vector<Rectangle> rectangles_;
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
   double cut_square_ = 0.0;      ///< sizes^3 times squares of colours

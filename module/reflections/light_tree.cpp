@@ -33,6 +33,12 @@ double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
+/// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
+bool is_coarse(const PictureShape& shape, LightsOf of) {
+  constexpr double kMostCut = 0.11;  // radians
+  return of == LightsOf::ggx && edge_of(shape) > kMostCut;
+}
+
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
 int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
@@ -40,6 +46,7 @@ int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texe
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
   const int needed = parts_of(2.0 * lobes.least_alpha);  // five points along an edge suffice
+  if (is_coarse(shape, lobes.of)) return needed;
   const int wanted = parts_of(std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
   const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
   return std::max(needed, std::min({wanted, most, 16}));
@@ -82,9 +89,10 @@ class LightTree {
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
-  /// Of texels that are cut already. `most_cut_radius`: of a node that is one cut light.
+  /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
+  /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes, double reach,
-            double most_cut_radius, BrightLights& lights)
+            bool exact, double most_cut_radius, BrightLights& lights)
       : shape_(shape),
         directions_(shape),
         lights_(lights),
@@ -95,7 +103,7 @@ class LightTree {
     smooth_ = smooth_points(edge, lobes.least_alpha, reach, lobes.of);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
-    parts_ = parts_along(edge, texels.size(), lobes);
+    parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
     places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
@@ -206,7 +214,7 @@ class LightTree {
       lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
       const LobeRun parts = cut_lights_of(texel);
       lights_.nodes_[index].parts = parts;
-      return moments_of(parts, within);
+      return parts_ > 0 ? moments_of(parts, within) : Moments{};
     }
     const bool one_cut = can_be_one_cut(lights_.nodes_[index], first, end);
     Moments moments;
@@ -221,6 +229,7 @@ class LightTree {
     }
     BrightLights::Node& node = lights_.nodes_[index];
     node.children = children;
+    if (parts_ == 0 && node.radius < kWidest) node.parts = rectangle_of(box, first, end);
     if (one_cut) node.parts = one_cut_light(node, box, moments, within);
     merge(node, box);
     return moments;
@@ -229,7 +238,7 @@ class LightTree {
   /// Whether the texels are small together and each has all but the same colour and brightness.
   [[nodiscard]] bool can_be_one_cut(const BrightLights::Node& node, std::size_t first, std::size_t end) const {
     constexpr float kEven = 4.0F;
-    if (end - first < kLeastCutTexels || node.radius > most_cut_radius_) return false;
+    if (parts_ == 0 || end - first < kLeastCutTexels || node.radius > most_cut_radius_) return false;
     for (std::size_t c = 0; c < 3; ++c) {
       float least = places_[first].texel->excess[c];
       float most = least;
@@ -306,6 +315,26 @@ class LightTree {
     return {index, 1};
   }
 
+  LobeRun rectangle_of(const projection::TexelRectangle& texels, const BrightTexel& texel) {
+    lights_.rectangles_.push_back({texels, texel.excess});
+    return {static_cast<int>(lights_.rectangles_.size()) - 1, 1};
+  }
+
+  /// Returns none unless the texels fill their box with one radiance.
+  LobeRun rectangle_of(const Box& box, std::size_t first, std::size_t end) {
+    const int rows = box.end.row - box.first.row;
+    const int columns = box.end.column - box.first.column;
+    const BrightTexel& texel = *places_[first].texel;
+    const bool full = box.end.face - box.first.face == 1 &&
+                      end - first == static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+    const bool even = full && std::all_of(places_.begin() + static_cast<std::ptrdiff_t>(first),
+                                          places_.begin() + static_cast<std::ptrdiff_t>(end),
+                                          [&](const Place& place) { return place.texel->excess == texel.excess; });
+    if (!even) return {};
+    const int face_row = shape_.cubemap ? box.first.face * shape_.columns : 0;
+    return rectangle_of({face_row + box.first.row, box.first.column, rows, columns}, texel);
+  }
+
   LobeRun cut_lights_of(const BrightTexel& texel) {
     double squares = 0.0;
     for (const float excess : texel.excess) {
@@ -318,6 +347,10 @@ class LightTree {
       const double below = directions_.density_at(0.0, texel.row + 0.5 + 0.3 / parts_);
       const double lean = (below - above) / (below + above);
       lights_.leaning_ += squares * lean * lean;
+    }
+    if (parts_ == 0) {
+      for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
+      return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
     const auto first = static_cast<int>(lights_.cut_lights_.size());
     cut_.clear();
@@ -417,10 +450,14 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   if (texels.empty()) return;
   const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
+  const bool exact = is_coarse(shape, lobes.of);
+  if (exact)
+    texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
+                          : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(kMostLoosened, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
-  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, most_cut, *this);
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
   make_rooms();
 }
 
@@ -438,14 +475,16 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const double edge = edge_of(shape) / cuts_of(shape, lobes, texels);
   const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
   const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * along * along);
+  const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   return leaves * LightTree::bytes_of_leaf(smooth_points(edge, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +
-         (parts + leaves) * sizeof(CutLight) + cutting;
+         cut * sizeof(CutLight) + cutting;
 }
 
 std::size_t BrightLights::bytes() const noexcept {
-  return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight);
+  return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight) +
+         rectangles_.size() * sizeof(Rectangle);
 }
 
 }  // namespace welkin::reflections
