@@ -17,14 +17,14 @@ namespace {
 
 using reflections::kRecordFloats, reflections::kRingImages, reflections::RingTable, reflections::RingTap;
 
-std::vector<const float*> rows_of(const TestCubemap& cube) {
+std::vector<const float*> rows_of(const CubemapView& cube) {
   std::vector<const float*> rows;
   for (int row = 0; row < 6 * cube.size; ++row)
-    rows.push_back(static_cast<const float*>(image::row_of(cube.view(), row / cube.size, row % cube.size)));
+    rows.push_back(static_cast<const float*>(image::row_of(cube, row / cube.size, row % cube.size)));
   return rows;
 }
 
-LatLongImage rings_of(const TestCubemap& cube, int rows) {
+LatLongImage rings_of(const CubemapView& cube, int rows) {
   LatLongImage rings{2 * rows, rows, std::vector<float>(std::size_t{6} * static_cast<std::size_t>(rows * rows))};
   RingTable({cube.size, rows}).fill(rows_of(cube), rings.pixels.data(), {});
   return rings;
@@ -47,7 +47,7 @@ TEST_CASE("Rings of latitude have a cubemap's harmonics", "[prefilter][rings]") 
     for (const int rows : {64, 180}) {
       CAPTURE(size, rows);
       const TestCubemap cube = make_cubemap(Content::random, size, 3, 7);
-      const LatLongImage rings = rings_of(cube, rows);
+      const LatLongImage rings = rings_of(cube.view(), rows);
       const auto harmonics = [](const auto& view) { return project(view, {.bands = 9}).radiance; };
       // degree 8: (l h)^4 is 0.024 on 64 rings, 4e-4 on 180
       CHECK(largest_difference(harmonics(rings.view()), harmonics(cube.view())) < (rows == 64 ? 2e-4 : 2e-6));
@@ -104,7 +104,7 @@ TEST_CASE("Even light stays even on rings", "[prefilter][rings]") {
     for (const int rows : {64, 100}) {
       CAPTURE(size, rows);
       const Cubemap cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
-      const LatLongImage rings = rings_of(cube, rows);
+      const LatLongImage rings = rings_of(cube.view(), rows);
       float worst = 0.0F;
       for (std::size_t k = 0; k < rings.pixels.size(); k += 3)
         worst = std::max(worst, std::abs(rings.pixels[k] - 1.0F));
@@ -145,13 +145,13 @@ TEST_CASE("Tables of rings are kept, and made by any number of threads alike", "
   CHECK(table == RingTable::get({16, 256}));
   CHECK(table->bytes() > 1000);
   const TestCubemap cube = make_cubemap(Content::random, 16, 3, 7);
-  const LatLongImage rings = rings_of(cube, 256);
+  const LatLongImage rings = rings_of(cube.view(), 256);
   std::vector<float> others(rings.pixels.size());
-  run_with_threads(1, [&] { RingTable({16, 256}).fill(rows_of(cube), others.data(), {}); });
+  run_with_threads(1, [&] { RingTable({16, 256}).fill(rows_of(cube.view()), others.data(), {}); });
   CHECK(others == rings.pixels);
   // too large to be kept: made band after band
   const RingTable unkept({16, 256}, {}, 0);
-  unkept.fill(rows_of(cube), others.data(), {});
+  unkept.fill(rows_of(cube.view()), others.data(), {});
   CHECK(others == rings.pixels);
   CHECK(unkept.bytes() < table->bytes());
 }
