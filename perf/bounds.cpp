@@ -39,7 +39,8 @@ Subject faces_of(const Environment& picture, PrefilterOptions options) {
             const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, options.size);
             const projection::SanitizedSource clean(source->view(), {}, {});
             const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
-            static_cast<void>(reflections::faces_without(bright, clean, plan.face_for_cubemap(options.size), {}));
+            static_cast<void>(reflections::halved_faces(reflections::rows_without(bright, clean),
+                                                        plan.face_for_cubemap(options.size), {}));
             Cubemap sharp(options.size, 1);
             reflections::fill_level(clean, sharp, 0, {});
             static_cast<void>(project(source->view()));

@@ -368,26 +368,6 @@ double weigh_tile(const TileRun& run, float* weights) {
   return area;
 }
 
-float read_all(const float* values, std::int64_t groups) {
-  constexpr int parts = kLanes / kWidth;
-  Lanes sum[4 * parts];
-  for (Lanes& s : sum) s = Lanes(0.0F);
-  std::int64_t g = 0;
-  for (; g + 4 <= groups; g += 4) {
-    for (int k = 0; k < 4 * parts; ++k) sum[k] = sum[k] + Lanes::load_unaligned(values + g * kLanes + k * kWidth);
-  }
-  for (; g < groups; ++g) {
-    for (int k = 0; k < parts; ++k) sum[k] = sum[k] + Lanes::load_unaligned(values + g * kLanes + k * kWidth);
-  }
-  alignas(64) float lanes[kWidth];
-  float total = 0.0F;
-  for (const Lanes& s : sum) {
-    s.store_aligned(lanes);
-    for (int k = 0; k < kWidth; ++k) total += lanes[k];
-  }
-  return total;
-}
-
 // Plain loops, which the compiler vectorises; `half_from_float` and `float_from_half` are the same for one value.
 
 std::uint32_t bits_of(float value) {
@@ -443,7 +423,6 @@ const ImageKernels image_kernels_table = {
     .weigh_tile = weigh_tile,
     .halves_of_floats = halves_of_floats,
     .floats_of_halves = floats_of_halves,
-    .read_all = read_all,
 };
 
 }  // namespace welkin::image::WELKIN_ISA

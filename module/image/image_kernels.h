@@ -107,9 +107,6 @@ using HalvesOfFloats = int (*)(const float* values, int count, std::uint16_t* ha
 /// Values of halves by their bits.
 using FloatsOfHalves = void (*)(const std::uint16_t* halves, int count, float* values);
 
-/// Adds up 16 `groups` floats, as fast as memory gives them: the yardstick for bandwidth.
-using ReadAll = float (*)(const float* values, std::int64_t groups);
-
 struct ImageKernels {
   PlaneLengths plane_lengths;
   PlacesOfAngles places_of_angles;
@@ -120,7 +117,6 @@ struct ImageKernels {
   WeighTile weigh_tile;
   HalvesOfFloats halves_of_floats;
   FloatsOfHalves floats_of_halves;
-  ReadAll read_all;
 };
 WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)
 

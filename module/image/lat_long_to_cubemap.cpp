@@ -21,25 +21,21 @@ SphereGrid grid_of(const LatLongView& source, const Control& control) {
   const std::size_t texel_bytes = bytes_per_texel(source.format);
   const int tile_rows = std::max(1, kTileTexels / source.width);
   const jobs::Placement placement = jobs::placement_for(std::int64_t{source.width} * source.height);
-  jobs::run_tiles(static_cast<std::size_t>((source.height + tile_rows - 1) / tile_rows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first_row = static_cast<int>(tile) * tile_rows;
-                    const int rows = std::min(tile_rows, source.height - first_row);
-                    for (int row = first_row; row < first_row + rows; ++row) {
-                      const auto* const from = static_cast<const std::byte*>(row_of(source, row));
-                      float rgb[3 * kBlock];
-                      for (int first = 0; first < source.width; first += kBlock) {
-                        const int count = std::min(kBlock, source.width - first);
-                        decode_texels(source.format, from + static_cast<std::size_t>(first) * texel_bytes, count, rgb);
-                        float* texel = grid.texel(first, row);
-                        for (int i = 0; i < count; ++i, texel += 4) {
-                          std::copy_n(rgb + 3 * i, 3, texel);
-                          texel[3] = 0.0F;
-                        }
-                      }
-                    }
-                    grid.fill_sides(first_row, rows);
-                  });
+  jobs::run_rows(source.height, tile_rows, placement, jobs::worker_count(placement), control,
+                 [&](int row, std::size_t) {
+                   const auto* const from = static_cast<const std::byte*>(row_of(source, row));
+                   float rgb[3 * kBlock];
+                   for (int first = 0; first < source.width; first += kBlock) {
+                     const int count = std::min(kBlock, source.width - first);
+                     decode_texels(source.format, from + static_cast<std::size_t>(first) * texel_bytes, count, rgb);
+                     float* texel = grid.texel(first, row);
+                     for (int i = 0; i < count; ++i, texel += 4) {
+                       std::copy_n(rgb + 3 * i, 3, texel);
+                       texel[3] = 0.0F;
+                     }
+                   }
+                   grid.fill_sides(row, 1);
+                 });
   grid.fill_poles();
   return grid;
 }

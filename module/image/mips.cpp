@@ -203,16 +203,9 @@ class EvenReduction {
   MipFilter filter_;
 };
 
-/// Runs `row(index, worker)` for `rows` rows of `row_texels` texels of work each.
-template <class Row>
-void for_each_row(int rows, std::int64_t row_texels, std::size_t workers, jobs::Placement placement,
-                  const Control& control, const Row& row) {
-  const int tile_rows = static_cast<int>(std::clamp<std::int64_t>(kTileTexels / row_texels, 1, rows));
-  jobs::run_tiles(static_cast<std::size_t>((rows + tile_rows - 1) / tile_rows), placement, workers, control,
-                  [&](std::size_t tile, std::size_t worker) {
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    for (int k = first; k < std::min(rows, first + tile_rows); ++k) row(k, worker);
-                  });
+/// Returns the rows of a tile, which are of `row_texels` texels of work each.
+int tile_rows(int rows, std::int64_t row_texels) {
+  return static_cast<int>(std::clamp<std::int64_t>(kTileTexels / row_texels, 1, rows));
 }
 
 jobs::Placement placement_of(std::int64_t texels) {
@@ -228,12 +221,14 @@ void fill_level(Cubemap& chain, int level, MipFilter filter, const Control& cont
   if (above % 2 == 0) {
     const EvenReduction reduction(chain, level, filter);
     std::vector<Scratch> scratch(workers, Scratch(above));
-    for_each_row((size + 1) / 2, std::int64_t{24} * above, workers, placement, control,
-                 [&](int row, std::size_t worker) { reduction.reduce(row, scratch[worker]); });
+    const int rows = (size + 1) / 2;
+    jobs::run_rows(rows, tile_rows(rows, std::int64_t{24} * above), placement, workers, control,
+                   [&](int row, std::size_t worker) { reduction.reduce(row, scratch[worker]); });
     return;
   }
   std::vector<image::OddMipRow> scratch(workers, image::OddMipRow(above, filter));
-  for_each_row(size, std::int64_t{12} * above, workers, placement, control, [&](int row, std::size_t worker) {
+  const int of_tile = tile_rows(size, std::int64_t{12} * above);
+  jobs::run_rows(size, of_tile, placement, workers, control, [&](int row, std::size_t worker) {
     scratch[worker].place(row);
     for (int face = 0; face < 6; ++face) {
       scratch[worker].reduce(chain.face(level - 1, face), chain.face(level, face) + static_cast<std::size_t>(3 * size) *
@@ -245,7 +240,8 @@ void fill_level(Cubemap& chain, int level, MipFilter filter, const Control& cont
 void copy_source(const CubemapView& source, Cubemap& chain, const Control& control) {
   const int size = source.size;
   const jobs::Placement placement = placement_of(std::int64_t{6} * size * size);
-  for_each_row(6 * size, size, jobs::worker_count(placement), placement, control, [&](int row, std::size_t) {
+  const std::size_t workers = jobs::worker_count(placement);
+  jobs::run_rows(6 * size, tile_rows(6 * size, size), placement, workers, control, [&](int row, std::size_t) {
     image::decode_texels(
         source.format, image::row_of(source, row / size, row % size), size,
         chain.face(0, row / size) + static_cast<std::size_t>(3 * size) * static_cast<std::size_t>(row % size));

@@ -239,13 +239,9 @@ FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& a
   constexpr int kTileTexels = 32768;
   decoded_ = platform::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(row_floats_ * height));
   const int tile_rows = std::max(1, kTileTexels / width);
-  jobs::run_tiles(static_cast<std::size_t>((height + tile_rows - 1) / tile_rows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    for (int row = first; row < std::min(height, first + tile_rows); ++row) {
-                      decode_texels(format, address_of_row(row), width, decoded_.get() + row * row_floats_);
-                    }
-                  });
+  jobs::run_rows(height, tile_rows, placement, jobs::worker_count(placement), control, [&](int row, std::size_t) {
+    decode_texels(format, address_of_row(row), width, decoded_.get() + row * row_floats_);
+  });
   first_ = decoded_.get();
 }
 

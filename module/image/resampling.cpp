@@ -146,6 +146,11 @@ class LatLongCells final : public Cells {
   std::vector<math::SineCosine> longitudes_;
 };
 
+LatLongImage empty_lat_long(int width, int height) {
+  return {width, height,
+          std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+}
+
 class Resampler {
  public:
   Resampler(const Cells& cells, const image::Sampler& source, const glm::dmat3& turn, const Control& control)
@@ -210,8 +215,7 @@ LatLongImage resampled_lat_long(const View& source, int width, int height, const
                                 const Control& control) {
   const SamplerKind sampler(source);
   const LatLongCells cells(width, height, closest_texels(source));
-  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  LatLongImage result{width, height, std::vector<float>(3 * texels)};
+  LatLongImage result = empty_lat_long(width, height);
   Resampler(cells, sampler, turn, control).run(result.pixels.data());
   return result;
 }
@@ -268,9 +272,7 @@ Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, 
 LatLongImage lat_long_of(const CubemapView& source, int width, int height, const glm::dmat3& turn,
                          ResampleFilter filter, const Control& control) {
   if (filter == ResampleFilter::area && image::cube_symmetry_of(turn)) {
-    LatLongImage result{
-        width, height,
-        std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+    LatLongImage result = empty_lat_long(width, height);
     const auto fill = [&](const CubemapView& upright, const Control& part) {
       image::fill_lat_long_by_area(upright, width, height, result.pixels.data(), part);
     };
@@ -442,12 +444,7 @@ template <typename Move>
 void for_each_row(int rows, int width, const Control& control, const Move& move) {
   const int tile_rows = std::max(1, kTileTexels / width);
   const jobs::Placement where = jobs::placement_for(static_cast<std::int64_t>(rows) * width);
-  const int tiles = (rows + tile_rows - 1) / tile_rows;
-  jobs::run_tiles(static_cast<std::size_t>(tiles), where, jobs::worker_count(where), control,
-                  [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    for (int row = first; row < std::min(rows, first + tile_rows); ++row) move(row);
-                  });
+  jobs::run_rows(rows, tile_rows, where, jobs::worker_count(where), control, [&](int row, std::size_t) { move(row); });
 }
 
 }  // namespace
@@ -475,8 +472,7 @@ std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm:
   const std::optional<ColumnsAndRows> places = columns_and_rows(turn, source.width);
   if (!places || places->share > 0.0) return {};
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
-  LatLongImage result{source.width, source.height,
-                      std::vector<float>(row_floats * static_cast<std::size_t>(source.height))};
+  LatLongImage result = empty_lat_long(source.width, source.height);
   for_each_row(source.height, source.width, control, [&](int row) {
     float* rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
     const auto* from =
@@ -496,8 +492,7 @@ std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const gl
   if (!places) return {};
   const FloatPlane plane(source);
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
-  LatLongImage result{source.width, source.height,
-                      std::vector<float>(row_floats * static_cast<std::size_t>(source.height))};
+  LatLongImage result = empty_lat_long(source.width, source.height);
   for_each_row(source.height, source.width, control, [&](int row) {
     MovedRow moved(source.width, places->share);
     const int from = places->rows_reversed ? source.height - 1 - row : row;

@@ -168,40 +168,21 @@ void check(int size, const CubemapTarget& to) {
   }
 }
 
-/// Row after row through a buffer of floats. Rows are counted over all faces.
-class RowStore {
- public:
-  /// `rgb`: room for a row of floats.
-  RowStore(const CubemapView& from, const CubemapTarget& to, float* rgb)
-      : from_(from), to_(to), texel_(bytes_of_texel(to.format)), rgb_(rgb) {}
-
-  void store(int row) {
-    const auto face = static_cast<std::size_t>(row / from_.size);
-    const std::ptrdiff_t line = row % from_.size;
-    const std::ptrdiff_t packed_from = from_.size * static_cast<std::ptrdiff_t>(bytes_per_texel(from_.format));
-    const std::ptrdiff_t packed_to = from_.size * static_cast<std::ptrdiff_t>(texel_);
-    const auto* const source = static_cast<const std::uint8_t*>(from_.faces[face]) +
-                               line * (from_.row_stride_bytes != 0 ? from_.row_stride_bytes : packed_from);
-    auto* const target = static_cast<std::uint8_t*>(to_.faces[face]) +
-                         line * (to_.row_stride_bytes != 0 ? to_.row_stride_bytes : packed_to);
-    const float* rgb = rgb_;
-    if (from_.format == PixelFormat::rgb32f) {
-      rgb = reinterpret_cast<const float*>(source);
-    } else {
-      image::decode_texels(from_.format, source, from_.size, rgb_);
-    }
-    clamped_ += image::encode_texels(to_.format, rgb, static_cast<std::size_t>(from_.size), target);
+/// Stores a row, counted over all faces; `room` for one of floats. Returns how many values were clamped.
+std::uint64_t store_row(const CubemapView& from, const CubemapTarget& to, int row, float* room) {
+  const auto face = static_cast<std::size_t>(row / from.size);
+  const std::ptrdiff_t packed = from.size * static_cast<std::ptrdiff_t>(bytes_of_texel(to.format));
+  auto* const target = static_cast<std::uint8_t*>(to.faces[face]) +
+                       row % from.size * (to.row_stride_bytes != 0 ? to.row_stride_bytes : packed);
+  const void* const source = image::row_of(from, row / from.size, row % from.size);
+  const float* rgb = room;
+  if (from.format == PixelFormat::rgb32f) {
+    rgb = static_cast<const float*>(source);
+  } else {
+    image::decode_texels(from.format, source, from.size, room);
   }
-
-  [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
-
- private:
-  const CubemapView& from_;
-  const CubemapTarget& to_;
-  std::size_t texel_;
-  float* rgb_;
-  std::uint64_t clamped_ = 0;
-};
+  return image::encode_texels(to.format, rgb, static_cast<std::size_t>(from.size), target);
+}
 
 /// Some 16 000 texels a tile.
 std::uint64_t store_level(const CubemapView& from, const CubemapTarget& to, const Control& control) {
@@ -215,14 +196,9 @@ std::uint64_t store_level(const CubemapView& from, const CubemapTarget& to, cons
   const std::size_t row_values = 3 * static_cast<std::size_t>(from.size);
   std::vector<float> scratch(workers * row_values);
   std::atomic<std::uint64_t> clamped{0};
-  jobs::run_tiles(static_cast<std::size_t>((rows + tile_rows - 1) / tile_rows), placement, workers, control,
-                  [&](std::size_t tile, std::size_t worker) {
-                    RowStore store(from, to, scratch.data() + worker * row_values);
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    const int last = std::min(rows, first + tile_rows);
-                    for (int row = first; row < last; ++row) store.store(row);
-                    clamped.fetch_add(store.clamped(), std::memory_order_relaxed);
-                  });
+  jobs::run_rows(rows, tile_rows, placement, workers, control, [&](int row, std::size_t worker) {
+    clamped.fetch_add(store_row(from, to, row, scratch.data() + worker * row_values), std::memory_order_relaxed);
+  });
   return clamped.load();
 }
 

@@ -16,11 +16,8 @@ using Level = ImportancePyramid::Level;
 void for_each_row(const Level& level, const Control& control, const std::function<void(int)>& row) {
   const jobs::Placement placement = jobs::placement_for(std::int64_t{level.width} * level.height);
   constexpr int kRows = 16;
-  jobs::run_tiles(static_cast<std::size_t>((level.height + kRows - 1) / kRows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first = kRows * static_cast<int>(tile);
-                    for (int k = first; k < std::min(first + kRows, level.height); ++k) row(k);
-                  });
+  jobs::run_rows(level.height, kRows, placement, jobs::worker_count(placement), control,
+                 [&](int k, std::size_t) { row(k); });
 }
 
 Level empty_level(int width, int height) {

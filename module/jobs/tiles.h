@@ -5,6 +5,7 @@
 // does it in one fixed order. That is all that determinism takes, and the scheduler is free.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -35,6 +36,17 @@ enum class Placement {
 /// one's end. Tiles run whatever becomes of the caller's own group of tasks: a result is whole or there is none.
 void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,
                const std::function<void(std::size_t tile, std::size_t worker)>& tile);
+
+/// Calls `use(row, worker)` for each of so many rows, in tiles of `tile_rows` that are run in the same way.
+template <class Use>
+void run_rows(int rows, int tile_rows, Placement placement, std::size_t workers, const Control& control,
+              const Use& use) {
+  run_tiles(static_cast<std::size_t>((rows + tile_rows - 1) / tile_rows), placement, workers, control,
+            [&](std::size_t tile, std::size_t worker) {
+              const int first = static_cast<int>(tile) * tile_rows;
+              for (int row = first; row < std::min(rows, first + tile_rows); ++row) use(row, worker);
+            });
+}
 
 /// As long as it lives, jobs and graphs of the calling thread run on this thread alone: where many calls run side by
 /// side, sharing the work of one would only cost time.

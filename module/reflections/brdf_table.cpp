@@ -31,7 +31,7 @@ void for_each_node(int order, const Use& use) {
 
 }  // namespace
 
-AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders) {
+AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   const auto side = [&](int order, double sign) {
     for_each_node(order, [&](const Node& node) {
       // From 90 degrees on by a quarter turn times place^2.
@@ -42,25 +42,12 @@ AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders) {
   };
   side(orders.towards, 1.0);
   side(orders.away, -1.0);
-}
-
-AlbedoQuadrature AlbedoQuadrature::even(const AlbedoOrders& orders) {
-  AlbedoQuadrature made(orders);
   for_each_node(orders.radii, [&](const Node& node) {
-    made.radius_places_.push_back(static_cast<float>(node.place));
-    made.radius_weights_.push_back(static_cast<float>(node.weight));
-  });
-  return made;
-}
-
-AlbedoQuadrature AlbedoQuadrature::thinning(const AlbedoOrders& orders) {
-  AlbedoQuadrature made(orders);
-  for_each_node(orders.radii, [&](const Node& node) {
+    const bool even = radii == Radii::even;
     const double left = 1.0 - node.place;
-    made.radius_places_.push_back(static_cast<float>(1.0 - left * left));
-    made.radius_weights_.push_back(static_cast<float>(2.0 * left * node.weight));
+    radius_places_.push_back(static_cast<float>(even ? node.place : 1.0 - left * left));
+    radius_weights_.push_back(static_cast<float>(even ? node.weight : 2.0 * left * node.weight));
   });
-  return made;
 }
 
 AlbedoRule AlbedoQuadrature::rule() const noexcept {
@@ -69,18 +56,11 @@ AlbedoRule AlbedoQuadrature::rule() const noexcept {
 }
 
 AlbedoRules::AlbedoRules()
-    : ggx_{AlbedoQuadrature::even({6, 10, 20}), AlbedoQuadrature::even({8, 9, 17}), AlbedoQuadrature::even({8, 9, 15})},
-      sheen_{AlbedoQuadrature::thinning({14, 3, 16}), AlbedoQuadrature::thinning({10, 6, 13}),
-             AlbedoQuadrature::thinning({9, 6, 10})} {}
+    : ggx_{{{{6, 10, 20}, Radii::even}, {{8, 9, 17}, Radii::even}, {{8, 9, 15}, Radii::even}}},
+      sheen_{{{{14, 3, 16}, Radii::thinning}, {{10, 6, 13}, Radii::thinning}, {{9, 6, 10}, Radii::thinning}}} {}
 
-AlbedoRule AlbedoRules::ggx(double roughness) const noexcept {
-  if (roughness < 0.25) return ggx_[0].rule();
-  return ggx_[roughness < 0.5 ? 1 : 2].rule();
-}
-
-AlbedoRule AlbedoRules::sheen(double roughness) const noexcept {
-  if (roughness < 0.25) return sheen_[0].rule();
-  return sheen_[roughness < 0.5 ? 1 : 2].rule();
+AlbedoRule AlbedoRules::of(const std::array<AlbedoQuadrature, 3>& rules, double roughness) noexcept {
+  return rules[roughness < 0.25 ? 0 : (roughness < 0.5 ? 1 : 2)].rule();
 }
 
 }  // namespace welkin::reflections

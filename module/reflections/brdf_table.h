@@ -43,16 +43,14 @@ struct AlbedoOrders {
 /// A rule's nodes and weights as the kernels read them. Orders at most `tables::kMaximumGaussOrder`.
 class AlbedoQuadrature {
  public:
-  /// Even in p: for GGX.
-  [[nodiscard]] static AlbedoQuadrature even(const AlbedoOrders& orders);
-  /// Thinned out to the end as 1 - (1 - y)^2, which also takes the root of D at z = 1: for sheen.
-  [[nodiscard]] static AlbedoQuadrature thinning(const AlbedoOrders& orders);
+  /// How radii are spread: evenly in p for GGX; for sheen thinned out to the end as 1 - (1 - y)^2, which also takes the
+  /// root of D at z = 1.
+  enum class Radii { even, thinning };
+  AlbedoQuadrature(const AlbedoOrders& orders, Radii radii);
 
   [[nodiscard]] AlbedoRule rule() const noexcept;
 
  private:
-  explicit AlbedoQuadrature(const AlbedoOrders& orders);
-
   std::vector<float> azimuth_cosines_;
   std::vector<float> azimuth_weights_;
   std::vector<float> radius_places_;
@@ -65,10 +63,13 @@ class AlbedoRules {
  public:
   AlbedoRules();
 
-  [[nodiscard]] AlbedoRule ggx(double roughness) const noexcept;
-  [[nodiscard]] AlbedoRule sheen(double roughness) const noexcept;
+  [[nodiscard]] AlbedoRule ggx(double roughness) const noexcept { return of(ggx_, roughness); }
+  [[nodiscard]] AlbedoRule sheen(double roughness) const noexcept { return of(sheen_, roughness); }
 
  private:
+  using Radii = AlbedoQuadrature::Radii;
+  [[nodiscard]] static AlbedoRule of(const std::array<AlbedoQuadrature, 3>& rules, double roughness) noexcept;
+
   std::array<AlbedoQuadrature, 3> ggx_;
   std::array<AlbedoQuadrature, 3> sheen_;
 };

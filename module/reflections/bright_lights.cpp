@@ -153,6 +153,14 @@ struct BrightLights::Block {
 
   enum class Sight { below, cut, above };
 
+  /// Between the two centres.
+  [[nodiscard]] double distance_to(const Node& node) const noexcept {
+    const double x = centre[0] - node.centre[0];
+    const double y = centre[1] - node.centre[1];
+    const double z = centre[2] - node.centre[2];
+    return std::sqrt(x * x + y * y + z * z);
+  }
+
   /// n.s is at least that of the two centres less both radii.
   [[nodiscard]] Sight sight_of(const Node& node) const noexcept {
     if (!horizon) return Sight::above;
@@ -162,28 +170,19 @@ struct BrightLights::Block {
   }
   [[nodiscard]] bool unseen(const Node& node) const noexcept {
     if (nearest <= 0.0 && farthest >= 2.0) return false;
-    const double x = centre[0] - node.centre[0];
-    const double y = centre[1] - node.centre[1];
-    const double z = centre[2] - node.centre[2];
-    const double distance = std::sqrt(x * x + y * y + z * z);
+    const double distance = distance_to(node);
     const double margin = radius + node.radius;
     return distance + margin < nearest || distance - margin > farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
     if (by_table) return node.merged <= most_merged && (node.merged > 0.0 || !annular);
-    const double x = centre[0] - node.centre[0];
-    const double y = centre[1] - node.centre[1];
-    const double z = centre[2] - node.centre[2];
-    const double distance = std::max(0.0, std::sqrt(x * x + y * y + z * z) - radius);
+    const double distance = std::max(0.0, distance_to(node) - radius);
     return distance * distance + width_squared >= far * far * node.merged * node.merged;
   }
   /// Returns whether the node's light, all of it above the horizon, is all but a cubic over the block along each axis.
   [[nodiscard]] bool even_enough(const Node& node) const noexcept {
     if (by_table || radius > widest) return radius <= widest;
-    const double x = centre[0] - node.centre[0];
-    const double y = centre[1] - node.centre[1];
-    const double z = centre[2] - node.centre[2];
-    const double distance = std::max(0.0, std::sqrt(x * x + y * y + z * z) - node.radius);
+    const double distance = std::max(0.0, distance_to(node) - node.radius);
     return distance * distance + width_squared >= smooth * smooth * radius * radius;
   }
 };
@@ -197,6 +196,16 @@ constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would b
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
 constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
 static_assert(LightField::kPoints == kLobeTexels);
+
+/// Calls `use` with the parts of an area, at most so many texels across and down.
+template <class Use>
+void for_each_part(const FaceArea& area, int across, int down, const Use& use) {
+  for (int row = area.row; row < area.end_row; row += down) {
+    for (int column = area.column; column < area.end_column; column += across)
+      use(FaceArea{area.face, area.size, column, row, std::min(column + across, area.end_column),
+                   std::min(row + down, area.end_row)});
+  }
+}
 
 void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
   if (!runs.empty() && runs.back().first + runs.back().count == run.first) {
@@ -461,19 +470,12 @@ void BrightLights::add_to_leaf(const FaceArea& area, const Blur& lobe, const Blo
   choose(block, parted ? Step::texels : Step::parts, room);
   add_to_texels(area, lobe, field, rgb, room);
   const std::size_t cut = room.pending.size();
-  for (int row = area.row; row < area.end_row && cut > end; row += edge) {
-    for (int column = area.column; column < area.end_column; column += edge) {
-      const FaceArea part{area.face,
-                          area.size,
-                          column,
-                          row,
-                          std::min(column + edge, area.end_column),
-                          std::min(row + edge, area.end_row)};
-      take_pending(end, cut);
-      choose(block_of(part, lobe), Step::parts, room);
-      add_to_texels(part, lobe, {}, rgb, room);
-    }
-  }
+  if (cut == end) return;
+  for_each_part(area, edge, edge, [&](const FaceArea& part) {
+    take_pending(end, cut);
+    choose(block_of(part, lobe), Step::parts, room);
+    add_to_texels(part, lobe, {}, rgb, room);
+  });
   room.pending.resize(end);
 }
 
@@ -497,17 +499,8 @@ void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightFiel
     add_to_leaf(area, lobe, block, field, end, rgb, room);
   } else {
     const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
-    for (int row = area.row; row < area.end_row; row += half(area.down())) {
-      for (int column = area.column; column < area.end_column; column += half(area.across())) {
-        const FaceArea part{area.face,
-                            area.size,
-                            column,
-                            row,
-                            std::min(column + half(area.across()), area.end_column),
-                            std::min(row + half(area.down()), area.end_row)};
-        add_to_area(part, lobe, field.within(area, part), end, rgb, room);
-      }
-    }
+    for_each_part(area, half(area.across()), half(area.down()),
+                  [&](const FaceArea& part) { add_to_area(part, lobe, field.within(area, part), end, rgb, room); });
   }
   room.pending.resize(end);
 }

@@ -13,6 +13,7 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "platform/memory.h"
 #include "platform/standard_library.h"
 #include "reflections/lobe.h"
 
@@ -313,20 +314,6 @@ double mean_excess(const std::vector<BrightTexel>& texels) noexcept {
     for (std::size_t c = 0; c < 3; ++c) sum[c] += texel.steradians * static_cast<double>(texel.excess[c]);
   }
   return std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (4.0 * kPi);
-}
-
-platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
-                                              const projection::SanitizedSource& source) {
-  const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
-  platform::AlignedBuffer<float> pixels(row_values * static_cast<std::size_t>(source.rows()));
-  for (int row = 0; row < source.rows(); ++row)
-    std::copy_n(source.row(row), row_values, pixels.data() + row_values * static_cast<std::size_t>(row));
-  for (const BrightTexel& texel : texels) {
-    float* const rgb = pixels.data() + row_values * static_cast<std::size_t>(texel.row) +
-                       std::size_t{3} * static_cast<std::size_t>(texel.column);
-    std::copy(texel.rest.begin(), texel.rest.end(), rgb);
-  }
-  return pixels;
 }
 
 }  // namespace welkin::reflections

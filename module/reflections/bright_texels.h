@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
 
@@ -39,9 +38,5 @@ struct BrightSearch {
 
 /// Returns the mean over the sphere of what is extracted, root of the squares of the channels.
 [[nodiscard]] double mean_excess(const std::vector<BrightTexel>& texels) noexcept;
-
-/// Returns the source's pixels, packed, with what is left of the bright ones.
-[[nodiscard]] platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
-                                                            const projection::SanitizedSource& source);
 
 }  // namespace welkin::reflections

@@ -3,33 +3,24 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "image/pixels.h"
-#include "reflections/halved_faces.h"
 #include "reflections/ring_table.h"
 
 namespace welkin::reflections {
 
-Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+Rings rings_of_cubemap(const std::vector<const float*>& faces, int rows, const Control& control) {
   const std::size_t floats = std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows);
   Rings rings{{}, platform::AlignedBuffer<float>(floats)};
   rings.view = transforms::PictureRows(LatLongView{rings.owned.data(), 2 * rows, rows});
-  RingTable::get({source.size, rows}, {control.stop})->fill(source, rings.owned.data(), control);
+  const auto table = RingTable::get({static_cast<int>(faces.size() / 6), rows}, {control.stop});
+  table->fill(faces, rings.owned.data(), control);
   return rings;
 }
 
-namespace {
-
-/// A picture's rows, those with bright texels copied, and no others: a panorama may have hundreds of megabytes.
-struct RowsWithout {
-  std::vector<const float*> rows;
-  platform::AlignedBuffer<float> owned;
-};
-
-RowsWithout rows_without(const std::vector<BrightTexel>& bright, const projection::SanitizedSource& source) {
+SourceRows rows_without(const std::vector<BrightTexel>& bright, const projection::SanitizedSource& source) {
   std::size_t changed = 0;
   for (std::size_t k = 0; k < bright.size(); ++k) changed += k == 0 || bright[k].row != bright[k - 1].row ? 1 : 0;
   const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
-  RowsWithout rest{{}, platform::AlignedBuffer<float>(changed * row_values)};
+  SourceRows rest{{}, platform::AlignedBuffer<float>(changed * row_values)};
   for (int row = 0; row < source.rows(); ++row) rest.rows.push_back(source.row(row));
   float* next = rest.owned.data();
   float* copy = nullptr;
@@ -46,53 +37,10 @@ RowsWithout rows_without(const std::vector<BrightTexel>& bright, const projectio
   return rest;
 }
 
-bool follow_each_other(const projection::SanitizedSource& source) {
-  const float* next = source.row(0);
-  for (int row = 0; row < source.rows(); ++row, next += std::ptrdiff_t{3} * source.columns()) {
-    if (source.row(row) != next) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-CubemapView PackedFaces::view() const { return image::packed_cubemap(rgb, size); }
-
-std::vector<const float*> PackedFaces::rows() const {
-  std::vector<const float*> rows;
-  rows.reserve(static_cast<std::size_t>(6 * size));
-  for (int row = 0; row < 6 * size; ++row) rows.push_back(rgb + std::ptrdiff_t{3} * size * row);
-  return rows;
-}
-
-PackedFaces faces_without(const std::vector<BrightTexel>& bright, const projection::SanitizedSource& source, int size,
-                          const Control& control) {
-  PackedFaces faces{size};
-  if (size != source.columns()) {
-    const RowsWithout rest = rows_without(bright, source);
-    faces.owned = halved_faces(rest.rows, size, {control.stop, {}});
-  } else if (!bright.empty() || !follow_each_other(source)) {
-    faces.owned = pixels_without(bright, source);
-  } else {
-    faces.rgb = source.row(0);
-  }
-  if (faces.rgb == nullptr) faces.rgb = faces.owned.data();
-  return faces;
-}
-
-PackedFaces halved(const PackedFaces& faces, int size, const Control& control) {
-  if (size == faces.size) return {size, faces.rgb};
-  PackedFaces result{size};
-  result.owned = halved_faces(faces.rows(), size, {control.stop, {}});
-  result.rgb = result.owned.data();
-  return result;
-}
-
 Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
                const Control& control) {
-  if (source.cubemap())
-    return rings_of_cubemap(faces_without(bright, source, source.columns(), control).view(), rows, control);
-  RowsWithout rest = rows_without(bright, source);
+  SourceRows rest = rows_without(bright, source);
+  if (source.cubemap()) return rings_of_cubemap(rest.rows, rows, control);
   Rings rings{transforms::PictureRows(source.lat_long()), std::move(rest.owned)};
   rings.view.rows = std::move(rest.rows);
   return rings;

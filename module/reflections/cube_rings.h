@@ -7,6 +7,7 @@
 #include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
+#include "reflections/halved_faces.h"
 #include "transform/picture_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -21,26 +22,14 @@ struct Rings {
   [[nodiscard]] std::size_t bytes() const noexcept { return owned.bytes(); }
 };
 
-/// Six packed RGB faces, one after the other.
-struct PackedFaces {
-  [[nodiscard]] CubemapView view() const;
-  /// Returns the rows, face after face.
-  [[nodiscard]] std::vector<const float*> rows() const;
+/// Returns a source's rows without `bright`, which go by rows. Those that have any are copied, and no others: a
+/// panorama may have hundreds of megabytes.
+[[nodiscard]] SourceRows rows_without(const std::vector<BrightTexel>& bright,
+                                      const projection::SanitizedSource& source);
 
-  int size = 0;
-  const float* rgb = nullptr;
-  platform::AlignedBuffer<float> owned{};  ///< holds them where the caller's own would not do
-};
-
-/// Returns a cubemap without `bright`, which go by rows, its faces halved until they have `size` texels along an edge.
-[[nodiscard]] PackedFaces faces_without(const std::vector<BrightTexel>& bright,
-                                        const projection::SanitizedSource& source, int size, const Control& control);
-/// Returns faces halved until they have `size` texels along an edge.
-[[nodiscard]] PackedFaces halved(const PackedFaces& faces, int size, const Control& control);
-
-/// A packed RGB float cubemap as a lat-long of 2 rows x rows texels with the same harmonics, by a `RingTable`. The same
-/// bits on any number of threads. Throws `Error` (cancelled).
-[[nodiscard]] Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+/// A cubemap's rows as a lat-long of 2 rows x rows texels with the same harmonics, by a `RingTable`. The same bits on
+/// any number of threads. Throws `Error` (cancelled).
+[[nodiscard]] Rings rings_of_cubemap(const std::vector<const float*>& faces, int rows, const Control& control);
 
 /// `source` without `bright`, which go by rows: of a lat-long the caller's own rows but for those with bright texels; a
 /// cubemap on `rows` rings.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -129,8 +130,8 @@ void halve_rows(const HalvingTable& table, int size, const float* const* from, i
     HalvedRow run{
         .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .room = own};
     for (; weighed < shares.first + shares.count; ++weighed) {
-      ring_kernels().light_of_row(from[weighed], table.angles(weighed), floats,
-                                  room + std::ptrdiff_t{floats} * (weighed - begin));
+      std::transform(from[weighed], from[weighed] + floats, table.angles(weighed),
+                     room + std::ptrdiff_t{floats} * (weighed - begin), std::multiplies<>());
     }
     for (int k = 0; k < shares.count; ++k) {
       run.light[k] = room + std::ptrdiff_t{floats} * (shares.first + k - begin);
@@ -140,12 +141,13 @@ void halve_rows(const HalvingTable& table, int size, const float* const* from, i
   }
 }
 
-platform::AlignedBuffer<float> halved_once(const std::vector<const float*>& rows, const Control& control) {
+SourceRows halved_once(const std::vector<const float*>& rows, const Control& control) {
   const auto size = static_cast<int>(rows.size() / 6);
   const auto table = HalvingTable::get(size);
   const int half = size / 2;
-  platform::AlignedBuffer<float> faces(std::size_t{18} * static_cast<std::size_t>(half) *
-                                       static_cast<std::size_t>(half));
+  SourceRows faces{{}, platform::AlignedBuffer<float>(std::size_t{18} * static_cast<std::size_t>(half * half))};
+  float* const first_row = faces.owned.data();
+  for (int row = 0; row < 6 * half; ++row) faces.rows.push_back(first_row + std::ptrdiff_t{3} * half * row);
   const auto placement = jobs::placement_for(std::int64_t{6} * size * size);
   const std::size_t workers = jobs::worker_count(placement);
   platform::AlignedBuffer<float> rooms(workers * room_floats(size));
@@ -156,21 +158,15 @@ platform::AlignedBuffer<float> halved_once(const std::vector<const float*>& rows
                     const int first = static_cast<int>(tile) % tiles * kTileRows;
                     halve_rows(*table, size, rows.data() + std::ptrdiff_t{size} * face, first,
                                std::min(half, first + kTileRows), rooms.data() + worker * room_floats(size),
-                               faces.data() + std::ptrdiff_t{3} * half * (half * face + first));
+                               first_row + std::ptrdiff_t{3} * half * (half * face + first));
                   });
   return faces;
 }
 
 }  // namespace
 
-platform::AlignedBuffer<float> halved_faces(const std::vector<const float*>& rows, int size, const Control& control) {
-  platform::AlignedBuffer<float> faces = halved_once(rows, control);
-  for (auto made = static_cast<int>(rows.size() / 12); made > size; made /= 2) {
-    std::vector<const float*> larger;
-    larger.reserve(static_cast<std::size_t>(6 * made));
-    for (int row = 0; row < 6 * made; ++row) larger.push_back(faces.data() + std::ptrdiff_t{3} * made * row);
-    faces = halved_once(larger, control);
-  }
+SourceRows halved_faces(SourceRows faces, int size, const Control& control) {
+  while (faces.face() > size) faces = halved_once(faces.rows, control);
   return faces;
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "platform/memory.h"
+#include "reflections/source_rows.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -12,13 +12,12 @@ namespace welkin::reflections {
 /// Texels along an edge of faces that can be halved.
 [[nodiscard]] constexpr bool can_be_halved(int size) noexcept { return size % 16 == 0 && size > 0; }
 
-/// Halves faces, given as their rows of RGB floats face after face, until they have `size` texels along an edge: the
-/// source's size divided by a power of two, at least 8. Each texel's light goes to 4 x 4 of its own face (3 at an edge)
-/// with its moments up to the third (the second), so degree l loses a share that is proportional to (l h)^4, h the new
-/// texel's size. Uniform light stays uniform. Results can be negative beside bright texels. The same bits on any number
-/// of threads and instruction set. Throws `Error` (cancelled).
-[[nodiscard]] platform::AlignedBuffer<float> halved_faces(const std::vector<const float*>& rows, int size,
-                                                          const Control& control);
+/// Returns faces halved until they have `size` texels along an edge: theirs divided by a power of two, at least 8
+/// unless it is theirs. Each texel's light goes to 4 x 4 of its own face (3 at an edge) with its moments up to the
+/// third (the second), so degree l loses a share that is proportional to (l h)^4, h the new texel's size. Uniform light
+/// stays uniform. Results can be negative beside bright texels. The same bits on any number of threads and instruction
+/// set. Throws `Error` (cancelled).
+[[nodiscard]] SourceRows halved_faces(SourceRows faces, int size, const Control& control);
 
 /// Returns a bound on what that takes, its tables and the result included.
 [[nodiscard]] std::size_t halved_faces_bytes(int from, int size) noexcept;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "math/elementary.h"
-#include "reflections/lobe.h"
+#include "reflections/cube_rings.h"
 #include "transform/ring_fft.h"
 
 namespace welkin::reflections {
@@ -51,21 +51,20 @@ NearSplit narrow_split(int columns, int rows, int size, double alpha) {
   return split;
 }
 
-CutRows::CutRows(std::vector<const float*> source, int columns, const NearSplit& split) {
+SourceRows cut_rows(std::vector<const float*> source, int columns, const NearSplit& split) {
   const auto cut_rows = static_cast<std::size_t>(split.cubemap() ? 6 * split.face : split.rows);
   const int across = split.face / columns;
   const std::size_t down = cut_rows / source.size();
-  if (across == 1 && down == 1) {
-    rows = std::move(source);
-    return;
-  }
-  owned = platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) * source.size());
-  float* next = owned.data();
+  if (across == 1 && down == 1) return {std::move(source)};
+  SourceRows cut{{},
+                 platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) * source.size())};
+  float* next = cut.owned.data();
   for (const float* const row : source) {
-    rows.insert(rows.end(), down, next);
+    cut.rows.insert(cut.rows.end(), down, next);
     for (int column = 0; column < split.face; ++column)
       next = std::copy_n(row + std::ptrdiff_t{3} * (column / across), 3, next);
   }
+  return cut;
 }
 
 std::vector<double> tapered(const std::vector<double>& spectrum, int bands) {
@@ -136,13 +135,6 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
 
 }  // namespace
 
-std::vector<const float*> rows_of(const projection::SanitizedSource& source) {
-  std::vector<const float*> rows;
-  rows.reserve(static_cast<std::size_t>(source.rows()));
-  for (int row = 0; row < source.rows(); ++row) rows.push_back(source.row(row));
-  return rows;
-}
-
 // All texels count alike, as their solid angles nearly do.
 double contrast_of_faces(const std::vector<const float*>& rows, int columns) {
   Steps all;
@@ -155,7 +147,8 @@ double contrast_of_faces(const std::vector<const float*>& rows, int columns) {
 }
 
 double contrast_of(const projection::SanitizedSource& source) {
-  return source.cubemap() ? contrast_of_faces(rows_of(source), source.columns()) : edges_of_lat_long(source);
+  return source.cubemap() ? contrast_of_faces(rows_without({}, source).rows, source.columns())
+                          : edges_of_lat_long(source);
 }
 
 double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast) {

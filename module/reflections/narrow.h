@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/halved_faces.h"
 #include "reflections/near_weights.h"
 #include "transform/spectrum.h"
 
@@ -29,14 +29,8 @@ inline constexpr double kFarLights = 2.0;
 /// Returns rows of the lat-long, twice as wide, through which a cubemap gets to harmonics.
 [[nodiscard]] int far_rows_for_cubemap(const NearSplit& split) noexcept;
 
-/// A source's rows, their texels cut as a split has them.
-struct CutRows {
-  /// `source`: packed RGB, of a cubemap face after face; they are to outlive this.
-  CutRows(std::vector<const float*> source, int columns, const NearSplit& split);
-
-  std::vector<const float*> rows;
-  platform::AlignedBuffer<float> owned;  ///< where they are cut
-};
+/// Returns a source's rows of `columns`, their texels cut as a split has them. `source` is to outlive them.
+[[nodiscard]] SourceRows cut_rows(std::vector<const float*> source, int columns, const NearSplit& split);
 
 /// Returns what a mip takes of the far part's spectrum, whose end is tapered.
 [[nodiscard]] std::vector<double> tapered(const std::vector<double>& spectrum, int bands);
@@ -51,9 +45,6 @@ struct CutRows {
 [[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
 /// The same of a cubemap's packed rows, face after face.
 [[nodiscard]] double contrast_of_faces(const std::vector<const float*>& rows, int columns);
-
-/// Returns a source's rows, of a cubemap face after face.
-[[nodiscard]] std::vector<const float*> rows_of(const projection::SanitizedSource& source);
 
 struct NarrowMip {
   int size = 0;

@@ -519,10 +519,8 @@ const float* sum_runs(const NearTaps& taps, float* sums) {
 
 }  // namespace
 
-const NearKernels near_kernels_table = {.measure_cube = measure_line<CubeGroup>,
-                                        .measure_lat_long = measure_line<LatLongGroup>,
-                                        .weigh_cube = weigh_row<CubeGroup>,
-                                        .weigh_lat_long = weigh_row<LatLongGroup>,
+const NearKernels near_kernels_table = {.cube = {measure_line<CubeGroup>, weigh_row<CubeGroup>},
+                                        .lat_long = {measure_line<LatLongGroup>, weigh_row<LatLongGroup>},
                                         .scale = scale_weights,
                                         .sum_runs = sum_runs};
 

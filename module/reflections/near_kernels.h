@@ -117,11 +117,15 @@ struct NearTaps {
 /// Writes the sum of weight times record to `sums`, [kRecordFloats], aligned. Returns where the weights end.
 using SumRuns = const float* (*)(const NearTaps& taps, float* sums);
 
+template <class Group>
+struct GroupKernels {
+  MeasureLine<Group> measure;
+  WeighRow<Group> weigh;
+};
+
 struct NearKernels {
-  MeasureLine<CubeGroup> measure_cube;
-  MeasureLine<LatLongGroup> measure_lat_long;
-  WeighRow<CubeGroup> weigh_cube;
-  WeighRow<LatLongGroup> weigh_lat_long;
+  GroupKernels<CubeGroup> cube;
+  GroupKernels<LatLongGroup> lat_long;
   ScaleWeights scale;
   SumRuns sum_runs;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <glm/vec3.hpp>
 #include <numbers>
 
@@ -13,7 +12,7 @@
 #include "math/elementary.h"
 #include "math/table_cache.h"
 #include "reflections/lobe.h"
-#include "reflections/ring_kernels.h"
+#include "reflections/source_rows.h"
 
 namespace welkin::reflections {
 namespace {
@@ -200,41 +199,16 @@ void NearRecords::gather(const std::vector<const float*>& rows, int turn, const 
                   });
 }
 
-/// Texels of a source that go to one image of records that follow each other.
-struct Copy {
-  const float* const* rows;  ///< of the source
-  int row;
-  int down;  ///< rows from each to the next
-  int column;
-  int across;
-  int count;
-  int columns;  ///< of a row
-
-  void to(float* record, int image) const {
-    int line = row;
-    int place = 3 * column;
-    const int last = image + 1 < kRingImages ? 3 * (columns - 1) : 0;
-    record += std::ptrdiff_t{3} * image;
-    for (int k = 0; k < count; ++k, line += down, place += 3 * across, record += kRecordFloats) {
-      // a fourth float is overwritten by the next image
-      if (place < last)
-        std::memcpy(record, rows[line] + place, 4 * sizeof(float));
-      else
-        std::memcpy(record, rows[line] + place, 3 * sizeof(float));
-    }
-  }
-};
-
 void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image) {
   const int size = split_.face;
   const int part = piece.row / size;
   const int row = piece.row % size;
   const auto [first, end] = piece.columns;
   const FaceImage& own = images_[static_cast<std::size_t>((turn * kParts + part) * kRingImages + image)];
-  const Copy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
-                  own.across[1], own.column + first * own.across[0] + row * own.down[0],
-                  own.across[0], end - first,
-                  size};
+  const RecordCopy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
+                        own.across[1], own.column + first * own.across[0] + row * own.down[0],
+                        own.across[0], end - first,
+                        size};
   copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
 }
 
@@ -248,7 +222,7 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   float* to = records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats;
   for (int k = first; k < end;) {
     const int count = std::min(end - k, how.mirrored ? column + 1 : columns - column);
-    Copy{rows.data(), row, 0, column, how.mirrored ? -1 : 1, count, columns}.to(to, image);
+    RecordCopy{rows.data(), row, 0, column, how.mirrored ? -1 : 1, count, columns}.to(to, image);
     k += count;
     to += std::ptrdiff_t{count} * kRecordFloats;
     column = how.mirrored ? columns - 1 : 0;

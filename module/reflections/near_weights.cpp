@@ -320,9 +320,9 @@ void NearWeights::weigh_group(std::size_t group, Room& room) const {
   grow(room.weights, texels * kLanes);
   for (std::size_t k = 0; k < room.count; ++k) {
     if (split_.cubemap())
-      weigh(room.windows[k].face, room.windows[k], room);
+      weigh(near_kernels().cube, room.windows[k].face, room.windows[k], room);
     else
-      weigh(room.windows[k].lat_long, room.windows[k], room);
+      weigh(near_kernels().lat_long, room.windows[k].lat_long, room.windows[k], room);
   }
   near_kernels().scale(room.weights.data(), static_cast<int>(texels), sums);
 }
@@ -355,21 +355,9 @@ void NearWeights::take_runs(std::size_t lane, Room& room) const {
   room.made.runs_ends.push_back(room.made.runs.size());
 }
 
-namespace {
-
-void measure(const SplitLobe& lobe, const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
-  near_kernels().measure_cube(lobe, group, row, corners, line);
-}
-void measure(const SplitLobe& lobe, const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
-  near_kernels().measure_lat_long(lobe, group, row, corners, line);
-}
-WeighRow<CubeGroup> weigh_kernel(const CubeGroup& /*group*/) { return near_kernels().weigh_cube; }
-WeighRow<LatLongGroup> weigh_kernel(const LatLongGroup& /*group*/) { return near_kernels().weigh_lat_long; }
-
-}  // namespace
-
 template <class Group>
-void NearWeights::weigh(const Group& group, const Window& window, Room& room) const {
+void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, const Window& window,
+                        Room& room) const {
   const int cut = split_.cubemap() ? 0 : 1;  // a lat-long's own column is two: see `MeasureLine`
   const auto count = static_cast<int>(window.rows.size());
   const auto range = [&](int row) -> const RowRange& { return window.rows[static_cast<std::size_t>(row)].range; };
@@ -395,11 +383,12 @@ void NearWeights::weigh(const Group& group, const Window& window, Room& room) co
   };
   for (int row = 0; row <= count; ++row) {
     const ColumnRange close = close_to_line(row);
-    if (!empty(close)) measure(lobe_, group, window.first_row + row, {close.first, close.end + 1 + cut}, line(row));
+    if (!empty(close))
+      kernels.measure(lobe_, group, window.first_row + row, {close.first, close.end + 1 + cut}, line(row));
     if (row == 0 || empty(range(row - 1).columns)) continue;
     float* const weights = room.weights.data() + window.rows[static_cast<std::size_t>(row - 1)].weights -
                            std::ptrdiff_t{range(row - 1).columns.first} * simd::kLanes;
-    weigh_kernel(group)(lobe_, group, window.first_row + row - 1, range(row - 1), line(row - 1), line(row), weights);
+    kernels.weigh(lobe_, group, window.first_row + row - 1, range(row - 1), line(row - 1), line(row), weights);
   }
 }
 

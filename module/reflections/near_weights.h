@@ -71,7 +71,7 @@ class NearWeights {
   void add_face(const Directions& directions, int part, Room& room) const;
   void add_lat_long(const Directions& directions, Room& room) const;
   template <class Group>
-  void weigh(const Group& group, const Window& window, Room& room) const;
+  void weigh(const GroupKernels<Group>& kernels, const Group& group, const Window& window, Room& room) const;
   void weigh_group(std::size_t group, Room& room) const;
   void take_runs(std::size_t lane, Room& room) const;
 

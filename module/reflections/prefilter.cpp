@@ -257,7 +257,7 @@ class LobeChain {
   std::vector<double> energies_;         ///< of the harmonics, degree by degree
   std::vector<float> picture_energies_;  ///< with the bright texels; empty: unknown
   double contrast_ = 0.0;                ///< see `SpectralSource`
-  PackedFaces faces_;                    ///< of a cubemap, without the extracted light, as fine as near sums look at
+  SourceRows faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
   Memory memory_;
@@ -318,14 +318,14 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
       finest = std::max(finest, std::min(mip.near.face, source_.columns()));
     memory_.give_back(faces_.owned.bytes());
     faces_ = {};
-    faces_ = faces_without(texels, source_, finest, control);
+    faces_ = halved_faces(rows_without(texels, source_), finest, {control.stop, {}});
     memory_.take(faces_.owned.bytes());
-    if (!spectral_.near_mips.empty() && faces_.size < kFewTexels)
-      contrast_ = contrast_of_faces(faces_.rows(), faces_.size);
+    if (!spectral_.near_mips.empty() && faces_.face() < kFewTexels)
+      contrast_ = contrast_of_faces(faces_.rows, faces_.face());
   }
-  const Rings rings = source_.cubemap()
-                          ? rings_of_cubemap(halved(faces_, face, control).view(), wanted, {control.stop, {}})
-                          : rings_of(source_, texels, wanted, {control.stop, {}});
+  const Control part{control.stop, {}};
+  const Rings rings = source_.cubemap() ? rings_of_cubemap(halved_faces({faces_.rows}, face, part).rows, wanted, part)
+                                        : rings_of(source_, texels, wanted, part);
   if (spectral_.near_mips.empty()) {
     memory_.give_back(faces_.owned.bytes());
     faces_ = {};
@@ -381,8 +381,8 @@ LobeChain::Levels LobeChain::run_rings(const std::vector<BrightTexel>& texels, c
 /// Adds the near part of its lobe to a mip's faces.
 void LobeChain::add_near_sums(const Target& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const PackedFaces faces = halved(faces_, std::min(mip.near.face, faces_.size), control);
-  const CutRows cut(faces.rows(), faces.size, mip.near);
+  const SourceRows faces = halved_faces({faces_.rows}, std::min(mip.near.face, faces_.face()), {control.stop, {}});
+  const SourceRows cut = cut_rows(faces.rows, faces.face(), mip.near);
   const std::size_t bytes = faces.owned.bytes() + cut.owned.bytes() + near_sums_bytes(mip.near);
   memory_.take(bytes);
   reflections::add_near_sums(cut.rows, {{NearTable::get(mip.near), target.faces()}}, control);
@@ -548,7 +548,7 @@ void LobeChain::run_narrow(const Control& control) {
   graph.run(jobs::part_of(control, 0.2, 0.5));
 
   const Stopwatch near;
-  const CutRows cut(rows_of(source_), source_.columns(), split);
+  const SourceRows cut = cut_rows(rows_without({}, source_).rows, source_.columns(), split);
   std::size_t bytes = cut.owned.bytes();
   for (const NearMip& mip : mips) bytes = std::max(bytes, cut.owned.bytes() + near_sums_bytes(mip.table->split()));
   memory_.take(bytes);

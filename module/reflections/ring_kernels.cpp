@@ -39,11 +39,6 @@ void sum_ring_taps(const RingRun& run, const RingPlacesInMemory& places) {
   }
 }
 
-void light_of_row(const float* rgb, const float* angles, int floats, float* light) {
-  for (int k = 0; k < floats; k += kWidth)
-    (Lanes::load_unaligned(rgb + k) * Lanes::load_unaligned(angles + k)).store_unaligned(light + k);
-}
-
 void halve_row(const HalvedRow& row, float* rgb) {
   constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
@@ -93,7 +88,6 @@ void halve_row(const HalvedRow& row, float* rgb) {
 const RingKernels ring_kernels_table = {
     .sum_ring_taps = sum_ring_taps,
     .halve_row = halve_row,
-    .light_of_row = light_of_row,
 };
 
 }  // namespace welkin::reflections::WELKIN_ISA

@@ -64,13 +64,9 @@ struct HalvedRow {
 /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
 using HalveRow = void (*)(const HalvedRow& row, float* rgb);
 
-/// light[k] = rgb[k] angles[k], k below `floats`, a multiple of `kLanes`.
-using LightOfRow = void (*)(const float* rgb, const float* angles, int floats, float* light);
-
 struct RingKernels {
   SumRingTaps sum_ring_taps;
   HalveRow halve_row;
-  LightOfRow light_of_row;
 };
 WELKIN_KERNEL_TABLES(RingKernels, ring_kernels)
 

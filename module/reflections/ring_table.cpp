@@ -6,9 +6,9 @@
 
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
-#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/table_cache.h"
+#include "reflections/source_rows.h"
 
 namespace welkin::reflections {
 namespace {
@@ -48,33 +48,25 @@ void add_up(std::vector<std::uint32_t>& counts) {
 
 }  // namespace
 
-RingTable::RingTable(const RingTableKey& key, const Control& control, std::size_t largest) : key_(key) {
-  RingWeights weights(key.face_size, key.rows);
-  rows_ = weights.rows();
-  images_ = weights.images();
-  if (about_taps(key) * sizeof(RingTap) <= static_cast<double>(largest))
-    make(weights, control);
-  else
-    weights_ = std::make_unique<const RingWeights>(std::move(weights));
+RingTable::RingTable(const RingTableKey& key, const Control& control, std::size_t largest)
+    : key_(key), weights_(key.face_size, key.rows) {
+  if (about_taps(key) * sizeof(RingTap) > static_cast<double>(largest)) return;
+  constexpr auto arena = jobs::Placement::arena;
+  bands_.resize(static_cast<std::size_t>(weights_.bands()));
+  jobs::run_tiles(bands_.size(), arena, jobs::worker_count(arena), {control.stop, {}},
+                  [&](std::size_t band, std::size_t) { bands_[band] = weigh(static_cast<int>(band)); });
 }
 
-void RingTable::make(const RingWeights& weights, const Control& control) {
-  constexpr auto arena = jobs::Placement::arena;
-  const auto bands = static_cast<std::size_t>(weights.bands());
-  const auto width = static_cast<std::size_t>(key_.rows / 4);
-  const auto first = [&](std::size_t band) {
-    return width * static_cast<std::size_t>(weights.first_ring(static_cast<int>(band)));
-  };
-  ends_.resize(width * static_cast<std::size_t>(key_.rows / 2) + 1);
-  jobs::run_tiles(bands, arena, jobs::worker_count(arena), {control.stop, {}}, [&](std::size_t band, std::size_t) {
-    weights.count(static_cast<int>(band), ends_.data() + first(band));
-  });
-  add_up(ends_);
-  taps_ = platform::AlignedBuffer<RingTap>(ends_.back());
-  std::vector<std::uint32_t> next = ends_;
-  jobs::run_tiles(bands, arena, jobs::worker_count(arena), {control.stop, {}}, [&](std::size_t band, std::size_t) {
-    weights.weigh(static_cast<int>(band), next.data() + first(band), taps_.data());
-  });
+RingTable::Band RingTable::weigh(int band) const {
+  const int rings = weights_.first_ring(band + 1) - weights_.first_ring(band);
+  Band made;
+  made.ends.resize(static_cast<std::size_t>(rings) * static_cast<std::size_t>(key_.rows / 4) + 1);
+  weights_.count(band, made.ends.data());
+  add_up(made.ends);
+  made.taps = platform::AlignedBuffer<RingTap>(made.ends.back());
+  std::vector<std::uint32_t> next = made.ends;
+  weights_.weigh(band, next.data(), made.taps.data());
+  return made;
 }
 
 std::shared_ptr<const RingTable> RingTable::get(const RingTableKey& key, const Control& control) {
@@ -83,9 +75,9 @@ std::shared_ptr<const RingTable> RingTable::get(const RingTableKey& key, const C
 }
 
 std::size_t RingTable::bytes() const noexcept {
-  return sizeof(*this) + rows_.size() * sizeof(RingWeights::TexelRow) +
-         images_.size() * sizeof(RingWeights::ImageRecord) + ends_.size() * sizeof(std::uint32_t) + taps_.bytes() +
-         (weights_ ? weights_->bytes() : 0);
+  std::size_t sum = sizeof(*this) + weights_.bytes();
+  for (const Band& band : bands_) sum += band.ends.size() * sizeof(std::uint32_t) + band.taps.bytes();
+  return sum;
 }
 
 std::size_t RingTable::working_bytes(const RingTableKey& key) noexcept {
@@ -103,26 +95,23 @@ std::size_t RingTable::making_bytes(const RingTableKey& key) {
          RingWeights::making_bytes(key.face_size, key.rows, jobs::worker_count(jobs::Placement::arena));
 }
 
-void RingTable::gather(const CubemapView& source, const RingWeights::TexelRow& row, float* records) const {
+void RingTable::gather(const std::vector<const float*>& faces, const RingWeights::TexelRow& row, float* records) const {
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const auto place = [&](int column) {
-      const image::CubeTexel from = image::texel_at(size, moved(image, row.first + glm::ivec3(2 * column, 0, 0)));
-      return static_cast<const float*>(image::row_of(source, from.face, from.row)) + std::ptrdiff_t{3} * from.column;
+      return image::texel_at(size, moved(image, row.first + glm::ivec3(2 * column, 0, 0)));
     };
-    const float* from = place(0);
-    const std::ptrdiff_t step = row.count > 1 ? place(1) - from : 0;
-    float* to = records + static_cast<std::size_t>(row.record) * kRecordFloats + 3 * k;
-    for (int texel = 0; texel < row.count; ++texel, from += step, to += kRecordFloats) {
-      to[0] = from[0];
-      to[1] = from[1];
-      to[2] = from[2];
-    }
+    const image::CubeTexel from = place(0);
+    const image::CubeTexel next = place(row.count > 1 ? 1 : 0);
+    const RecordCopy copy{faces.data(), from.face * size + from.row, next.row - from.row,
+                          from.column,  next.column - from.column,   row.count,
+                          size};
+    copy.to(records + static_cast<std::size_t>(row.record) * kRecordFloats, k);
   }
 }
 
-void RingTable::sum(const float* records, const RingTap* taps, const std::uint32_t* ends, int ring, float* rgb) const {
+void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   const int columns = 2 * key_.rows;
   RingPlacesInMemory places{};
   for (int k = 0; k < kRingImages; ++k) {
@@ -132,55 +121,39 @@ void RingTable::sum(const float* records, const RingTap* taps, const std::uint32
     places.to[k] = rgb + 3 * (line * columns + column);
     places.step[k] = image.mirrored ? -3 : 3;
   }
-  ring_kernels().sum_ring_taps({records, taps, ends, columns / 8}, places);
+  ring_kernels().sum_ring_taps(run, places);
 }
 
-void RingTable::fill(const CubemapView& source, float* rgb, const Control& control) const {
-  constexpr std::size_t kTileRows = 4;
+void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const {
+  constexpr int kTileRows = 4;
   constexpr int kTileTexels = 2048;
-  const std::size_t texels = rows_.back().record + static_cast<std::size_t>(rows_.back().count);
-  platform::AlignedBuffer<float> records((texels + images_.size()) * kRecordFloats);
+  const std::vector<RingWeights::TexelRow>& rows = weights_.rows();
+  const std::size_t texels = rows.back().record + static_cast<std::size_t>(rows.back().count);
+  platform::AlignedBuffer<float> records(weights_.record_count() * kRecordFloats);
   const auto placement = jobs::placement_for(std::int64_t{2} * key_.rows * key_.rows);
   const std::size_t workers = jobs::worker_count(placement);
-  const std::size_t gathers = (rows_.size() + kTileRows - 1) / kTileRows;
-  jobs::run_tiles(gathers, placement, workers, jobs::part_of(control, 0.0, 0.2), [&](std::size_t tile, std::size_t) {
-    for (std::size_t k = tile * kTileRows; k < std::min(rows_.size(), (tile + 1) * kTileRows); ++k)
-      gather(source, rows_[k], records.data());
-  });
+  jobs::run_rows(static_cast<int>(rows.size()), kTileRows, placement, workers, jobs::part_of(control, 0.0, 0.2),
+                 [&](int row, std::size_t) { gather(faces, rows[static_cast<std::size_t>(row)], records.data()); });
   static const auto composed = composed_images();
   float* to = records.data() + texels * kRecordFloats;
-  for (const RingWeights::ImageRecord& image : images_) {
+  for (const RingWeights::ImageRecord& image : weights_.images()) {
     const float* const from = records.data() + std::size_t{image.record} * kRecordFloats;
     for (const std::size_t k : composed[static_cast<std::size_t>(image.image)]) to = std::copy_n(from + 3 * k, 3, to);
   }
   const int width = key_.rows / 4;
-  if (weights_) {
-    jobs::run_tiles(static_cast<std::size_t>(weights_->bands()), placement, workers, jobs::part_of(control, 0.2, 1.0),
-                    [&](std::size_t tile, std::size_t) { sum_band(records.data(), static_cast<int>(tile), rgb); });
-    return;
-  }
-  const int tile_rings = std::max(1, kTileTexels / width);
-  const int half = key_.rows / 2;
-  jobs::run_tiles(static_cast<std::size_t>((half + tile_rings - 1) / tile_rings), placement, workers,
-                  jobs::part_of(control, 0.2, 1.0), [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * tile_rings;
-                    for (int ring = first; ring < std::min(half, first + tile_rings); ++ring)
-                      sum(records.data(), taps_.data(), ends_.data() + std::ptrdiff_t{width} * ring, ring, rgb);
-                  });
-}
-
-void RingTable::sum_band(const float* records, int band, float* rgb) const {
-  const int first = weights_->first_ring(band);
-  const int end = weights_->first_ring(band + 1);
-  const int width = key_.rows / 4;
-  std::vector<std::uint32_t> ends(static_cast<std::size_t>(end - first) * static_cast<std::size_t>(width) + 1);
-  weights_->count(band, ends.data());
-  add_up(ends);
-  platform::AlignedBuffer<RingTap> taps(ends.back());
-  std::vector<std::uint32_t> next = ends;
-  weights_->weigh(band, next.data(), taps.data());
-  for (int ring = first; ring < end; ++ring)
-    sum(records, taps.data(), ends.data() + std::ptrdiff_t{width} * (ring - first), ring, rgb);
+  const int parts = bands_.empty() ? 1 : std::max(1, weights_.first_ring(1) * width / kTileTexels);
+  jobs::run_tiles(
+      static_cast<std::size_t>(weights_.bands() * parts), placement, workers, jobs::part_of(control, 0.2, 1.0),
+      [&](std::size_t tile, std::size_t) {
+        const int band = static_cast<int>(tile) / parts;
+        const int part = static_cast<int>(tile) % parts;
+        const Band made = bands_.empty() ? weigh(band) : Band();
+        const Band& own = bands_.empty() ? made : bands_[static_cast<std::size_t>(band)];
+        const int first = weights_.first_ring(band);
+        const int rings = weights_.first_ring(band + 1) - first;
+        for (int k = rings * part / parts; k < rings * (part + 1) / parts; ++k)
+          sum({records.data(), own.taps.data(), own.ends.data() + std::ptrdiff_t{width} * k, width}, first + k, rgb);
+      });
 }
 
 }  // namespace welkin::reflections

@@ -9,7 +9,6 @@
 #include "platform/memory.h"
 #include "reflections/ring_weights.h"
 #include "welkin/core.h"
-#include "welkin/image.h"
 
 namespace welkin::reflections {
 
@@ -39,8 +38,9 @@ class RingTable {
   /// By all threads. Keeps no weights if they would take more than `largest` bytes. Throws `Error` (cancelled).
   explicit RingTable(const RingTableKey& key, const Control& control = {}, std::size_t largest = kLargestTable);
 
-  /// Writes 2 rows x rows texels. `source`: rgb32f. The same bits on any number of threads. Throws `Error` (cancelled).
-  void fill(const CubemapView& source, float* rgb, const Control& control) const;
+  /// Writes 2 rows x rows texels. `faces`: rows of packed RGB, face after face. The same bits on any number of threads.
+  /// Throws `Error` (cancelled).
+  void fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// What `fill` takes while it runs.
@@ -49,17 +49,19 @@ class RingTable {
   [[nodiscard]] static std::size_t making_bytes(const RingTableKey& key);
 
  private:
-  void make(const RingWeights& weights, const Control& control);
-  void gather(const CubemapView& source, const RingWeights::TexelRow& row, float* records) const;
-  void sum(const float* records, const RingTap* taps, const std::uint32_t* ends, int ring, float* rgb) const;
-  void sum_band(const float* records, int band, float* rgb) const;
+  /// A band's rings: see `RingWeights`.
+  struct Band {
+    std::vector<std::uint32_t> ends;  ///< [ring][columns / 8]: where taps begin; and the last one's end
+    platform::AlignedBuffer<RingTap> taps;
+  };
+
+  [[nodiscard]] Band weigh(int band) const;
+  void gather(const std::vector<const float*>& faces, const RingWeights::TexelRow& row, float* records) const;
+  void sum(const RingRun& run, int ring, float* rgb) const;
 
   RingTableKey key_;
-  std::vector<RingWeights::TexelRow> rows_;
-  std::vector<RingWeights::ImageRecord> images_;
-  std::vector<std::uint32_t> ends_;  ///< [rows / 2][columns / 8], and the last one's end
-  platform::AlignedBuffer<RingTap> taps_;
-  std::unique_ptr<const RingWeights> weights_;  ///< where no taps are kept
+  RingWeights weights_;
+  std::vector<Band> bands_;  ///< none: `fill` makes them again
 };
 
 }  // namespace welkin::reflections

@@ -276,20 +276,15 @@ void RingWeights::find_corners() {
   }
 }
 
-RingWindow RingWeights::side_window(int row, int column) const noexcept {
-  const int first_ring = side_rings_[corner(row + 1, column)];
-  const int last_ring = side_rings_[corner(row, column + 1)];
-  const int first_column = side_columns_[static_cast<std::size_t>(column)];
-  const int last_column = side_columns_[static_cast<std::size_t>(column + 1)];
-  return {first_ring - kMiddle, last_ring - first_ring + kSpread, first_column - kMiddle,
-          last_column - first_column + kSpread};
-}
-
-RingWindow RingWeights::top_window(int row, int column) const noexcept {
-  const int first_ring = top_rings_[corner(row, column)];
-  const int last_ring = top_rings_[corner(row + 1, column + 1)];
-  const int first_column = top_columns_[corner(row + 1, column)];
-  const int last_column = row == column ? columns_ / kEighths : top_columns_[corner(row, column + 1)];
+RingWindow RingWeights::window(int row, int column) const noexcept {
+  const bool top = row >= texels_;
+  const int line = top ? row - texels_ : row;
+  const auto at = static_cast<std::size_t>(column);
+  const int first_ring = top ? top_rings_[corner(line, column)] : side_rings_[corner(line + 1, column)];
+  const int last_ring = top ? top_rings_[corner(line + 1, column + 1)] : side_rings_[corner(line, column + 1)];
+  const int first_column = top ? top_columns_[corner(line + 1, column)] : side_columns_[at];
+  int last_column = top ? columns_ / kEighths : side_columns_[at + 1];
+  if (top && line != column) last_column = top_columns_[corner(line, column + 1)];
   return {first_ring - kMiddle, last_ring - first_ring + kSpread, first_column - kMiddle,
           last_column - first_column + kSpread};
 }
@@ -313,22 +308,19 @@ std::uint32_t RingWeights::images_of(const RingWindow& window) const noexcept {
 void RingWeights::find_images() {
   image_bits_.reserve(texel_count_);
   first_images_.reserve(texel_count_);
-  const auto add = [&](const RingWindow& window) {
-    const std::uint32_t bits = images_of(window);
-    const auto record = static_cast<std::uint32_t>(image_bits_.size());
-    image_bits_.push_back(static_cast<std::uint16_t>(bits));
-    first_images_.push_back(texel_count_ + static_cast<std::uint32_t>(images_.size()));
-    for (int image = 1; image < kRingImages; ++image) {
-      if ((bits >> static_cast<unsigned>(image) & 1U) != 0) images_.push_back({record, image});
+  for (std::size_t row = 0; row < texel_rows_.size(); ++row) {
+    for (int column = 0; column < texel_rows_[row].count; ++column) {
+      const RingWindow here = window(static_cast<int>(row), column);
+      const std::uint32_t bits = images_of(here);
+      const auto record = static_cast<std::uint32_t>(image_bits_.size());
+      image_bits_.push_back(static_cast<std::uint16_t>(bits));
+      first_images_.push_back(texel_count_ + static_cast<std::uint32_t>(images_.size()));
+      for (int image = 1; image < kRingImages; ++image) {
+        if ((bits >> static_cast<unsigned>(image) & 1U) != 0) images_.push_back({record, image});
+      }
+      block_floats_ = std::max(
+          block_floats_, static_cast<std::size_t>(here.rings) * static_cast<std::size_t>(here.columns + kShareLanes));
     }
-    block_floats_ = std::max(
-        block_floats_, static_cast<std::size_t>(window.rings) * static_cast<std::size_t>(window.columns + kShareLanes));
-  };
-  for (int row = 0; row < texels_; ++row) {
-    for (int column = 0; column < texels_; ++column) add(side_window(row, column));
-  }
-  for (int row = 0; row < texels_; ++row) {
-    for (int column = 0; column <= row; ++column) add(top_window(row, column));
   }
 }
 
@@ -341,14 +333,14 @@ RingWeights::Clip RingWeights::clip_of(int band) const noexcept {
 }
 
 /// Windows lie farther from the pole from texel to texel.
-template <class Window>
-RingWeights::Range RingWeights::range_of(int count, const Clip& clip, const Window& window) {
+RingWeights::Range RingWeights::range_of(int row, const Clip& clip) const {
+  const int count = texel_rows_[static_cast<std::size_t>(row)].count;
   const auto first_where = [&](const auto& reached) {
     int low = 0;
     int high = count;
     while (low < high) {
       const int middle = (low + high) / 2;
-      if (reached(window(middle)))
+      if (reached(window(row, middle)))
         high = middle;
       else
         low = middle + 1;
@@ -358,14 +350,6 @@ RingWeights::Range RingWeights::range_of(int count, const Clip& clip, const Wind
   const int first = first_where([&](const RingWindow& here) { return here.first_ring + here.rings > clip.first; });
   const int end = first_where([&](const RingWindow& here) { return here.first_ring >= clip.end; });
   return {first, std::max(first, end)};
-}
-
-RingWeights::Range RingWeights::side_range(int row, const Clip& clip) const {
-  return range_of(texels_, clip, [&](int column) { return side_window(row, column); });
-}
-
-RingWeights::Range RingWeights::top_range(int row, const Clip& clip) const {
-  return range_of(row + 1, clip, [&](int column) { return top_window(row, column); });
 }
 
 /// Marks where runs of columns begin and, by less, where they end.
@@ -395,14 +379,9 @@ void RingWeights::count(int band, std::uint32_t* counts) const {
   const int rings = first_ring(band + 1) - first_ring(band);
   std::vector<int> marks(static_cast<std::size_t>(rings) * static_cast<std::size_t>(width + 1));
   for (int row = 0; row < 2 * texels_; ++row) {
-    const bool top = row >= texels_;
-    const int line = top ? row - texels_ : row;
-    const Range range = top ? top_range(line, clip) : side_range(line, clip);
-    for (int column = range.first; column < range.end; ++column) {
-      mark_texel(top ? top_window(line, column) : side_window(line, column),
-                 texel_rows_[static_cast<std::size_t>(row)].record + static_cast<std::size_t>(column), clip,
-                 first_ring(band), marks.data());
-    }
+    const Range range = range_of(row, clip);
+    for (int column = range.first; column < range.end; ++column)
+      mark_texel(window(row, column), record_of(row, column), clip, first_ring(band), marks.data());
   }
   const int* mark = marks.data();
   for (int ring = 0; ring < rings; ++ring, ++mark) {
@@ -411,100 +390,92 @@ void RingWeights::count(int band, std::uint32_t* counts) const {
   }
 }
 
-WeighedTexel RingWeights::texel(const RingWindow& window, const Clip& clip, std::uint32_t record) const noexcept {
-  return {window, clip.first, clip.end, {}, 0, record, image_bits_[record], first_images_[record]};
+WeighedTexel RingWeights::texel(int row, int column, const Clip& clip) const noexcept {
+  const std::uint32_t record = record_of(row, column);
+  return {window(row, column), clip.first, clip.end, {}, 0, record, image_bits_[record], first_images_[record]};
 }
 
-void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const {
-  EdgeLine& side = workspace.side;
+/// Calls `weigh` with each row of a face that has texels in the clip, after `find` with the lines below it and above it
+/// and the edges of theirs that this row or the one beyond takes.
+template <class Find, class Weigh>
+void RingWeights::walk(int first_row, const Clip& clip, const Find& find, const Weigh& weigh) const {
   Range before{0, 0};
   int ready = -1;  // the line whose rings are known
-  Range here = side_range(0, clip);
+  Range here = range_of(first_row, clip);
   for (int row = 0; row < texels_; ++row) {
-    const Range after = row + 1 < texels_ ? side_range(row + 1, clip) : Range{0, 0};
+    const Range after = row + 1 < texels_ ? range_of(first_row + row + 1, clip) : Range{0, 0};
     if (here.first < here.end) {
-      const auto find = [&](int line, const Range& one, const Range& other) {
+      const auto find_for = [&](int line, const Range& one, const Range& other) {
         const bool both = one.first < one.end && other.first < other.end;
-        const Range range{both ? std::min(one.first, other.first) : here.first,
-                          both ? std::max(one.end, other.end) : here.end};
-        workspace.lines[line % 2].find_rings(side, range.first, range.end, lines_[static_cast<std::size_t>(line)]);
+        find(line, Range{both ? std::min(one.first, other.first) : here.first,
+                         both ? std::max(one.end, other.end) : here.end});
       };
-      if (ready != row) find(row, before, here);
-      find(row + 1, here, after);
+      if (ready != row) find_for(row, before, here);
+      find_for(row + 1, here, after);
       ready = row + 1;
-      const RingEdges lower = workspace.lines[row % 2].edges(side);
-      const RingEdges upper = workspace.lines[(row + 1) % 2].edges(side);
-      for (int column = here.first; column < here.end; ++column) {
-        const std::uint32_t record =
-            texel_rows_[static_cast<std::size_t>(row)].record + static_cast<std::uint32_t>(column);
-        WeighedTexel weighed = texel(side_window(row, column), clip, record);
-        const std::uint32_t first = side.first_part(column);
-        const std::uint32_t end = side.first_part(column + 1);
-        weighed.edges[weighed.edge_count++] = {&lower, first, end, false};
-        weighed.edges[weighed.edge_count++] = {&upper, first, end, true};
-        kernels_.weigh_texel(weighed, band, workspace.block.data());
-      }
+      weigh(row, here);
     }
     before = here;
     here = after;
   }
+}
+
+void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const {
+  EdgeLine& side = workspace.side;
+  const auto find = [&](int line, const Range& range) {
+    workspace.lines[line % 2].find_rings(side, range.first, range.end, lines_[static_cast<std::size_t>(line)]);
+  };
+  walk(0, clip, find, [&](int row, const Range& here) {
+    const RingEdges lower = workspace.lines[row % 2].edges(side);
+    const RingEdges upper = workspace.lines[(row + 1) % 2].edges(side);
+    for (int column = here.first; column < here.end; ++column) {
+      WeighedTexel weighed = texel(row, column, clip);
+      const std::uint32_t first = side.first_part(column);
+      const std::uint32_t end = side.first_part(column + 1);
+      weighed.edges[weighed.edge_count++] = {&lower, first, end, false};
+      weighed.edges[weighed.edge_count++] = {&upper, first, end, true};
+      kernels_.weigh_texel(weighed, band, workspace.block.data());
+    }
+  });
 }
 
 void RingWeights::weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   constexpr double kHeight = 1.0;
   EdgeLine& steps = workspace.steps;
-  Range before{0, 0};
-  int ready = -1;
-  Range here = top_range(0, clip);
-  for (int row = 0; row < texels_; ++row) {
-    const Range after = row + 1 < texels_ ? top_range(row + 1, clip) : Range{0, 0};
-    if (here.first < here.end) {
-      // A line has edges up to the diagonal.
-      const auto find = [&](int line, const Range& one, const Range& other) {
-        const bool both = one.first < one.end && other.first < other.end;
-        const Range range{both ? std::min(one.first, other.first) : here.first,
-                          std::min(line, both ? std::max(one.end, other.end) : here.end)};
-        EdgeLine& edges = workspace.lines[line % 2];
-        for (int k = range.first; k < range.end; ++k) {
-          const auto at = static_cast<std::size_t>(k);
-          edges.edge(k) = {lines_[static_cast<std::size_t>(line)], lines_[at], lines_[at + 1]};
-        }
-        edges.cut(range.first, range.end, kHeight, false);
-        edges.find_rings(edges, range.first, range.end, kHeight);
+  const auto cut = [&](EdgeLine& edges, int first, int end, bool mirrored, const auto& edge_of) {
+    for (int k = first; k < end; ++k) edges.edge(k) = edge_of(static_cast<std::size_t>(k));
+    edges.cut(first, end, kHeight, mirrored);
+    edges.find_rings(edges, first, end, kHeight);
+  };
+  const auto find = [&](int line, const Range& range) {
+    const double distance = lines_[static_cast<std::size_t>(line)];
+    // A line has edges up to the diagonal.
+    cut(workspace.lines[line % 2], range.first, std::min(line, range.end), false, [&](std::size_t k) {
+      return EdgeLine::Edge{distance, lines_[k], lines_[k + 1]};
+    });
+  };
+  walk(texels_, clip, find, [&](int row, const Range& here) {
+    const auto at = static_cast<std::size_t>(row);
+    cut(steps, std::max(1, here.first), std::min(row, here.end) + 1, true, [&](std::size_t k) {
+      return EdgeLine::Edge{lines_[k], lines_[at], lines_[at + 1]};
+    });
+    const EdgeLine& near_line = workspace.lines[row % 2];
+    const EdgeLine& far_line = workspace.lines[(row + 1) % 2];
+    const RingEdges near_edges = near_line.edges(near_line);
+    const RingEdges far_edges = far_line.edges(far_line);
+    const RingEdges step_edges = steps.edges(steps);
+    for (int column = here.first; column < here.end; ++column) {
+      WeighedTexel weighed = texel(texels_ + row, column, clip);
+      const auto add = [&](const RingEdges& edges, const EdgeLine& line, int edge, bool inner) {
+        weighed.edges[weighed.edge_count++] = {&edges, line.first_part(edge), line.first_part(edge + 1), inner};
       };
-      if (ready != row) find(row, before, here);
-      find(row + 1, here, after);
-      ready = row + 1;
-      const int first_step = std::max(1, here.first);
-      const int end_step = std::min(row, here.end) + 1;
-      for (int k = first_step; k < end_step; ++k) {
-        const auto at = static_cast<std::size_t>(row);
-        steps.edge(k) = {lines_[static_cast<std::size_t>(k)], lines_[at], lines_[at + 1]};
-      }
-      steps.cut(first_step, end_step, kHeight, true);
-      steps.find_rings(steps, first_step, end_step, kHeight);
-      const EdgeLine& near_line = workspace.lines[row % 2];
-      const EdgeLine& far_line = workspace.lines[(row + 1) % 2];
-      const RingEdges near_edges = near_line.edges(near_line);
-      const RingEdges far_edges = far_line.edges(far_line);
-      const RingEdges step_edges = steps.edges(steps);
-      for (int column = here.first; column < here.end; ++column) {
-        const std::uint32_t record =
-            texel_rows_[static_cast<std::size_t>(texels_ + row)].record + static_cast<std::uint32_t>(column);
-        WeighedTexel weighed = texel(top_window(row, column), clip, record);
-        const auto add = [&](const RingEdges& edges, const EdgeLine& line, int edge, bool inner) {
-          weighed.edges[weighed.edge_count++] = {&edges, line.first_part(edge), line.first_part(edge + 1), inner};
-        };
-        add(far_edges, far_line, column, false);
-        if (column < row) add(step_edges, steps, column + 1, false);
-        if (column < row) add(near_edges, near_line, column, true);
-        if (column > 0) add(step_edges, steps, column, true);
-        kernels_.weigh_texel(weighed, band, workspace.block.data());
-      }
+      add(far_edges, far_line, column, false);
+      if (column < row) add(step_edges, steps, column + 1, false);
+      if (column < row) add(near_edges, near_line, column, true);
+      if (column > 0) add(step_edges, steps, column, true);
+      kernels_.weigh_texel(weighed, band, workspace.block.data());
     }
-    before = here;
-    here = after;
-  }
+  });
 }
 
 void RingWeights::weigh(int band, std::uint32_t* next, RingTap* taps) const {

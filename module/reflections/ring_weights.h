@@ -76,18 +76,19 @@ class RingWeights {
   void find_angles(const double* y, const double* x, int count, double* angles) const;
   void find_corners();
   void find_images();
-  [[nodiscard]] RingWindow side_window(int row, int column) const noexcept;
-  [[nodiscard]] RingWindow top_window(int row, int column) const noexcept;
+  [[nodiscard]] RingWindow window(int row, int column) const noexcept;
+  [[nodiscard]] std::uint32_t record_of(int row, int column) const noexcept {
+    return texel_rows_[static_cast<std::size_t>(row)].record + static_cast<std::uint32_t>(column);
+  }
   [[nodiscard]] std::uint32_t images_of(const RingWindow& window) const noexcept;
   [[nodiscard]] Clip clip_of(int band) const noexcept;
-  template <class Window>
-  [[nodiscard]] static Range range_of(int count, const Clip& clip, const Window& window);
-  [[nodiscard]] Range side_range(int row, const Clip& clip) const;
-  [[nodiscard]] Range top_range(int row, const Clip& clip) const;
+  [[nodiscard]] Range range_of(int row, const Clip& clip) const;
   void mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring, int* marks) const;
   void weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const;
   void weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const;
-  [[nodiscard]] WeighedTexel texel(const RingWindow& window, const Clip& clip, std::uint32_t record) const noexcept;
+  [[nodiscard]] WeighedTexel texel(int row, int column, const Clip& clip) const noexcept;
+  template <class Find, class Weigh>
+  void walk(int first_row, const Clip& clip, const Find& find, const Weigh& weigh) const;
 
   int texels_;  ///< of half a face's edge; the first one of an odd face is a half
   int rows_;

@@ -290,11 +290,10 @@ void run_fourier_pass(const FourierPass& pass, const float* in, float* out) {
   }
 }
 
-void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors, bool conjugate, int count,
-                      float* out) {
+void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors, int count, float* out) {
   for (int k = 0; k < count; ++k) {
     const float* const from = in + step * k;
-    const Complex factor = {Lanes(factors[2 * k]), Lanes(conjugate ? -factors[2 * k + 1] : factors[2 * k + 1])};
+    const Complex factor = {Lanes(factors[2 * k]), Lanes(factors[2 * k + 1])};
     for (int part = 0; part < kRingLanes; part += kWidth) {
       store(times(load(from + part), factor), out + std::ptrdiff_t{kComplexFloats} * k + part);
     }

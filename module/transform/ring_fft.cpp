@@ -144,17 +144,17 @@ float* RingFourier::transform(const FourierKernels& kernels, float* values, floa
   }
   const int padded = convolution_->length();
   float* const second = scratch + convolution_->scratch_floats();
-  kernels.multiply_complex(values, kComplexFloats, chirp_.data(), false, length_, scratch);
+  kernels.multiply_complex(values, kComplexFloats, chirp_.data(), length_, scratch);
   std::fill(scratch + std::ptrdiff_t{kComplexFloats} * length_, scratch + std::ptrdiff_t{kComplexFloats} * padded,
             0.0F);
   float* const spectrum = convolution_->transform(kernels, scratch, second);
   float* const other = spectrum == scratch ? second : scratch;
-  kernels.multiply_complex(spectrum, kComplexFloats, chirp_spectrum_.data(), false, padded, spectrum);
+  kernels.multiply_complex(spectrum, kComplexFloats, chirp_spectrum_.data(), padded, spectrum);
   // The inverse transform is the forward one read backwards.
   float* const result = convolution_->transform(kernels, spectrum, other);
-  kernels.multiply_complex(result, 0, chirp_.data(), false, 1, values);
+  kernels.multiply_complex(result, 0, chirp_.data(), 1, values);
   kernels.multiply_complex(result + std::ptrdiff_t{kComplexFloats} * (padded - 1), -kComplexFloats, chirp_.data() + 2,
-                           false, length_ - 1, values + kComplexFloats);
+                           length_ - 1, values + kComplexFloats);
   return values;
 }
 

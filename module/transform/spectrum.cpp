@@ -50,6 +50,17 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// Calls `use(m, worker)` for all orders, in tiles of equal work: a low order and a high one together.
+template <class Use>
+void run_orders(int bands, jobs::Placement placement, std::size_t workers, const Control& control, const Use& use) {
+  jobs::run_tiles(static_cast<std::size_t>((bands + 1) / 2), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int m = static_cast<int>(tile);
+                    use(m, worker);
+                    if (bands - 1 - m != m) use(bands - 1 - m, worker);
+                  });
+}
+
 /// What the Fourier stage needs for one group of rings.
 struct RowScratch {
   RowScratch(int width, const RingFourier& fourier)
@@ -209,13 +220,8 @@ Spectrum Analysis::run(const Control& control) {
   const std::size_t workers = jobs::worker_count(placement);
   std::vector<AnalysisScratch> rooms;
   for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_);
-  // A low order and a high one together: tiles of equal work.
-  jobs::run_tiles(static_cast<std::size_t>((bands_ + 1) / 2), placement, workers, jobs::part_of(control, 0.4, 1.0),
-                  [&](std::size_t tile, std::size_t worker) {
-                    const int m = static_cast<int>(tile);
-                    sum_order(m, rooms[worker]);
-                    if (bands_ - 1 - m != m) sum_order(bands_ - 1 - m, rooms[worker]);
-                  });
+  run_orders(bands_, placement, workers, jobs::part_of(control, 0.4, 1.0),
+             [&](int m, std::size_t worker) { sum_order(m, rooms[worker]); });
   return std::move(spectrum_);
 }
 
@@ -420,13 +426,8 @@ void Synthesis::run(const Control& control) {
   {
     std::vector<SynthesisScratch> rooms;
     for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_, groups_);
-    // A low order and a high one together: tiles of equal work.
-    jobs::run_tiles(static_cast<std::size_t>((bands_ + 1) / 2), placement, workers, jobs::part_of(control, 0.0, 0.6),
-                    [&](std::size_t tile, std::size_t worker) {
-                      const int m = static_cast<int>(tile);
-                      sum_order(m, rooms[worker]);
-                      if (bands_ - 1 - m != m) sum_order(bands_ - 1 - m, rooms[worker]);
-                    });
+    run_orders(bands_, placement, workers, jobs::part_of(control, 0.0, 0.6),
+               [&](int m, std::size_t worker) { sum_order(m, rooms[worker]); });
   }
   std::vector<RingScratch> rooms;
   for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(grid_.columns(), *fourier_);

@@ -49,9 +49,8 @@ struct FourierPass {
 };
 using RunFourierPass = void (*)(const FourierPass& pass, const float* in, float* out);
 
-/// out[k] = factors[k] in[k step] for k < count: complex, the factor the same in all lanes; conjugated on request.
-using MultiplyComplex = void (*)(const float* in, std::ptrdiff_t step, const float* factors, bool conjugate, int count,
-                                 float* out);
+/// out[k] = factors[k] in[k step] for k < count: complex, the factor the same in all lanes.
+using MultiplyComplex = void (*)(const float* in, std::ptrdiff_t step, const float* factors, int count, float* out);
 
 /// Parts the transform z of length `width` of (even + i odd), both real, for one channel's column numbers of orders
 /// m < orders, doubled: column[m] = (z[m] + conj z[-m], (z[m] - conj z[-m]) / i), indices modulo width. Order m's

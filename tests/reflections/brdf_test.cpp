@@ -86,8 +86,8 @@ TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf][tru
 }
 
 TEST_CASE("Twice the nodes change no albedo by 1e-5", "[brdf]") {
-  const auto dense_ggx = reflections::AlbedoQuadrature::even({20, 20, 32});
-  const auto dense_sheen = reflections::AlbedoQuadrature::thinning({28, 16, 32});
+  const reflections::AlbedoQuadrature dense_ggx({20, 20, 32}, reflections::AlbedoQuadrature::Radii::even);
+  const reflections::AlbedoQuadrature dense_sheen({28, 16, 32}, reflections::AlbedoQuadrature::Radii::thinning);
   const reflections::AlbedoRules rules;
   for (int row = 0; row < 97; ++row) {
     const double roughness = (row + 0.5) / 97.0 * (row % 3 == 0 ? 0.3 : 1.0);
@@ -110,8 +110,8 @@ TEST_CASE("Twice the nodes change no albedo by 1e-5", "[brdf]") {
 }
 
 TEST_CASE("BRDF tables of any size are within 1e-5 of twice the nodes at each texel", "[brdf]") {
-  const auto dense_ggx = reflections::AlbedoQuadrature::even({20, 20, 32});
-  const auto dense_sheen = reflections::AlbedoQuadrature::thinning({28, 16, 32});
+  const reflections::AlbedoQuadrature dense_ggx({20, 20, 32}, reflections::AlbedoQuadrature::Radii::even);
+  const reflections::AlbedoQuadrature dense_sheen({28, 16, 32}, reflections::AlbedoQuadrature::Radii::thinning);
   for (const auto& [width, height] :
        std::vector<std::pair<int, int>>{{17, 16}, {33, 70}, {64, 64}, {256, 19}, {257, 40}, {4096, 3}, {20, 1024}}) {
     const auto table = brdf_table({width, height, BrdfModel::multiple_scattering, true});
