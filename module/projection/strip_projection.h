@@ -1,9 +1,8 @@
 // The projection of large faces to three bands, strip by strip.
 //
-// A strip is 16 rows at the top of a face and the 16 mirrored ones at the bottom, and a segment of at most 512 columns
+// A strip is 16 rows at the top of a face and the 16 mirrored ones at the bottom, and a segment of at most 256 columns
 // at the left with the mirrored ones at the right: a tile is one of those on all faces. Its pixels are read once, as
-// they lie, for a few moments of their columns (SumStrip); the moments are folded into symmetry classes and multiplied
-// with their weights (SumMoments), which are computed once a tile.
+// they lie (SumStrips), and its weights computed once for all faces.
 //
 // Pixels that a policy changes, and formats that the kernels do not read, take the same way by rows of floats.
 #pragma once
@@ -39,7 +38,6 @@ class StripProjection {
    private:
     friend class StripProjection;
     platform::AlignedBuffer<float> floats_;
-    const float* weights_ = nullptr;  ///< of the tile that was summed last
     platform::AlignedBuffer<double> doubles_;
   };
 
@@ -49,7 +47,7 @@ class StripProjection {
   [[nodiscard]] std::span<const double> face_sums(int index, int face, Scratch& scratch, SanitizeRecord& record) const;
 
  private:
-  /// A strip's segment; and one of its four mirrored pieces, in the order of StripMoments.
+  /// A strip's segment; and one of its four mirrored pieces.
   struct Tile {
     int strip;
     int first_column;
@@ -60,26 +58,25 @@ class StripProjection {
     bool right;
   };
 
+  [[nodiscard]] SumStrips sum_strips(StripFormat format) const noexcept;
   [[nodiscard]] Tile tile_at(int index) const noexcept;
   [[nodiscard]] int first_column(const Tile& tile, const Piece& piece) const noexcept;
   [[nodiscard]] int row_of(const Tile& tile, const Piece& piece, int index) const noexcept;
   [[nodiscard]] const std::byte* texel(int face, int row, int column) const noexcept;
   [[nodiscard]] StripRows rows_in_place(const Tile& tile, int face, const Piece& piece) const noexcept;
-  [[nodiscard]] FetchList lines_of(const Tile& tile, int face) const noexcept;
-  [[nodiscard]] FetchList lines_after(int tile, std::size_t at) const noexcept;
-  void sum_piece(SumStrip sum, const StripRows& rows, const Tile& tile, int piece, FetchList& fetch, int lines,
-                 float* moments, Scratch& scratch) const;
-  void decode_and_sanitize(const Tile& tile, int face, const Piece& piece, Scratch& scratch,
-                           SanitizeRecord& record) const;
+  template <class RowsOf>
+  void sum_pieces(SumStrips sum, const Tile& tile, int face, const RowsOf& rows_of, Scratch& scratch) const;
+  [[nodiscard]] StripRows decode_and_sanitize(const Tile& tile, int face, const Piece& piece, Scratch& scratch,
+                                              SanitizeRecord& record) const;
   void sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb, SanitizeRecord& record) const;
   void sum_sanitized(const Tile& tile, int face, Scratch& scratch, SanitizeRecord& record) const;
   void sum_in_double(const Tile& tile, int face, Scratch& scratch) const;
 
   // Parts of the scratch.
-  [[nodiscard]] static float* room(Scratch& scratch) noexcept;  ///< of a tile's weights that are not kept
-  [[nodiscard]] float* face_moments(Scratch& scratch, int index) const noexcept;
-  [[nodiscard]] float* spare(Scratch& scratch) const noexcept;  ///< of rows of weights, or of moments to be reversed
-  [[nodiscard]] float* decoded(Scratch& scratch) const noexcept;
+  [[nodiscard]] static float* weights(Scratch& scratch) noexcept;
+  [[nodiscard]] float* weight_rows(Scratch& scratch) const noexcept;
+  [[nodiscard]] float* decoded(Scratch& scratch, const Piece& piece) const noexcept;
+  [[nodiscard]] float* room(Scratch& scratch) const noexcept;  ///< of the kernel
   [[nodiscard]] static double* lanes(Scratch& scratch, int face) noexcept;
   [[nodiscard]] static double* totals(Scratch& scratch) noexcept;
 
@@ -91,11 +88,8 @@ class StripProjection {
   std::ptrdiff_t texel_bytes_;
   std::ptrdiff_t row_bytes_;
   StripWeights strip_weights_;
-  int moments_;
-  const StripKernels& kernels_;
-  SumStrip sum_decoded_;
-  SumStrip sum_direct_ = nullptr;  ///< null: no texel is taken as it lies
-  int lines_a_step_ = 0;
+  SumStrips sum_decoded_;
+  SumStrips sum_direct_ = nullptr;  ///< null: no texel is taken as it lies
 };
 
 }  // namespace welkin::projection

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "image/image_kernels.h"
-#include "math/table_cache.h"
-#include "platform/memory.h"
 
 namespace welkin::projection {
 namespace {
@@ -66,31 +64,6 @@ void round_even(const double* factors, const int* counts, int size, double const
 
 }  // namespace
 
-/// The weights of all strips of a face, one after the other. (At 256 they are 13 % as many bytes as the pixels, and
-/// read in a third of the time that computing them takes. At 512 2.2 MB come from the third-level cache, and a
-/// projection takes a fifth to a quarter longer.)
-class StripWeights::Kept {
- public:
-  explicit Kept(std::size_t count) : floats(count) {}
-  [[nodiscard]] std::size_t bytes() const noexcept { return floats.bytes() + sizeof *this; }
-
-  platform::AlignedBuffer<float> floats;
-};
-
-namespace {
-
-constexpr int kLargestKept = 256;
-constexpr std::size_t kCacheBytes = std::size_t{2} << 20U;  // exact and midpoint, 0.7 MB each
-
-struct KeptKey {
-  int size;
-  bool midpoint;
-
-  bool operator==(const KeptKey&) const = default;
-};
-
-}  // namespace
-
 bool StripWeights::serve(int size) noexcept { return size >= kSmallestFace && size % (2 * kStripRows) == 0; }
 
 int StripWeights::moments_for(int size) noexcept { return size >= 1024 ? 4 : size >= 512 ? 5 : 6; }
@@ -124,45 +97,25 @@ StripWeights::StripWeights(int size, bool midpoint, const int* weight_rows)
     }
     round_even(factors, counts, evens, j == 0 ? 1.0 : 0.0, matrix_.even[j]);
   }
-  if (size > kLargestKept) return;
-  static auto& cache = *new math::TableCache<KeptKey, Kept>(kCacheBytes);  // never destroyed
-  kept_ = cache.get({size, midpoint}, [this] { return compute_all(); });
 }
 
-std::shared_ptr<const StripWeights::Kept> StripWeights::compute_all() const {
-  const int positions = size_ / 2;
-  const int strips = positions / kStripRows;
-  auto all = std::make_shared<Kept>(static_cast<std::size_t>(strips) * size(positions));
-  platform::AlignedBuffer<float> scratch(scratch_size(positions));
-  for (int strip = 0; strip < strips; ++strip) {
-    fill(strip, 0, positions, all->floats.data() + static_cast<std::size_t>(strip) * size(positions), scratch.data());
-  }
-  return all;
+std::size_t StripWeights::size(int columns) const noexcept {
+  return static_cast<std::size_t>(3 * kStripFunctions * moments() * columns);
 }
 
-const float* StripWeights::at(int strip, int first_column, int positions, float* room, float* scratch) const noexcept {
-  if (kept_) return kept_->floats.data() + static_cast<std::size_t>(strip) * size(size_ / 2) + size(first_column);
-  fill(strip, first_column, positions, room, scratch);
-  return room;
+std::size_t StripWeights::scratch_size(int columns) const noexcept {
+  return static_cast<std::size_t>(kStripFunctions * moments() * columns);
 }
 
-std::size_t StripWeights::size(int positions) const noexcept {
-  return static_cast<std::size_t>(3 * kStripFunctions * moments() * positions);
-}
-
-std::size_t StripWeights::scratch_size(int positions) const noexcept {
-  return static_cast<std::size_t>(kStripFunctions * moments() * positions);
-}
-
-void StripWeights::fill(int strip, int first_column, int positions, float* weights, float* scratch) const noexcept {
+void StripWeights::fill(int strip, int first_column, int columns, float* weights, float* scratch) const noexcept {
   constexpr int kBands = 3;
   const int above_middle = strip * kStripRows + kStripRows / 2 - 1;
   for (int k = 0; k < moments(); ++k) {
     image::texel_kernels().expand_texels(
-        {size_, above_middle, first_column, positions, kBands, midpoint_, 0.5 + rows_[k]}, weight_rows_,
-        scratch + std::ptrdiff_t{kStripFunctions} * positions * k, positions);
+        {size_, above_middle, first_column, columns, kBands, midpoint_, 0.5 + rows_[k]}, weight_rows_,
+        scratch + std::ptrdiff_t{kStripFunctions} * columns * k, columns);
   }
-  strip_kernels().weigh_moments(matrix_, scratch, positions, positions / simd::kLanes, weights);
+  strip_kernels().weigh_moments(matrix_, scratch, columns, columns / simd::kLanes, weights);
 }
 
 }  // namespace welkin::projection

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 
 #include "projection/strip_kernels.h"
 
@@ -18,33 +17,25 @@ class StripWeights {
   [[nodiscard]] static bool serve(int size) noexcept;
   [[nodiscard]] static int moments_for(int size) noexcept;
 
-  /// `weight_rows`: as `TexelWeights::weight_rows`; it must stay. The weights of faces of 256 texels are looked up, or
-  /// all computed here if they are used for the first time.
+  /// `weight_rows`: as `TexelWeights::weight_rows`; it must stay.
   StripWeights(int size, bool midpoint, const int* weight_rows);
 
   [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
 
-  /// How many floats `fill` writes, and how many it needs besides, for a number of positions.
-  [[nodiscard]] std::size_t size(int positions) const noexcept;
-  [[nodiscard]] std::size_t scratch_size(int positions) const noexcept;
+  /// How many floats `fill` writes, and how many it needs besides, for a number of columns.
+  [[nodiscard]] std::size_t size(int columns) const noexcept;
+  [[nodiscard]] std::size_t scratch_size(int columns) const noexcept;
 
-  /// The weights of `positions` positions (a multiple of 16) from a column on, as `WeighMoments` says.
-  void fill(int strip, int first_column, int positions, float* weights, float* scratch) const noexcept;
-
-  /// The same weights where they are kept, or else filled into `room`, which has `room_size` floats.
-  [[nodiscard]] const float* at(int strip, int first_column, int positions, float* room, float* scratch) const noexcept;
-  [[nodiscard]] std::size_t room_size(int positions) const noexcept { return kept_ ? 0 : size(positions); }
+  /// The weights of `columns` columns (a multiple of 16) from one on, left of the face's middle, as `SumStrips` reads
+  /// them.
+  void fill(int strip, int first_column, int columns, float* weights, float* scratch) const noexcept;
 
  private:
-  class Kept;
-  [[nodiscard]] std::shared_ptr<const Kept> compute_all() const;
-
   int size_;
   bool midpoint_;
   const int* weight_rows_;
   MomentsFromRows matrix_{};
-  double rows_[kMostMoments] = {};    ///< where weights are computed, from the strip's middle
-  std::shared_ptr<const Kept> kept_;  ///< all of a face's weights, or null
+  double rows_[kMostMoments] = {};  ///< where weights are computed, from the strip's middle
 };
 
 }  // namespace welkin::projection

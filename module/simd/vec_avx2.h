@@ -122,6 +122,26 @@ WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
   _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7)));
 }
 
+/// 16 texels of packed RGB in the reversed order: of eight, which are floats 0 to 23, 21 22 23 18 19 20 15 16,
+/// 17 12 13 14 9 10 11 6 and 7 8 3 4 5 0 1 2.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
+  for (int k = 0; k < 3 * kLanes; k += 24) {
+    const __m256 a = _mm256_load_ps(texels + k);
+    const __m256 b = _mm256_load_ps(texels + k + 8);
+    const __m256 c = _mm256_load_ps(texels + k + 16);
+    float* const to = reversed + 3 * kLanes - 24 - k;
+    const __m256 ends = _mm256_permutevar8x32_ps(b, _mm256_setr_epi32(0, 0, 0, 0, 0, 0, 7, 7));
+    const __m256 from_c = _mm256_permutevar8x32_ps(c, _mm256_setr_epi32(5, 6, 7, 2, 3, 4, 0, 0));
+    const __m256 from_a = _mm256_permutevar8x32_ps(a, _mm256_setr_epi32(7, 7, 3, 4, 5, 0, 1, 2));
+    const __m256 from_b = _mm256_permutevar8x32_ps(b, _mm256_setr_epi32(4, 4, 5, 6, 1, 2, 3, 3));
+    const __m256 others =
+        _mm256_permutevar8x32_ps(_mm256_blend_ps(a, c, 0x02), _mm256_setr_epi32(1, 1, 1, 1, 6, 6, 6, 6));
+    _mm256_store_ps(to, _mm256_blend_ps(from_c, ends, 0x40));
+    _mm256_store_ps(to + 8, _mm256_blend_ps(from_b, others, 0x81));
+    _mm256_store_ps(to + 16, _mm256_blend_ps(from_a, ends, 0x02));
+  }
+}
+
 /// 16 bytes as whole numbers.
 WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
   return {Integers(_mm256_cvtepu8_epi32(bytes)), Integers(_mm256_cvtepu8_epi32(_mm_srli_si128(bytes, 8)))};

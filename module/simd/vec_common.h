@@ -43,20 +43,8 @@ WELKIN_INLINE void fetch_line(const char* address, int line) {
   WELKIN_FETCH(reinterpret_cast<const char*>(place));  // NOLINT(performance-no-int-to-ptr): see above
 }
 
-/// The same into the second-level cache only, for what is read in a while and in more pieces at once than the first one
-/// has ways.
-WELKIN_INLINE void fetch_line_early(const char* address) { WELKIN_FETCH_SECOND_LEVEL(address); }
-
-// Where AVX-512 has instructions of its own for it (vec_avx512.h), the others have none.
+// AVX-512 has another (vec_avx512.h).
 #ifndef __AVX512F__
-
-/// 16 texels of packed RGB in the reversed order.
-WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
-  for (int k = 0; k < kLanes; ++k) {
-    const float* const from = texels + 3 * (kLanes - 1 - k);
-    for (int c = 0; c < 3; ++c) reversed[3 * k + c] = from[c];
-  }
-}
 
 /// Adds.
 struct Adder {

@@ -138,6 +138,14 @@ WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
 /// The first three of four lanes; what follows them is overwritten too.
 WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) { vst1q_f32(packed, values); }
 
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
+  for (int k = 0; k < kLanes; ++k) {
+    const float* const from = texels + 3 * (kLanes - 1 - k);
+    for (int c = 0; c < 3; ++c) reversed[3 * k + c] = from[c];
+  }
+}
+
 /// 16 bytes.
 using Bytes = uint8x16_t;
 

@@ -120,6 +120,23 @@ WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
 /// The first three of four lanes; what follows them is overwritten too.
 WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) { _mm_storeu_ps(packed, values); }
 
+/// 16 texels of packed RGB in the reversed order: of four, which are floats 0 to 11, 9 10 11 6, 7 8 3 4 and 5 0 1 2.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
+  for (int k = 0; k < 3 * kLanes; k += 12) {
+    const __m128 a = _mm_load_ps(texels + k);
+    const __m128 b = _mm_load_ps(texels + k + 4);
+    const __m128 c = _mm_load_ps(texels + k + 8);
+    float* const to = reversed + 3 * kLanes - 12 - k;
+    const __m128 last = _mm_shuffle_ps(c, b, _MM_SHUFFLE(2, 2, 3, 3));
+    _mm_store_ps(to, _mm_shuffle_ps(c, last, _MM_SHUFFLE(2, 0, 2, 1)));
+    const __m128 left = _mm_shuffle_ps(b, c, _MM_SHUFFLE(0, 0, 3, 3));
+    const __m128 right = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 3, 3));
+    _mm_store_ps(to + 4, _mm_shuffle_ps(left, right, _MM_SHUFFLE(2, 0, 2, 0)));
+    const __m128 first = _mm_shuffle_ps(b, a, _MM_SHUFFLE(0, 0, 1, 1));
+    _mm_store_ps(to + 8, _mm_shuffle_ps(first, a, _MM_SHUFFLE(2, 1, 2, 0)));
+  }
+}
+
 /// 16 bytes as whole numbers.
 WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
   const __m128i zero = _mm_setzero_si128();
