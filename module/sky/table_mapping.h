@@ -68,6 +68,7 @@ struct SunTerms {
   double width;          ///< w
   double centre;         ///< c
   double sunset_lowest;  ///< s(lowest)
+  double zenith;         ///< z
 };
 
 /// Coefficients of q; sines of the sun's elevation.
