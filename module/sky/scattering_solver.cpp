@@ -23,6 +23,7 @@ constexpr int kPhaseNodes = 513;
 constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
 constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
+constexpr double kHighestSun = 0.99985;  // of one in the zenith no azimuth matters: 1 degree from there
 constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are followed along
 
 // Of what orders beyond the last one add.
@@ -73,7 +74,8 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
 void SourceSolver::set_rules() {
   const int bands = bands_;
   for (int k = 0; k < shape_.suns; ++k) {
-    sun_cosines_.push_back(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
+    sun_cosines_.push_back(
+        std::min(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)), kHighestSun));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
   }
   legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
@@ -97,21 +99,30 @@ void SourceSolver::set_rules() {
   set_azimuths(shape_.azimuths);
   source_legendre_.resize(index(shape_.zeniths) * pair_count(bands));
   for (int z = 0; z < shape_.zeniths; ++z) {
-    const double cosine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).cosine;
+    const double turns = std::clamp(0.5 * z / (shape_.zeniths - 1), 0.5 / 180.0, 0.5 - 0.5 / 180.0);
+    const double cosine = math::sine_cosine_of_turns(turns).cosine;
+    const double sine = math::sine_cosine_of_turns(turns).sine;
     even_legendre(bands, cosine, source_legendre_.data() + index(z) * pair_count(bands));
-    const double sine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).sine;
     for (int a = 0; a < shape_.angles; ++a) {
-      const double nu = math::sine_cosine_of_turns(0.5 * a / (shape_.angles - 1)).cosine;
+      const double angle = 180.0 * a / (shape_.angles - 1);
       for (std::size_t s = 0; s < index(shape_.suns); ++s) {
+        const double sun = std::acos(sun_cosines_[s]) * 180 / pi;
+        const double view = turns * 360;
+        const double least = std::abs(view - sun);
+        const double most = std::min(view + sun, 360 - view - sun);
+        const double at = std::clamp(angle, least, most);
+        const double mirror = std::clamp(2 * at - angle, least, most);
         const double sines = sine * sun_sines_[s];
-        // straight up, or the sun straight up: no azimuth matters
-        const double azimuth = sines > 1e-9 ? std::clamp((nu - cosine * sun_cosines_[s]) / sines, -1.0, 1.0) : 0.0;
-        source_azimuths_.push_back(static_cast<float>(azimuth));
+        const auto azimuth_of = [&](double degrees) {
+          return std::clamp((std::cos(degrees * pi / 180) - cosine * sun_cosines_[s]) / sines, -1.0, 1.0);
+        };
+        source_azimuths_.push_back(static_cast<float>(azimuth_of(at)));
+        source_mirrors_.push_back(static_cast<float>(azimuth_of(mirror)));
+        source_slopes_.push_back(at == angle || mirror == at ? 0.0F : static_cast<float>((angle - at) / (at - mirror)));
         if (!source_.glow.any()) continue;
-        // of the direction that the azimuth, an impossible one being the nearest, stands for
-        const double angle = std::clamp(cosine * sun_cosines_[s] + sines * azimuth, -1.0, 1.0);
         for (std::size_t c = 0; c < 3; ++c) {
-          inverse_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, angle)));
+          inverse_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, std::cos(at * pi / 180))));
+          inverse_mirror_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, std::cos(mirror * pi / 180))));
         }
       }
     }

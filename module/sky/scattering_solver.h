@@ -96,6 +96,7 @@ class SourceSolver {
   std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
   std::vector<double> ray_azimuths_;                         ///< cos phi
   std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
+  std::vector<float> source_mirrors_, source_slopes_, inverse_mirror_glow_;
   std::vector<float> inverse_glow_;                          ///< there: [zeniths][angles][suns][3]; none: no glow
   std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles: [spectra][nodes]
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]

@@ -178,10 +178,20 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
     for (int a = 0; a < shape_.angles; ++a) {
       const float* const azimuths =
           source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
-      kernels.sum_orders(worker.aerosol.data(), bands, azimuths,
-                         source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns));
+      float* const texels = source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns);
+      kernels.sum_orders(worker.aerosol.data(), bands, azimuths, texels);
+      float mirror[4 * kSunBlock];
+      const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
+      kernels.sum_orders(worker.aerosol.data(), bands, source_mirrors_.data() + first, mirror);
+      for (std::size_t s = 0; s < kSunBlock; ++s) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (source_.glow.any()) texels[4 * s + c] *= inverse_glow_[3 * (first + s) + c];
+          const float t = texels[4 * s + c];
+          const float m = mirror[4 * s + c] * (source_.glow.any() ? inverse_mirror_glow_[3 * (first + s) + c] : 1.0F);
+          texels[4 * s + c] = std::clamp(t + source_slopes_[first + s] * (t - m), 0.0F, 4.0F * t);
+        }
+      }
     }
-    if (source_.glow.any()) divide_by_glow(height, index(z), first_sun);
   }
 }
 
