@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstdio>
 #include <numbers>
 #include <span>
 
@@ -29,7 +31,46 @@ constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are foll
 // Of what orders beyond the last one add.
 constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths
 constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places
-constexpr double kLargestRatio = 0.7;    ///< that no guess is more than 2.4 times what it is made from, errors included
+constexpr int kMostRestOrders = 24;
+constexpr double kSettled = 2e-3;
+constexpr double kLargestRatio = 0.95;
+
+/// Light of order after order, of all places, at three wavelengths.
+class OrderSums {
+ public:
+  /// Returns what this order is of all before it; 1 of the first.
+  double add(const std::array<double, 3>& order) {
+    before_ = last_ratio_;
+    double sum = 0.0;
+    double all = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      last_ratio_[c] = order_[c] > 0.0 ? order[c] / order_[c] : 0.0;
+      sum += order[c];
+      all += all_[c];
+      all_[c] += order[c];
+    }
+    order_ = order;
+    return all > 0.0 ? sum / all : 1.0;
+  }
+
+  /// How far the sum of a geometric series may be wrong, as a share of all light, if its ratio changes once more by as
+  /// much as it did last.
+  [[nodiscard]] double doubt() const {
+    double most = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double left = 1.0 - std::min(last_ratio_[c], kLargestRatio);
+      const double change = std::abs(last_ratio_[c] - before_[c]);
+      if (all_[c] > 0.0) most = std::max(most, order_[c] / all_[c] * change / (left * left));
+    }
+    return most;
+  }
+
+ private:
+  std::array<double, 3> order_{};
+  std::array<double, 3> all_{};
+  std::array<double, 3> last_ratio_{};
+  std::array<double, 3> before_{};
+};
 
 }  // namespace
 
@@ -188,8 +229,10 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   const bool rest = options.rest && options.orders > 1;
   const int last = options.orders + (rest ? kRestOrders : 0);
   const double steps = 2.0 * last - 1.0;  // an order's rays, and between two orders the source
-  const auto part = [&](int step) { return jobs::part_of(control, step / steps, (step + 1) / steps); };
-  double all = 0.0;
+  // Orders that turn out to be needed beyond those halve what is left.
+  const auto done = [&](int step) { return step < steps ? step / steps : 1.0 - std::exp2(steps - 1.0 - step) / steps; };
+  const auto part = [&](int step) { return jobs::part_of(control, done(step), done(step + 1)); };
+  OrderSums sums;
   for (int order = 1; order <= options.orders; ++order) {
     if (order > 1) next_source(part(2 * order - 3));
     // Half of the azimuths carry them: errors below 2e-3, of the Earth 3e-4.
@@ -197,22 +240,24 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     march(order == 1, part(2 * order - 2));
     measure();
     add_order({}, {});
-    const double added = total_scattered();
     orders_ = order;
-    last_change_ = all > 0.0 ? added / all : (order == 1 ? 1.0 : 0.0);
-    all += added;
+    last_change_ = sums.add(scattered());
     if (order > 1 && last_change_ < options.until_change) break;
   }
-  for (int order = orders_ + 1; rest && order <= orders_ + kRestOrders; ++order) {
+  for (int order = orders_ + 1; rest; ++order) {
     next_source(part(2 * order - 3));
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
     set_azimuths(smooth_azimuths());
     march(false, part(2 * order - 2));
     measure();
-    const bool at_last = order == orders_ + kRestOrders;
+    sums.add(scattered());
+    const int followed = order - orders_;
+    const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && sums.doubt() < kSettled);
     add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
               at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
+    if (getenv("RATIO")) fprintf(stderr, "%d: doubt %.5f\n", order, sums.doubt());
+    if (at_last) break;
   }
   total_.set_steps();
   if (control.progress) control.progress(1.0);
@@ -244,7 +289,8 @@ std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& befo
   for (std::size_t i = 0; i < last.size(); ++i) {
     const std::size_t c = i / suns % 3;
     if (!(before[i] > 0.0 && sums_before[c] > 0.0) || sums[c] > kLargestRatio * sums_before[c]) continue;
-    const double most = std::min(kMostAboveMean * sums[c] / sums_before[c], kLargestRatio);
+    const double mean = sums[c] / sums_before[c];
+    const double most = std::min(kMostAboveMean * mean, 1.0 - 0.75 * (1.0 - mean));
     factors[i] = 1.0 / (1.0 - std::min(last[i] / before[i], most));
   }
   return factors;
@@ -401,10 +447,10 @@ void SourceSolver::each_height(const Work& work) const {
 }
 
 // Of all heights and suns alike.
-double SourceSolver::total_scattered() const noexcept {
-  double sum = 0.0;
-  for (const double value : scalar_) sum += value;
-  return sum;
+std::array<double, 3> SourceSolver::scattered() const noexcept {
+  std::array<double, 3> sums{};
+  for (std::size_t i = 0; i < scalar_.size(); ++i) sums[i / index(shape_.suns) % 3] += scalar_[i];
+  return sums;
 }
 
 }  // namespace welkin::sky

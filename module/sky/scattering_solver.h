@@ -75,7 +75,7 @@ class SourceSolver {
   void fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker);
   void divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun);
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
-  [[nodiscard]] double total_scattered() const noexcept;
+  [[nodiscard]] std::array<double, 3> scattered() const noexcept;
 
   const Air& air_;
   const TableMapping& mapping_;
