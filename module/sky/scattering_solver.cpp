@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstdio>
 #include <numbers>
 #include <span>
 
@@ -25,15 +23,15 @@ constexpr int kPhaseNodes = 513;
 constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
 constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
-constexpr double kHighestSun = 0.99985;  // of one in the zenith no azimuth matters: 1 degree from there
 constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are followed along
 
 // Of what orders beyond the last one add.
-constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths
-constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places
-constexpr int kMostRestOrders = 24;
-constexpr double kSettled = 2e-3;
-constexpr double kLargestRatio = 0.95;
+constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths, ...
+constexpr int kMostRestOrders = 24;      ///< ... or, where the ratio of two orders still changes, up to so many
+constexpr double kSettled = 2e-3;        ///< of all light: how far the sum may be wrong by that change
+constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
+constexpr double kLeastLoss = 0.75;      ///< ... and least loss of light from one to the next, of that of all places
+constexpr double kLargestRatio = 0.95;   ///< beyond which a sum would multiply errors by 20 and more
 
 /// Light of order after order, of all places, at three wavelengths.
 class OrderSums {
@@ -107,16 +105,18 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
       std::uint64_t{8} * (index(shape.heights) * shape.molecule_row() + (with_aerosol ? shape.size() : 0));
   const std::uint64_t panels =
       std::uint64_t{index(shape.heights)} * kZeniths * (kKeptPanels * sizeof(ScatteringPanel) + sizeof(std::size_t));
+  const std::uint64_t nodes = std::uint64_t{shape.narrow ? 36U : 12U} * index(shape.zeniths) * shape.picture();
   const std::uint64_t small =
       std::uint64_t{8} * index(shape.heights) * (21 * index(shape.suns) + kZeniths * (shape.narrow ? 410 : 220));
-  return radiance + sources + panels + small;
+  return radiance + sources + nodes + panels + small;
 }
 
 void SourceSolver::set_rules() {
   const int bands = bands_;
   for (int k = 0; k < shape_.suns; ++k) {
-    sun_cosines_.push_back(
-        std::min(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)), kHighestSun));
+    // Of a sun in the zenith no azimuth matters: its node stands half a degree beside it.
+    const double cosine = mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1));
+    sun_cosines_.push_back(std::min(cosine, math::sine_cosine_of_turns(solver::kOffAxis).cosine));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
   }
   legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
@@ -138,36 +138,7 @@ void SourceSolver::set_rules() {
     }
   }
   set_azimuths(shape_.azimuths);
-  source_legendre_.resize(index(shape_.zeniths) * pair_count(bands));
-  for (int z = 0; z < shape_.zeniths; ++z) {
-    const double turns = std::clamp(0.5 * z / (shape_.zeniths - 1), 0.5 / 180.0, 0.5 - 0.5 / 180.0);
-    const double cosine = math::sine_cosine_of_turns(turns).cosine;
-    const double sine = math::sine_cosine_of_turns(turns).sine;
-    even_legendre(bands, cosine, source_legendre_.data() + index(z) * pair_count(bands));
-    for (int a = 0; a < shape_.angles; ++a) {
-      const double angle = 180.0 * a / (shape_.angles - 1);
-      for (std::size_t s = 0; s < index(shape_.suns); ++s) {
-        const double sun = std::acos(sun_cosines_[s]) * 180 / pi;
-        const double view = turns * 360;
-        const double least = std::abs(view - sun);
-        const double most = std::min(view + sun, 360 - view - sun);
-        const double at = std::clamp(angle, least, most);
-        const double mirror = std::clamp(2 * at - angle, least, most);
-        const double sines = sine * sun_sines_[s];
-        const auto azimuth_of = [&](double degrees) {
-          return std::clamp((std::cos(degrees * pi / 180) - cosine * sun_cosines_[s]) / sines, -1.0, 1.0);
-        };
-        source_azimuths_.push_back(static_cast<float>(azimuth_of(at)));
-        source_mirrors_.push_back(static_cast<float>(azimuth_of(mirror)));
-        source_slopes_.push_back(at == angle || mirror == at ? 0.0F : static_cast<float>((angle - at) / (at - mirror)));
-        if (!source_.glow.any()) continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          inverse_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, std::cos(at * pi / 180))));
-          inverse_mirror_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, std::cos(mirror * pi / 180))));
-        }
-      }
-    }
-  }
+  set_source_nodes();
   for (std::size_t lobe = 0; lobe < spectra_.size(); ++lobe) {
     for (int k = 0; k < kPhaseNodes; ++k) {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
@@ -256,7 +227,6 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && sums.doubt() < kSettled);
     add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
               at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
-    if (getenv("RATIO")) fprintf(stderr, "%d: doubt %.5f\n", order, sums.doubt());
     if (at_last) break;
   }
   total_.set_steps();
@@ -274,8 +244,8 @@ void SourceSolver::next_source(const Control& control) {
 
 // 1 / (1 - ratio), what an order and all that follow it add up to if each is to the one before as it is itself. The
 // ratio is a place's own, for light at night dies out more slowly than by day; but where it has only begun to arrive
-// it tells nothing of the orders to come, so that it is held near the mean of all places. In thick air, where that mean
-// is large too, a sum would be a multiple of the order's errors: there is none.
+// it tells nothing of the orders to come, so that it is held near the mean of all places. In air so thick that hardly
+// any light is lost between two orders, a sum would be a multiple of the order's errors: there is none.
 std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& before,
                                                  const std::vector<double>& last) const {
   const std::size_t suns = index(shape_.suns);
@@ -290,7 +260,7 @@ std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& befo
     const std::size_t c = i / suns % 3;
     if (!(before[i] > 0.0 && sums_before[c] > 0.0) || sums[c] > kLargestRatio * sums_before[c]) continue;
     const double mean = sums[c] / sums_before[c];
-    const double most = std::min(kMostAboveMean * mean, 1.0 - 0.75 * (1.0 - mean));
+    const double most = std::min(kMostAboveMean * mean, 1.0 - kLeastLoss * (1.0 - mean));
     factors[i] = 1.0 / (1.0 - std::min(last[i] / before[i], most));
   }
   return factors;

@@ -20,6 +20,16 @@
 
 namespace welkin::sky {
 
+/// What a node of the aerosol's source, of an angle between direction and sun, holds. Of one that no direction at its
+/// zenith angle makes, as interpolation between zenith angles, angles and suns needs it: the light at the nearest angle
+/// that one does, and beyond it as it changes up to there from an angle that lies as far inside as the node outside.
+struct SourceNodes {
+  std::vector<float> azimuths;      ///< cos phi of the node or the nearest
+  std::vector<float> inside;        ///< ... and of the one inside; with `slopes`
+  std::vector<float> slopes;        ///< steps that the node lies beyond; 0 of one that directions make
+  std::vector<float> inverse_glow;  ///< [nodes][2][3] of both; empty: no glow
+};
+
 class SourceSolver {
  public:
   struct Options {
@@ -50,6 +60,8 @@ class SourceSolver {
   struct Worker;
   [[nodiscard]] std::size_t radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept;
   void set_rules();
+  void set_source_nodes();
+  void add_source_node(double zenith, std::size_t sun, double angle);
   void set_azimuths(int count);
   void next_source(const Control& control);
   void add_order(const std::vector<double>& factors, const std::vector<double>& irradiance_factors);
@@ -73,7 +85,7 @@ class SourceSolver {
   void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
   void fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker);
-  void divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun);
+  void go_on_outside(const float* inside, std::size_t first, float* texels) const;
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] std::array<double, 3> scattered() const noexcept;
 
@@ -95,9 +107,7 @@ class SourceSolver {
   std::vector<double> source_legendre_;                      ///< of the source's zeniths
   std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
   std::vector<double> ray_azimuths_;                         ///< cos phi
-  std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
-  std::vector<float> source_mirrors_, source_slopes_, inverse_mirror_glow_;
-  std::vector<float> inverse_glow_;                          ///< there: [zeniths][angles][suns][3]; none: no glow
+  SourceNodes source_nodes_;                                 ///< [zeniths][angles][suns]
   std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles: [spectra][nodes]
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]

@@ -43,7 +43,7 @@ struct SunShares {
 };
 // Carry light scattered before to 0.4 % from 90 to -9 degrees and 2 % to -18 (48 nodes against 192).
 constexpr double kSunBend = 0.25;
-constexpr double kSunZenith = 0.127;
+constexpr double kSunZenith = 0.127;  // three of 64 nodes beyond the one that stood next to the zenith
 constexpr double kLevelShare = 0.2;
 constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0};
 constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053};

@@ -9,7 +9,9 @@
 //       rays to the top, u the share of the length: even in the angle about the zenith, and dense at the horizon
 //   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
 //   sun zeniths (scattering, irradiance)   x = path max(1 - a / A, 0) / (1 + bend a) + level (mu_s - lowest) + sunset
-//       (s(mu_s) - s(lowest)), s(mu) = (mu - c) / sqrt((mu - c)^2 + w^2), a the length of the sun's ray from the ground
+//       (s(mu_s) - s(lowest)), s(mu) = (mu - c) / sqrt((mu - c)^2 + w^2), of which 1 - x becomes sqrt((1 - x)
+//       (1 - x + z) / (1 + z)): about the zenith even in the angle, as light with the azimuth's cosine goes as its sine,
+//       which a cosine's coordinate has a root of; a the length of the sun's ray from the ground
 //       beyond T over H - T, A the lowest sun's, w about three radii of the disc: while it sets, light in the shadow's
 //       direction goes out within half a degree, and a fifth of the nodes is there; `bend` spreads them over the
 //       twilight as evenly as light falls, `level` over the day. The top counts as no lower than 0.008 R: under a
@@ -68,7 +70,7 @@ struct SunTerms {
   double width;          ///< w
   double centre;         ///< c
   double sunset_lowest;  ///< s(lowest)
-  double zenith;         ///< z
+  double zenith;         ///< z of suns
 };
 
 /// Coefficients of q; sines of the sun's elevation.
