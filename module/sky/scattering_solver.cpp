@@ -52,13 +52,15 @@ class OrderSums {
   }
 
   /// How far the sum of a geometric series may be wrong, as a share of all light, if its ratio changes once more by as
-  /// much as it did last.
+  /// much as it did last: d/dr 1 / (1 - r) times that. Where there is no sum (`kLargestRatio`), all of it.
   [[nodiscard]] double doubt() const {
     double most = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
+      if (!(all_[c] > 0.0)) continue;
+      const bool none = last_ratio_[c] > kLargestRatio;
       const double left = 1.0 - std::min(last_ratio_[c], kLargestRatio);
       const double change = std::abs(last_ratio_[c] - before_[c]);
-      if (all_[c] > 0.0) most = std::max(most, order_[c] / all_[c] * change / (left * left));
+      most = std::max(most, order_[c] / all_[c] * (none ? 1.0 : change / left) / left);
     }
     return most;
   }
@@ -224,7 +226,8 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     measure();
     sums.add(scattered());
     const int followed = order - orders_;
-    const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && sums.doubt() < kSettled);
+    doubt_ = sums.doubt();
+    const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && doubt_ < kSettled);
     add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
               at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
     if (at_last) break;

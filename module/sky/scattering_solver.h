@@ -6,8 +6,9 @@
 // direction and sun, is integrated along the rays of those few hundred directions for the next order; tables get the
 // sum of all sources at once.
 //
-// What further orders would add is estimated, unless it is not wanted: two more orders, and after the last of them the
-// sum of a geometric series for each height, wavelength and sun (`sums_of_series`).
+// What further orders would add is estimated, unless it is not wanted: two more orders, or as many as it takes for the
+// ratio of two to settle, and after the last of them the sum of a geometric series for each height, wavelength and sun
+// (`sums_of_series`).
 #pragma once
 
 #include <array>
@@ -55,6 +56,8 @@ class SourceSolver {
   [[nodiscard]] const std::vector<double>& irradiance() const noexcept { return irradiance_; }
   [[nodiscard]] int orders() const noexcept { return orders_; }
   [[nodiscard]] double last_change() const noexcept { return last_change_; }
+  /// How far the estimate of further orders may be wrong, as a share of all light; 0 without one.
+  [[nodiscard]] double doubt() const noexcept { return doubt_; }
 
  private:
   struct Worker;
@@ -128,6 +131,7 @@ class SourceSolver {
   bool direct_ground_ = true;  ///< ... or by the sun
   int orders_ = 0;
   double last_change_ = 0.0;
+  double doubt_ = 0.0;
 };
 
 }  // namespace welkin::sky

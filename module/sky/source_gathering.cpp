@@ -227,8 +227,7 @@ void SourceSolver::go_on_outside(const float* inside, std::size_t first, float* 
     for (std::size_t c = 0; c < 3; ++c) {
       const float nearest = texels[4 * s + c] * (glows ? inverse[c] : 1.0F);
       const float change = nearest - inside[4 * s + c] * (glows ? inverse[3 + c] : 1.0F);
-      texels[4 * s + c] =
-          std::clamp(nearest + source_nodes_.slopes[first + s] * change, 0.0F, kMostBeyond * nearest);
+      texels[4 * s + c] = std::clamp(nearest + source_nodes_.slopes[first + s] * change, 0.0F, kMostBeyond * nearest);
     }
   }
 }
