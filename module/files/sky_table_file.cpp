@@ -29,7 +29,7 @@ using platform::file_error;
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
 // Tables are results, whose bits may change with every minor version of the library; the last two digits count changes
 // of the form.
-constexpr std::uint32_t kVersion = 10'000 * WELKIN_VERSION_MAJOR + 100 * WELKIN_VERSION_MINOR + 7;
+constexpr std::uint32_t kVersion = 10'000 * WELKIN_VERSION_MAJOR + 100 * WELKIN_VERSION_MINOR + 8;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;

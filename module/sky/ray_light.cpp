@@ -86,6 +86,7 @@ SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
           .path = static_cast<float>(terms.path),
           .level = static_cast<float>(terms.level),
           .lowest = static_cast<float>(terms.lowest),
+          .zenith = static_cast<float>(terms.zenith),
           .nodes = nodes};
 }
 

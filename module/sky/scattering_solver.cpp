@@ -26,9 +26,51 @@ constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered li
 constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are followed along
 
 // Of what orders beyond the last one add.
-constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths
-constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places
-constexpr double kLargestRatio = 0.7;    ///< that no guess is more than 2.4 times what it is made from, errors included
+constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths, ...
+constexpr int kMostRestOrders = 24;      ///< ... or, where the ratio of two orders still changes, up to so many
+constexpr double kSettled = 2e-3;        ///< of all light: how far the sum may be wrong by that change
+constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
+constexpr double kLeastLoss = 0.75;      ///< ... and least loss of light from one to the next, of that of all places
+constexpr double kLargestRatio = 0.95;   ///< beyond which a sum would multiply errors by 20 and more
+
+/// Light of order after order, of all places, at three wavelengths.
+class OrderSums {
+ public:
+  /// Returns what this order is of all before it; 1 of the first.
+  double add(const std::array<double, 3>& order) {
+    before_ = last_ratio_;
+    double sum = 0.0;
+    double all = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      last_ratio_[c] = order_[c] > 0.0 ? order[c] / order_[c] : 0.0;
+      sum += order[c];
+      all += all_[c];
+      all_[c] += order[c];
+    }
+    order_ = order;
+    return all > 0.0 ? sum / all : 1.0;
+  }
+
+  /// How far the sum of a geometric series may be wrong, as a share of all light, if its ratio changes once more by as
+  /// much as it did last: d/dr 1 / (1 - r) times that. Where there is no sum (`kLargestRatio`), all of it.
+  [[nodiscard]] double doubt() const {
+    double most = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(all_[c] > 0.0)) continue;
+      const bool none = last_ratio_[c] > kLargestRatio;
+      const double left = 1.0 - std::min(last_ratio_[c], kLargestRatio);
+      const double change = std::abs(last_ratio_[c] - before_[c]);
+      most = std::max(most, order_[c] / all_[c] * (none ? 1.0 : change / left) / left);
+    }
+    return most;
+  }
+
+ private:
+  std::array<double, 3> order_{};
+  std::array<double, 3> all_{};
+  std::array<double, 3> last_ratio_{};
+  std::array<double, 3> before_{};
+};
 
 }  // namespace
 
@@ -65,15 +107,18 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
       std::uint64_t{8} * (index(shape.heights) * shape.molecule_row() + (with_aerosol ? shape.size() : 0));
   const std::uint64_t panels =
       std::uint64_t{index(shape.heights)} * kZeniths * (kKeptPanels * sizeof(ScatteringPanel) + sizeof(std::size_t));
+  const std::uint64_t nodes = std::uint64_t{shape.narrow ? 36U : 12U} * index(shape.zeniths) * shape.picture();
   const std::uint64_t small =
       std::uint64_t{8} * index(shape.heights) * (21 * index(shape.suns) + kZeniths * (shape.narrow ? 410 : 220));
-  return radiance + sources + panels + small;
+  return radiance + sources + nodes + panels + small;
 }
 
 void SourceSolver::set_rules() {
   const int bands = bands_;
   for (int k = 0; k < shape_.suns; ++k) {
-    sun_cosines_.push_back(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
+    // Of a sun in the zenith no azimuth matters: its node stands half a degree beside it.
+    const double cosine = mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1));
+    sun_cosines_.push_back(std::min(cosine, math::sine_cosine_of_turns(solver::kOffAxis).cosine));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
   }
   legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
@@ -95,27 +140,7 @@ void SourceSolver::set_rules() {
     }
   }
   set_azimuths(shape_.azimuths);
-  source_legendre_.resize(index(shape_.zeniths) * pair_count(bands));
-  for (int z = 0; z < shape_.zeniths; ++z) {
-    const double cosine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).cosine;
-    even_legendre(bands, cosine, source_legendre_.data() + index(z) * pair_count(bands));
-    const double sine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).sine;
-    for (int a = 0; a < shape_.angles; ++a) {
-      const double nu = math::sine_cosine_of_turns(0.5 * a / (shape_.angles - 1)).cosine;
-      for (std::size_t s = 0; s < index(shape_.suns); ++s) {
-        const double sines = sine * sun_sines_[s];
-        // straight up, or the sun straight up: no azimuth matters
-        const double azimuth = sines > 1e-9 ? std::clamp((nu - cosine * sun_cosines_[s]) / sines, -1.0, 1.0) : 0.0;
-        source_azimuths_.push_back(static_cast<float>(azimuth));
-        if (!source_.glow.any()) continue;
-        // of the direction that the azimuth, an impossible one being the nearest, stands for
-        const double angle = std::clamp(cosine * sun_cosines_[s] + sines * azimuth, -1.0, 1.0);
-        for (std::size_t c = 0; c < 3; ++c) {
-          inverse_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, angle)));
-        }
-      }
-    }
-  }
+  set_source_nodes();
   for (std::size_t lobe = 0; lobe < spectra_.size(); ++lobe) {
     for (int k = 0; k < kPhaseNodes; ++k) {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
@@ -177,8 +202,10 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   const bool rest = options.rest && options.orders > 1;
   const int last = options.orders + (rest ? kRestOrders : 0);
   const double steps = 2.0 * last - 1.0;  // an order's rays, and between two orders the source
-  const auto part = [&](int step) { return jobs::part_of(control, step / steps, (step + 1) / steps); };
-  double all = 0.0;
+  // Orders that turn out to be needed beyond those halve what is left.
+  const auto done = [&](int step) { return step < steps ? step / steps : 1.0 - std::exp2(steps - 1.0 - step) / steps; };
+  const auto part = [&](int step) { return jobs::part_of(control, done(step), done(step + 1)); };
+  OrderSums sums;
   for (int order = 1; order <= options.orders; ++order) {
     if (order > 1) next_source(part(2 * order - 3));
     // Half of the azimuths carry them: errors below 2e-3, of the Earth 3e-4.
@@ -186,22 +213,24 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     march(order == 1, part(2 * order - 2));
     measure();
     add_order({}, {});
-    const double added = total_scattered();
     orders_ = order;
-    last_change_ = all > 0.0 ? added / all : (order == 1 ? 1.0 : 0.0);
-    all += added;
+    last_change_ = sums.add(scattered());
     if (order > 1 && last_change_ < options.until_change) break;
   }
-  for (int order = orders_ + 1; rest && order <= orders_ + kRestOrders; ++order) {
+  for (int order = orders_ + 1; rest; ++order) {
     next_source(part(2 * order - 3));
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
     set_azimuths(smooth_azimuths());
     march(false, part(2 * order - 2));
     measure();
-    const bool at_last = order == orders_ + kRestOrders;
+    sums.add(scattered());
+    const int followed = order - orders_;
+    doubt_ = sums.doubt();
+    const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && doubt_ < kSettled);
     add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
               at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
+    if (at_last) break;
   }
   total_.set_steps();
   if (control.progress) control.progress(1.0);
@@ -218,8 +247,8 @@ void SourceSolver::next_source(const Control& control) {
 
 // 1 / (1 - ratio), what an order and all that follow it add up to if each is to the one before as it is itself. The
 // ratio is a place's own, for light at night dies out more slowly than by day; but where it has only begun to arrive
-// it tells nothing of the orders to come, so that it is held near the mean of all places. In thick air, where that mean
-// is large too, a sum would be a multiple of the order's errors: there is none.
+// it tells nothing of the orders to come, so that it is held near the mean of all places. In air so thick that hardly
+// any light is lost between two orders, a sum would be a multiple of the order's errors: there is none.
 std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& before,
                                                  const std::vector<double>& last) const {
   const std::size_t suns = index(shape_.suns);
@@ -233,7 +262,8 @@ std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& befo
   for (std::size_t i = 0; i < last.size(); ++i) {
     const std::size_t c = i / suns % 3;
     if (!(before[i] > 0.0 && sums_before[c] > 0.0) || sums[c] > kLargestRatio * sums_before[c]) continue;
-    const double most = std::min(kMostAboveMean * sums[c] / sums_before[c], kLargestRatio);
+    const double mean = sums[c] / sums_before[c];
+    const double most = std::min(kMostAboveMean * mean, 1.0 - kLeastLoss * (1.0 - mean));
     factors[i] = 1.0 / (1.0 - std::min(last[i] / before[i], most));
   }
   return factors;
@@ -390,10 +420,10 @@ void SourceSolver::each_height(const Work& work) const {
 }
 
 // Of all heights and suns alike.
-double SourceSolver::total_scattered() const noexcept {
-  double sum = 0.0;
-  for (const double value : scalar_) sum += value;
-  return sum;
+std::array<double, 3> SourceSolver::scattered() const noexcept {
+  std::array<double, 3> sums{};
+  for (std::size_t i = 0; i < scalar_.size(); ++i) sums[i / index(shape_.suns) % 3] += scalar_[i];
+  return sums;
 }
 
 }  // namespace welkin::sky

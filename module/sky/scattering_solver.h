@@ -6,8 +6,9 @@
 // direction and sun, is integrated along the rays of those few hundred directions for the next order; tables get the
 // sum of all sources at once.
 //
-// What further orders would add is estimated, unless it is not wanted: two more orders, and after the last of them the
-// sum of a geometric series for each height, wavelength and sun (`sums_of_series`).
+// What further orders would add is estimated, unless it is not wanted: two more orders, or as many as it takes for the
+// ratio of two to settle, and after the last of them the sum of a geometric series for each height, wavelength and sun
+// (`sums_of_series`).
 #pragma once
 
 #include <array>
@@ -19,6 +20,16 @@
 #include "welkin/core.h"
 
 namespace welkin::sky {
+
+/// What a node of the aerosol's source, of an angle between direction and sun, holds. Of one that no direction at its
+/// zenith angle makes, as interpolation between zenith angles, angles and suns needs it: the light at the nearest angle
+/// that one does, and beyond it as it changes up to there from an angle that lies as far inside as the node outside.
+struct SourceNodes {
+  std::vector<float> azimuths;      ///< cos phi of the node or the nearest
+  std::vector<float> inside;        ///< ... and of the one inside; with `slopes`
+  std::vector<float> slopes;        ///< steps that the node lies beyond; 0 of one that directions make
+  std::vector<float> inverse_glow;  ///< [nodes][2][3] of both; empty: no glow
+};
 
 class SourceSolver {
  public:
@@ -45,11 +56,15 @@ class SourceSolver {
   [[nodiscard]] const std::vector<double>& irradiance() const noexcept { return irradiance_; }
   [[nodiscard]] int orders() const noexcept { return orders_; }
   [[nodiscard]] double last_change() const noexcept { return last_change_; }
+  /// How far the estimate of further orders may be wrong, as a share of all light; 0 without one.
+  [[nodiscard]] double doubt() const noexcept { return doubt_; }
 
  private:
   struct Worker;
   [[nodiscard]] std::size_t radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept;
   void set_rules();
+  void set_source_nodes();
+  void add_source_node(double zenith, std::size_t sun, double angle);
   void set_azimuths(int count);
   void next_source(const Control& control);
   void add_order(const std::vector<double>& factors, const std::vector<double>& irradiance_factors);
@@ -73,9 +88,9 @@ class SourceSolver {
   void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
   void fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker);
-  void divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun);
+  void go_on_outside(const float* inside, std::size_t first, float* texels) const;
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
-  [[nodiscard]] double total_scattered() const noexcept;
+  [[nodiscard]] std::array<double, 3> scattered() const noexcept;
 
   const Air& air_;
   const TableMapping& mapping_;
@@ -95,8 +110,7 @@ class SourceSolver {
   std::vector<double> source_legendre_;                      ///< of the source's zeniths
   std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
   std::vector<double> ray_azimuths_;                         ///< cos phi
-  std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
-  std::vector<float> inverse_glow_;                          ///< there: [zeniths][angles][suns][3]; none: no glow
+  SourceNodes source_nodes_;                                 ///< [zeniths][angles][suns]
   std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles: [spectra][nodes]
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]
@@ -117,6 +131,7 @@ class SourceSolver {
   bool direct_ground_ = true;  ///< ... or by the sun
   int orders_ = 0;
   double last_change_ = 0.0;
+  double doubt_ = 0.0;
 };
 
 }  // namespace welkin::sky

@@ -54,7 +54,7 @@ struct SunAxis {
   float shortest;        ///< T / R
   float scale;           ///< R / (H - T)
   float inverse_lowest;  ///< 1 / A
-  float bend, path, level, lowest;
+  float bend, path, level, lowest, zenith;
   int nodes;
 };
 

@@ -25,6 +25,8 @@
 namespace welkin {
 namespace {
 
+constexpr double kNotedDoubt = 5e-3;  ///< of further orders that is told, as a share of all light
+
 using sky::Air;
 using sky::Amounts;
 using sky::Ray;
@@ -200,6 +202,11 @@ void Precomputation::compute(std::size_t group, double from, double to) {
     solver.solve({.orders = options_.orders, .until_change = options_.until_change, .rest = !options_.exact_orders},
                  part(from, middle));
   });
+  if (solver.doubt() > kNotedDoubt) {
+    result_.passes.back().reason += "; what further orders add may be wrong by " +
+                                    std::to_string(std::lround(100.0 * solver.doubt())) +
+                                    " % of all light: compute more orders";
+  }
   timed("scattering", "along every ray of the table", [&] {
     scatter(wavelengths, fold, light, solver, part(middle, to));
     add_irradiance(fold, solver);

@@ -17,6 +17,9 @@ namespace solver {
 inline constexpr std::size_t kSunBlock = simd::kLanes;  ///< suns that are projected together
 inline constexpr std::size_t kZeniths = DirectionRule::kZeniths;
 
+/// Turns that suns and directions keep from the vertical, where azimuths have no meaning: half a degree.
+inline constexpr double kOffAxis = 0.5 / 360.0;
+
 inline std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace solver

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "jobs/tiles.h"
+#include "math/elementary.h"
 #include "sky/air.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
@@ -19,9 +20,43 @@ namespace {
 using solver::index, solver::kSunBlock, solver::kZeniths;
 using std::numbers::pi;
 
-constexpr double kNoSine = 1e-6;  ///< of a sun's zenith angle
+constexpr float kMostBeyond = 4.0F;  ///< of a node that no direction makes, times the light at the nearest
 
 }  // namespace
+
+void SourceSolver::set_source_nodes() {
+  source_legendre_.resize(index(shape_.zeniths) * pair_count(bands_));
+  for (int z = 0; z < shape_.zeniths; ++z) {
+    const double zenith = std::clamp(0.5 * z / (shape_.zeniths - 1), solver::kOffAxis, 0.5 - solver::kOffAxis);
+    even_legendre(bands_, math::sine_cosine_of_turns(zenith).cosine,
+                  source_legendre_.data() + index(z) * pair_count(bands_));
+    for (int a = 0; a < shape_.angles; ++a) {
+      for (std::size_t s = 0; s < index(shape_.suns); ++s) add_source_node(zenith, s, 0.5 * a / (shape_.angles - 1));
+    }
+  }
+}
+
+// Angles in turns.
+void SourceSolver::add_source_node(double zenith, std::size_t s, double angle) {
+  const math::SineCosine view = math::sine_cosine_of_turns(zenith);
+  const double sun = math::turns_of(sun_sines_[s], sun_cosines_[s]);
+  const double least = std::abs(zenith - sun);
+  const double most = std::min(zenith + sun, 1.0 - zenith - sun);
+  const double nearest = std::clamp(angle, least, most);
+  const double inside = std::clamp(2.0 * nearest - angle, least, most);
+  const auto add = [&](double at, std::vector<float>& azimuths) {
+    const double nu = math::sine_cosine_of_turns(at).cosine;
+    const double azimuth = (nu - view.cosine * sun_cosines_[s]) / (view.sine * sun_sines_[s]);
+    azimuths.push_back(static_cast<float>(std::clamp(azimuth, -1.0, 1.0)));
+    for (std::size_t c = 0; c < 3 && source_.glow.any(); ++c) {
+      source_nodes_.inverse_glow.push_back(static_cast<float>(1.0 / source_.glow.at(c, nu)));
+    }
+  };
+  add(nearest, source_nodes_.azimuths);
+  add(inside, source_nodes_.inside);
+  const double beyond = angle == nearest ? 0.0 : (angle - nearest) / (nearest - inside);
+  source_nodes_.slopes.push_back(static_cast<float>(beyond));
+}
 
 // From the radiance of the last order, the ground's light and the phase functions to the next source.
 void SourceSolver::gather(const Control& control) {
@@ -135,13 +170,11 @@ void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, con
       const auto harmonic = [&](int l, int m, std::size_t sun) {
         return static_cast<double>(worker.harmonics[(pair_index(bands_, l, m) * 3 + c) * kSunBlock + sun]);
       };
-      // Of a sun in the zenith no azimuth matters: the sun before it tells what its coefficients tend to.
-      const std::size_t near = s > 0 && sun_sines_[first_sun + s] < kNoSine ? s - 1 : s;
-      const double sine = std::max(sun_sines_[first_sun + near], kNoSine);
+      const double sine = sun_sines_[first_sun + s];
       const double terms[kMoleculeTerms] = {band_0 * harmonic(0, 0, s), band_2 * harmonic(2, 0, s),
                                             band_2 * std::sqrt(0.75) * harmonic(2, 2, s),
-                                            band_2 * std::sqrt(3.0) * harmonic(2, 1, near) / sine,
-                                            band_2 * std::sqrt(3.0) * harmonic(2, 2, near) / (sine * sine)};
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 1, s) / sine,
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 2, s) / (sine * sine)};
       for (std::size_t k = 0; k < index(kMoleculeTerms); ++k) {
         row[k * 4 * suns + 4 * s + c] = static_cast<float>(terms[k]);
       }
@@ -176,21 +209,25 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
     kernels.fold_orders(harmonics.data(), worker.values.data(), bands, bands, worker.aerosol.data());
     const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
-      const float* const azimuths =
-          source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
-      kernels.sum_orders(worker.aerosol.data(), bands, azimuths,
-                         source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns));
+      const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
+      float* const texels = source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns);
+      float inside[4 * kSunBlock];
+      kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.azimuths.data() + first, texels);
+      kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.inside.data() + first, inside);
+      go_on_outside(inside, first, texels);
     }
-    if (source_.glow.any()) divide_by_glow(height, index(z), first_sun);
   }
 }
 
-void SourceSolver::divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun) {
-  for (std::size_t a = 0; a < index(shape_.angles); ++a) {
-    const std::size_t first = (zenith * index(shape_.angles) + a) * index(shape_.suns) + first_sun;
-    float* const texels = source_.aerosol.data() + 4 * (height * index(shape_.zeniths) * shape_.picture() + first);
-    for (std::size_t s = 0; s < kSunBlock; ++s) {
-      for (std::size_t c = 0; c < 3; ++c) texels[4 * s + c] *= inverse_glow_[3 * (first + s) + c];
+// Relative to the glow, if there is one; of the nodes `first` and on (SourceNodes).
+void SourceSolver::go_on_outside(const float* inside, std::size_t first, float* texels) const {
+  const bool glows = source_.glow.any();
+  for (std::size_t s = 0; s < kSunBlock; ++s) {
+    const float* const inverse = glows ? source_nodes_.inverse_glow.data() + 6 * (first + s) : nullptr;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float nearest = texels[4 * s + c] * (glows ? inverse[c] : 1.0F);
+      const float change = nearest - inside[4 * s + c] * (glows ? inverse[3 + c] : 1.0F);
+      texels[4 * s + c] = std::clamp(nearest + source_nodes_.slopes[first + s] * change, 0.0F, kMostBeyond * nearest);
     }
   }
 }

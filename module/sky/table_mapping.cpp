@@ -43,6 +43,7 @@ struct SunShares {
 };
 // Carry light scattered before to 0.4 % from 90 to -9 degrees and 2 % to -18 (48 nodes against 192).
 constexpr double kSunBend = 0.25;
+constexpr double kSunZenith = 0.127;  // three of 64 nodes beyond the one that stood next to the zenith
 constexpr double kLevelShare = 0.2;
 constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0};
 constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053};
@@ -60,7 +61,8 @@ SunTerms smooth_terms(double lowest, double level_share = kLevelShare) {
           .sunset = 0.0,
           .width = 1.0,
           .centre = 0.0,
-          .sunset_lowest = 0.0};
+          .sunset_lowest = 0.0,
+          .zenith = kSunZenith};
 }
 
 SunTerms sunset_terms(double lowest, double sun_radius_degrees, const SunShares& shares) {
@@ -195,7 +197,8 @@ double TableMapping::coordinate_of_sun(const SunTerms& terms, double sun_zenith_
   const double x = terms.path * std::max(1.0 - a / lowest_, 0.0) / (1.0 + terms.bend * a) +
                    terms.level * (mu - terms.lowest) +
                    terms.sunset * (sigmoid(mu - terms.centre, terms.width) - terms.sunset_lowest);
-  return unit(x);
+  const double below = 1.0 - unit(x);
+  return 1.0 - std::sqrt(below * (below + terms.zenith) / (1.0 + terms.zenith));
 }
 
 double TableMapping::sun_at(const SunTerms& terms, double coordinate) const noexcept {
