@@ -155,13 +155,12 @@ void bind_many(py::module_& module) {
       "Harmonics of many cubemaps, the bits of `project` of each, as `ManyLights`: an array\n"
       "(n, 6, size, size, channels), or a list of cubemaps or files of any sizes and types. Small ones (to 129 texels\n"
       "an edge) are projected side by side, one thread each.");
-  module.def(
-      "bake_many", &bake_all, py::arg("probes"),
-      "bake_many(probes, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
-      "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, policy=None, bands=3,\n"
-      "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Reflections, by the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps, as\n"
-      "`ManyLights`. `type`: of the reflections, \"float16\" or \"float32\"; alpha is 1.");
+  module.def("bake_many", &bake_all, py::arg("probes"),
+             ("bake_many(probes, *, " + kPrefilterSignature + ", policy=None, bands=3,\n" +
+              "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+              "Reflections, by the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps, as\n"
+              "`ManyLights`. `type`: of the reflections, \"float16\" or \"float32\"; alpha is 1.")
+                 .c_str());
 }
 
 }  // namespace welkin::python

@@ -240,6 +240,10 @@ Quality read_quality(Options& options, Quality otherwise) {
   return otherwise;
 }
 
+const std::string kPrefilterSignature =
+    "size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
+    "          quality='normal', rms_error=1e-3, maximum_error=None";
+
 PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise) {
   const Quality quality = read_quality(options, otherwise);
   PrefilterOptions how = PrefilterOptions::at(options.has("rms_error") ? Quality::normal : quality);
@@ -290,22 +294,24 @@ void bind_reflections(py::module_& module) {
       });
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
-      "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
-      "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, kernels=None, policy=None,\n"
-      "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
-      "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
-      "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: of the mips' lobes, a list, "
-      "or\n"
-      "\"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`: \"ggx\", \"charlie\" "
-      "(sheen), "
-      "\"lambert\",\n"
-      "\"phong\", \"blinn\", or \"spectra\": then `spectra` has for each mip a list of what harmonic degrees 0, 1, ... "
-      "are\n"
-      "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over a "
-      "mip,\n"
-      "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
-      "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
-      "mip, in place of `lobe`.");
+      ("prefilter(pixels, *, " + kPrefilterSignature + ", kernels=None, policy=None,\n" +
+       "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+       "Reflections, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule: \"linear\",\n"
+       "\"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: of the mips' lobes, a list, "
+       "or\n"
+       "\"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`: \"ggx\", \"charlie\" "
+       "(sheen), "
+       "\"lambert\",\n"
+       "\"phong\", \"blinn\", or \"spectra\": then `spectra` has for each mip a list of what harmonic degrees 0, 1, "
+       "... "
+       "are\n"
+       "multiplied by. `method`: \"automatic\", \"spectral\", \"reference\" (slow). The bounds are relative: rms over "
+       "a "
+       "mip,\n"
+       "and at any texel (None: ten times that). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the\n"
+       "integral itself, minutes); an `rms_error` that is given wins. `kernels`: a list of `ZonalKernel`, one for each "
+       "mip, in place of `lobe`.")
+          .c_str());
   module.def("reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
              "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
              "                   threads=None)\n--\n\n"
