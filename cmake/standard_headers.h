@@ -1,6 +1,6 @@
 // Standard headers and GLM's that most sources read, precompiled: reading them costs more than most sources. No header
-// of ours may stand here, because ccache would not see it change (precompile_headers.cmake). Each source still includes
-// what it uses.
+// of ours may stand here, because ccache would not see it change (precompile_headers.cmake). Sources of module/, tools/
+// and bindings/ still include what they use; those of tests/ and perf/ include this list.
 #pragma once
 
 #include <algorithm>

@@ -322,13 +322,10 @@ struct EnvChain {
   [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
 };
 
-/// With the bounds that were picked for the bake's, if they were.
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
   if (!contains_rgbd(options.files) || !specular) return {};  // a fit to lookups would take milliseconds
   EnvChain chain{env_options(*whole.specular, options), env_pass(options), true};
-  chain.options.rms_error = specular->rms_error;
-  chain.options.maximum_error = specular->maximum_error;
   chain.is_specular = chain.options == *specular;
   return chain;
 }

@@ -43,7 +43,12 @@ struct Outcome {
   double saved_milliseconds = 0.0;  ///< that finding a result took, in the store's pass
 };
 
-Outcome found(const std::string& where, double milliseconds = 0.0) { return {PassAction::reuse, where, milliseconds}; }
+/// What a store has found goes to the result.
+template <class Value, class Result>
+Outcome take(Found<Value>& found, Result& result) {
+  result = std::move(found.value);
+  return {PassAction::reuse, found.where, found.milliseconds};
+}
 
 class Baking {
  public:
@@ -53,10 +58,10 @@ class Baking {
       : source_(source), options_(options), plan_(plan), store_(store), targets_(targets), result_(result) {}
 
   void run(const Control& control) {
-    if (targets_ != nullptr) check_targets();
+    if (targets_ != nullptr) list_targets();
     prepare_results();
     add_passes();
-    if (targets_ != nullptr) add_stores();
+    add_stores();
     graph_.run(control);
     finish();
   }
@@ -72,17 +77,11 @@ class Baking {
 
   /// What is there of an older bake stays only where its memory can be used again.
   void prepare_results() {
-    if (plan_.background_size == 0) result_.background.reset();
-    if (!options_.specular) result_.specular.reset();
-    if (!options_.irradiance) result_.irradiance.reset();
-    result_.octahedral.reset();
-    result_.radiance.reset();
-    result_.brdf.reset();
-    result_.stored_polynomial.reset();
-    result_.diagnostics = {};
-    result_.irradiance_record.reset();
-    result_.peak_bytes = 0;
-    result_.values_clamped = 0;
+    BakeResult fresh;
+    if (plan_.background_size != 0) fresh.background = std::move(result_.background);
+    if (options_.specular) fresh.specular = std::move(result_.specular);
+    if (options_.irradiance) fresh.irradiance = std::move(result_.irradiance);
+    result_ = std::move(fresh);
   }
 
   // The graph.
@@ -183,10 +182,7 @@ class Baking {
   }
 
   Outcome fill_background(const Control& control) {
-    if (found_.background) {
-      result_.background = std::move(found_.background->value);
-      return found(found_.background->where, found_.background->milliseconds);
-    }
+    if (found_.background) return take(*found_.background, result_.background);
     Cubemap older = std::move(result_.background).value_or(Cubemap());
     Cubemap& chain = result_.background.emplace(
         image::shaped(std::move(older), plan_.background_size, plan_.background_levels, control.memory));
@@ -220,7 +216,7 @@ class Baking {
   }
 
   Outcome fill_levels(const Control& control) {
-    if (found_.background) return found(found_.background->where);
+    if (found_.background) return {PassAction::reuse, found_.background->where};
     if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
     fill_mips(*result_.background, options_.background->mip_filter, control);
     keep_background();
@@ -258,12 +254,9 @@ class Baking {
     result_.specular = store_->whole_specular(std::move(made));
     describe_pixels();
     if (found_.specular_where.empty()) return done(BakePass::specular);
-    Outcome outcome = found(found_.specular_where, found_.specular_milliseconds);
-    if (found_.missing_specular) {
-      outcome.action = PassAction::run;
-      outcome.reason += ", the others computed";
-    }
-    return outcome;
+    const char* const others = found_.missing_specular ? ", the others computed" : "";
+    return {found_.missing_specular ? PassAction::run : PassAction::reuse, found_.specular_where + others,
+            found_.specular_milliseconds};
   }
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
@@ -290,8 +283,7 @@ class Baking {
     }
     Outcome outcome = done(BakePass::project);
     if (found_.projection) {
-      projection_ = std::move(found_.projection->value);
-      outcome = found(found_.projection->where, found_.projection->milliseconds);
+      outcome = take(*found_.projection, projection_);
     } else {
       projection_ = source_.holds_pixels() ? projection_of_pixels(control) : streamed_projection(control);
       if (find_ != kSkipped) store_->keep(*projection_);
@@ -316,10 +308,18 @@ class Baking {
   }
 
   Outcome fill_irradiance(const Control& control) {
+    Outcome outcome = done(BakePass::irradiance);
     if (found_.irradiance) {
-      take_irradiance(std::move(found_.irradiance->value));
-      return found(found_.irradiance->where, found_.irradiance->milliseconds);
+      outcome = take(*found_.irradiance, irradiance_);
+    } else {
+      make_irradiance(control);
     }
+    result_.irradiance = std::move(irradiance_->cubemap);
+    result_.irradiance_record = irradiance_->record;
+    return outcome;
+  }
+
+  void make_irradiance(const Control& control) {
     const int size = options_.irradiance->size;
     if (plan_.irradiance == IrradianceMethod::direct) {
       irradiance_ = reflections::integrated_irradiance(*sanitized_, size, control);
@@ -334,13 +334,6 @@ class Baking {
     }
     // Of light that the source brought along it is not what the pixels tell.
     if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics)) store_->keep_irradiance(*irradiance_);
-    take_irradiance(std::move(*irradiance_));
-    return done(BakePass::irradiance);
-  }
-
-  void take_irradiance(reflections::IrradianceMap map) {
-    result_.irradiance = std::move(map.cubemap);
-    result_.irradiance_record = map.record;
   }
 
   Outcome look_up_brdf(const Control& control) {
@@ -351,10 +344,7 @@ class Baking {
   }
 
   Outcome make_octahedral(const Control& control) {
-    if (found_.octahedral) {
-      result_.octahedral = std::move(found_.octahedral->value);
-      return found(found_.octahedral->where, found_.octahedral->milliseconds);
-    }
+    if (found_.octahedral) return take(*found_.octahedral, result_.octahedral);
     result_.octahedral = to_octahedral(result_.specular->cubemap, *plan_.octahedral, control);
     if (find_ != kSkipped && plan_.prefilter) store_->keep_octahedral(*result_.octahedral);
     return done(BakePass::octahedral);
@@ -362,55 +352,65 @@ class Baking {
 
   // To the caller's memory.
 
-  /// Before anything is baked.
-  void check_targets() const {
-    const auto check = [](const char* what, int size, int levels, std::span<const CubemapTarget> targets) {
-      if (!targets.empty()) image::check_chain_targets(what, size, levels, targets);
-    };
-    check("background", plan_.background_size, plan_.background_levels, targets_->background);
-    const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : 0;
-    check("specular cubemap", mips > 0 ? plan_.prefilter->mips.front().size : 0, mips, targets_->specular);
-    if (!targets_->irradiance) return;
-    const int size = options_.irradiance ? options_.irradiance->size : 0;
-    check("irradiance cubemap", size, options_.irradiance ? 1 : 0, {&*targets_->irradiance, 1});
-  }
+  /// A cubemap of the result that is written to targets, by a pass after the last one that changes it. Others may read
+  /// it at the same time.
+  struct Stored {
+    const char* name;
+    BakePass after;
+    int size;  ///< 0: there is none
+    int levels;
+    std::span<const CubemapTarget> targets;
+    Cubemap& (*cubemap)(BakeResult&);
+    std::size_t pass = kSkipped;
+  };
 
-  /// A pass after those that make the cubemap. Others may read the cubemap at the same time.
-  void add_store(const char* name, double texels, std::vector<std::size_t> after,
-                 std::function<std::uint64_t(const Control&)> store) {
-    constexpr double kTexelMilliseconds = 3e-6;
-    const auto work = [this, store = std::move(store)](const Control& control) { values_clamped_ += store(control); };
-    stores_.emplace_back(name, add_pass(kTexelMilliseconds * texels, work, passes(std::move(after))));
+  /// Before anything is baked: checks the targets.
+  void list_targets() {
+    const auto add = [&](const char* what, const Stored& one) {
+      if (one.targets.empty()) return;
+      image::check_chain_targets(what, one.size, one.levels, one.targets);
+      stored_.push_back(one);
+    };
+    const bool mips = plan_.background_levels > 1;
+    const auto background = mips ? BakePass::background_mips : BakePass::background;
+    add("background", {"store background", background, plan_.background_size, plan_.background_levels,
+                       targets_->background, [](BakeResult& result) -> Cubemap& { return *result.background; }});
+    const int levels = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : 0;
+    const int size = levels > 0 ? plan_.prefilter->mips.front().size : 0;
+    add("specular cubemap", {"store specular", BakePass::specular, size, levels, targets_->specular,
+                             [](BakeResult& result) -> Cubemap& { return result.specular->cubemap; }});
+    if (!targets_->irradiance) return;
+    const auto& wanted = options_.irradiance;
+    add("irradiance cubemap", {"store irradiance",
+                               BakePass::irradiance,
+                               wanted ? wanted->size : 0,
+                               wanted ? 1 : 0,
+                               {&*targets_->irradiance, 1},
+                               [](BakeResult& result) -> Cubemap& { return *result.irradiance; }});
   }
 
   void add_stores() {
-    const auto pass_of = [&](BakePass pass) { return steps_[static_cast<std::size_t>(pass)].pass; };
-    const auto texels_of = [](int size) { return 6.0 * size * size; };
-    if (!targets_->background.empty()) {
-      add_store("store background", texels_of(plan_.background_size),
-                {pass_of(BakePass::background), pass_of(BakePass::background_mips)}, [this](const Control& control) {
-                  return store_texels(*result_.background, targets_->background, control);
-                });
-    }
-    if (!targets_->specular.empty()) {
-      add_store("store specular", texels_of(plan_.prefilter->mips.front().size), {pass_of(BakePass::specular)},
-                [this](const Control& control) {
-                  return store_texels(result_.specular->cubemap, targets_->specular, control);
-                });
-    }
-    if (targets_->irradiance) {
-      add_store("store irradiance", texels_of(options_.irradiance->size), {pass_of(BakePass::irradiance)},
-                [this](const Control& control) {
-                  return store_texels(result_.irradiance->view(), *targets_->irradiance, control);
-                });
+    constexpr double kTexelMilliseconds = 3e-6;
+    for (Stored& one : stored_) {
+      const auto work = [this, &one](const Control& control) {
+        values_clamped_ += store_texels(one.cubemap(result_), one.targets, control);
+      };
+      one.pass = add_pass(kTexelMilliseconds * 6.0 * one.size * one.size, work,
+                          passes({steps_[static_cast<std::size_t>(one.after)].pass}));
     }
   }
 
   /// What went to targets is the caller's.
   void drop_stored() {
-    if (!targets_->background.empty()) result_.background.reset();
-    if (!targets_->specular.empty()) result_.specular->cubemap = {};
-    if (targets_->irradiance) result_.irradiance.reset();
+    for (const Stored& one : stored_) {
+      if (one.after == BakePass::irradiance) {
+        result_.irradiance.reset();
+      } else if (one.after == BakePass::specular) {
+        result_.specular->cubemap = {};
+      } else {
+        result_.background.reset();
+      }
+    }
     result_.values_clamped = values_clamped_;
   }
 
@@ -434,7 +434,7 @@ class Baking {
     if (options_.bands > 0) result_.radiance = std::move(projection_->radiance);
     result_.peak_bytes = plan_.result_bytes + plan_.working_bytes;
     record_passes(diagnostics.passes);
-    if (targets_ != nullptr) drop_stored();
+    drop_stored();
   }
 
   [[nodiscard]] double milliseconds_of(std::size_t pass) const {
@@ -455,8 +455,8 @@ class Baking {
       records.push_back({plan_.steps[k].planned.name, outcome.action, std::move(outcome.reason),
                          outcome.saved_milliseconds + milliseconds_of(steps_[k].pass)});
     }
-    for (const auto& [name, pass] : stores_) {
-      records.push_back({name, PassAction::run, "to the caller's memory", milliseconds_of(pass)});
+    for (const Stored& one : stored_) {
+      records.push_back({one.name, PassAction::run, "to the caller's memory", milliseconds_of(one.pass)});
     }
   }
 
@@ -472,7 +472,7 @@ class Baking {
   std::size_t read_ = kSkipped;  ///< of the graph, as `find_`
   std::size_t find_ = kSkipped;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
-  std::vector<std::pair<const char*, std::size_t>> stores_;          ///< names, and passes of the graph
+  std::vector<Stored> stored_;
   std::atomic<std::uint64_t> values_clamped_{0};
 
   FoundArtefacts found_;
@@ -481,14 +481,18 @@ class Baking {
   std::optional<Projection> projection_;
 };
 
-/// A plan knows why the scene needs none of it.
-void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
+/// The one bake. `planned`: why the scene needs none of a pass, where the bake does what was planned.
+void carry_out(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
+               const BakeTargets* targets, std::span<const PlannedPass> planned, const Control& control) {
+  BakePlan plan = plan_bake(source.shape(), options, source.stored());
+  require_memory(plan, options);
   for (BakeStep& step : plan.steps) {
     for (const PlannedPass& said : planned) {
       const bool same = said.name == step.planned.name && said.action == step.planned.action;
       if (same) step.planned.reason = said.reason;
     }
   }
+  Baking(source, options, plan, store, targets, result).run(control);
 }
 
 [[noreturn]] void refuse(const char* what) {
@@ -504,9 +508,7 @@ PrefilteredSpecular Source::take_specular(const Control& /*control*/) { refuse("
 
 void run_bake(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
               const Control& control) {
-  const BakePlan plan = plan_bake(source.shape(), options, source.stored());
-  require_memory(plan, options);
-  Baking(source, options, plan, store, nullptr, result).run(control);
+  carry_out(result, source, options, store, nullptr, {}, control);
 }
 
 BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, const Control& control) {
@@ -514,11 +516,8 @@ BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, c
     throw Error(ErrorCode::invalid_argument,
                 "the plan is for " + planned.source + ", the source is " + words + "; plan again for this source");
   }
-  BakePlan plan = plan_bake(source.shape(), planned.options, source.stored());
-  require_memory(plan, planned.options);
-  take_reasons(planned.passes, plan);
   BakeResult result;
-  Baking(source, planned.options, plan, store, nullptr, result).run(control);
+  carry_out(result, source, planned.options, store, nullptr, planned.passes, control);
   return result;
 }
 
@@ -555,10 +554,8 @@ BakeResult bake_to(const BakeTargets& targets, const EnvironmentView& source, co
                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   baking::MemorySource pixels(source);
-  const baking::BakePlan plan = baking::plan_bake(pixels.shape(), options);
-  baking::require_memory(plan, options);
   BakeResult result;
-  baking::Baking(pixels, options, plan, nullptr, &targets, result).run(control);
+  baking::carry_out(result, pixels, options, nullptr, &targets, {}, control);
   return result;
 }
 

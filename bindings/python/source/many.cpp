@@ -159,12 +159,11 @@ void bind_many(py::module_& module) {
       "to 129 texels per edge are projected concurrently, one thread each.");
   module.def(
       "bake_many", &bake_all, py::arg("probes"),
-      "bake_many(probes, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
-      "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, policy=None, bands=3,\n"
-      "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n"
-      "--\n\n"
-      "Computes reflections, with the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps.\n"
-      "Returns `ManyLights`. `type`: that of the reflections, \"float16\" or \"float32\"; alpha is 1.");
+      ("bake_many(probes, *, " + kPrefilterSignature + ", policy=None, bands=3,\n" +
+       "          type='float16', layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+       "Computes reflections, with the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps.\n"
+       "Returns `ManyLights`. `type`: that of the reflections, \"float16\" or \"float32\"; alpha is 1.")
+          .c_str());
 }
 
 }  // namespace welkin::python

@@ -240,6 +240,10 @@ Quality read_quality(Options& options, Quality otherwise) {
   return otherwise;
 }
 
+const std::string kPrefilterSignature =
+    "size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None, method='automatic',\n"
+    "          quality='normal', rms_error=1e-3, maximum_error=None";
+
 PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise) {
   const Quality quality = read_quality(options, otherwise);
   PrefilterOptions how = PrefilterOptions::at(options.has("rms_error") ? Quality::normal : quality);
@@ -290,20 +294,20 @@ void bind_reflections(py::module_& module) {
       });
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
-      "prefilter(pixels, *, size=256, mips=None, roughness=None, lobe_roughness=None, lobe='ggx', spectra=None,\n"
-      "          method='automatic', quality='normal', rms_error=1e-3, maximum_error=None, kernels=None, policy=None,\n"
-      "          layout=None, encoding=None, read=None, progress=None, threads=None)\n"
-      "--\n\n"
-      "Prefilters reflections, one roughness per mip. Returns `Reflections`. `roughness`: a list, or a schedule:\n"
-      "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: that of the "
-      "mips'\n"
-      "lobes, a list, or \"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`:\n"
-      "\"ggx\", \"charlie\" (sheen), \"lambert\", \"phong\", \"blinn\", or \"spectra\", with a list in `spectra` per "
-      "mip: the\n"
-      "factors of harmonic degrees 0, 1, ... `method`: \"automatic\", \"spectral\", \"reference\" (slow). `rms_error`\n"
-      "bounds a mip's relative rms error, `maximum_error` the relative error of any texel (None: ten times\n"
-      "`rms_error`). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the integral, minutes);\n"
-      "`rms_error` takes precedence. `kernels`: a list of `ZonalKernel`, one per mip, in place of `lobe`.");
+      ("prefilter(pixels, *, " + kPrefilterSignature + ", kernels=None, policy=None,\n" +
+       "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+       "Prefilters reflections, one roughness per mip. Returns `Reflections`. `roughness`: a list, or a schedule:\n"
+       "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: that of the "
+       "mips'\n"
+       "lobes, a list, or \"fitted\" to shaders that interpolate between mips by the schedule's formula. `lobe`:\n"
+       "\"ggx\", \"charlie\" (sheen), \"lambert\", \"phong\", \"blinn\", or \"spectra\", with a list in `spectra` per "
+       "mip: the\n"
+       "factors of harmonic degrees 0, 1, ... `method`: \"automatic\", \"spectral\", \"reference\" (slow). "
+       "`rms_error`\n"
+       "bounds a mip's relative rms error, `maximum_error` the relative error of any texel (None: ten times\n"
+       "`rms_error`). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the integral, minutes);\n"
+       "`rms_error` takes precedence. `kernels`: a list of `ZonalKernel`, one per mip, in place of `lobe`.")
+          .c_str());
   module.def("reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
              "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
              "                   threads=None)\n"

@@ -51,6 +51,8 @@ struct SharedBrdf {
 /// Takes the options of a projection.
 [[nodiscard]] ProjectionOptions projection_options(Options& options);
 /// Takes those of a chain of reflections; `policy` too, if it is not the bake's.
+/// The options that `prefilter_options` takes but the policy, for signatures.
+extern const std::string kPrefilterSignature;
 [[nodiscard]] PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherwise = Quality::normal);
 
 /// The preset that `quality` names.

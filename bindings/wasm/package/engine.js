@@ -1,5 +1,6 @@
 // What runs inside the worker: loads a WebAssembly module, hands it options and pixels, and takes results out of it.
 // It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
+import { CHAIN_NUMBERS } from './options.js';
 
 /** The modules, each of which also does what the ones before it do. */
 export const MODULES = ['project', 'prefilter', 'environment', 'codecs'];
@@ -14,9 +15,6 @@ export const FORMATS = {
   rgb32f: [0, 12], rgba32f: [1, 16], rgb16f: [2, 6], rgba16f: [3, 8], rgb8: [4, 3], rgba8: [5, 4], srgb8: [6, 3],
   srgba8: [7, 4],
 };
-const LOBES = ['ggx', 'charlie', 'lambert', 'phong', 'blinn'];
-const QUALITIES = ['normal', 'fast', 'reference'];
-const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
 const TABLES = ['coarse', 'full'];
@@ -128,10 +126,11 @@ function policy({ clamp, preserveColour, gamma, replaceNegatives, rejectNonFinit
   return [clamp ?? 0, preserveColour ? 1 : 0, gamma ? 1 : 0, replaceNegatives ? 1 : 0, rejectNonFinite ? 1 : 0];
 }
 
-function chain({ size, mips, schedule, lobe, quality, fitLookups, rmsError, maximumError, floats }) {
-  return [size ?? 0, mips ?? 0, numberOf(SCHEDULES, schedule ?? 'filament', 'schedule'), rmsError ?? 0,
-    maximumError ?? 0, floats ? 1 : 0, numberOf(LOBES, lobe ?? 'ggx', 'lobe'),
-    numberOf(QUALITIES, quality ?? 'normal', 'quality'), fitLookups ? 1 : 0];
+function chain(request) {
+  return Object.entries(CHAIN_NUMBERS).map(([name, kind]) => {
+    if (kind.names) return numberOf(kind.names, request[name] ?? kind.otherwise, name);
+    return kind === 'flag' ? Number(Boolean(request[name])) : request[name] ?? 0;
+  });
 }
 
 function light(request) {

@@ -5,7 +5,21 @@ const PIXELS = ['clamp', 'preserveColour', 'gamma', 'replaceNegatives', 'rejectN
 const SOURCE = [...PIXELS, 'format', 'linear'];
 const EQUIRECT = ['width', 'height'];
 const PROJECTION = ['bands', 'quadrature', 'targetSize'];
-const CHAIN = ['for', 'size', 'mips', 'schedule', 'lobe', 'quality', 'fitLookups', 'rmsError', 'maximumError', 'floats', 'mirrorX'];
+
+/** Options of a chain that go to the library, in the order of `ChainOption` in source/chains.h: 'number' (0 asks for
+ * the default), 'flag', or the names of an enumeration, in its order, with the default. */
+export const CHAIN_NUMBERS = {
+  size: 'number',
+  mips: 'number',
+  schedule: { names: ['linear', 'filament', 'babylon', 'unity', 'unreal'], otherwise: 'filament' },
+  rmsError: 'number',
+  maximumError: 'number',
+  floats: 'flag',
+  lobe: { names: ['ggx', 'charlie', 'lambert', 'phong', 'blinn'], otherwise: 'ggx' },
+  quality: { names: ['normal', 'fast', 'reference'], otherwise: 'normal' },
+  fitLookups: 'flag',
+};
+const CHAIN = ['for', ...Object.keys(CHAIN_NUMBERS), 'mirrorX'];
 const LIGHT = [...CHAIN, 'bands', 'specular', 'env', 'ktx2', 'background'];
 
 const OPTIONS = {
