@@ -171,8 +171,10 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   if (!source.has_negatives()) steps = std::min(steps, of_weights);
   constexpr double of_far = 1e-6;     // of float harmonics
   constexpr double of_lights = 4e-4;  // of what the far part has of them
+  constexpr double of_flanks = 1e-5;  // of their weights, where no texel of the mip may see more than their flanks
   constexpr double safety = 2.0;      // see `spectral_rms_error`
-  return rounding + of_lights * mip.lights + (of_far * mip.far_rms + safety * mip.lost) / mip.rms + steps;
+  return rounding + (mip.lights > 0.0 ? of_flanks : 0.0) + of_lights * mip.lights +
+         (of_far * mip.far_rms + safety * mip.lost) / mip.rms + steps;
 }
 
 }  // namespace welkin::reflections

@@ -208,7 +208,8 @@ class LobeChain {
             rows,
             texels > 2 * spectral_.bands,
             halved ? 2.0 / face : 0.0,
-            contrast_};
+            contrast_,
+            beyond_};
   }
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
@@ -257,6 +258,7 @@ class LobeChain {
   std::vector<double> energies_;         ///< of the harmonics, degree by degree
   std::vector<float> picture_energies_;  ///< with the bright texels; empty: unknown
   double contrast_ = 0.0;                ///< see `SpectralSource`
+  EnergyBeyond beyond_;                  ///< likewise, of GGX lobes' sources
   SourceRows faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
@@ -323,9 +325,17 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
     if (!spectral_.near_mips.empty() && faces_.face() < kFewTexels)
       contrast_ = contrast_of_faces(faces_.rows, faces_.face());
   }
-  const Control part{control.stop, {}};
-  const Rings rings = source_.cubemap() ? rings_of_cubemap(halved_faces({faces_.rows}, face, part).rows, wanted, part)
-                                        : rings_of(source_, texels, wanted, part);
+  const bool ggx = spectral_.lights.of == LightsOf::ggx;
+  std::optional<PictureSums> sums;
+  Rings rings;
+  if (source_.cubemap()) {
+    const SourceRows coarse = halved_faces({faces_.rows}, face, {control.stop, {}});
+    if (ggx) sums.emplace(coarse, wanted);
+    rings = rings_of_cubemap(coarse.rows, wanted, {control.stop, {}});
+  } else {
+    rings = rings_of(source_, texels, wanted, {control.stop, {}});
+    if (ggx) sums.emplace(rings.view);
+  }
   if (spectral_.near_mips.empty()) {
     memory_.give_back(faces_.owned.bytes());
     faces_ = {};
@@ -338,6 +348,8 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
   memory_.take(spectrum.bytes());
   note("analyse", std::to_string(spectral_.bands) + " bands", analysis.milliseconds());
   memory_.give_back(rings.bytes());
+  energies_ = energies_of(spectrum);
+  if (sums) beyond_ = sums->beyond(energies_);
   return rings.view.height;
 }
 
@@ -349,7 +361,6 @@ LobeChain::Levels LobeChain::run_rings(const std::vector<BrightTexel>& texels, c
   int rows = 0;
   for (Control part = jobs::part_of(control, 0.0, 0.4);; part.progress = {}) {
     rows = analyse_rings(texels, spectrum, part);
-    energies_ = energies_of(spectrum);
     if (plan_.lights.of == LightsOf::ggx) break;
     const int wanted = choose_bands_by_energy(spectral_, source_on(rows));
     if (std::exchange(spectral_.bands, wanted) == wanted) break;

@@ -47,7 +47,7 @@ constexpr double kTableRounding = 1.5e-7;   ///< of a `RingTable`'s weights wher
 constexpr double kCoarse = 3.0;             ///< more of that where a lobe is narrower than three rings
 
 /// Rings of height h that a cubemap was read on.
-struct Rings {
+struct RingLosses {
   /// Share of degree l that is lost.
   [[nodiscard]] double lost(int l) const {
     return std::min(1.0, kSpreadOrder * fourth_power(l * height) + kHalvedOrder * fourth_power(l * halved));
@@ -81,6 +81,99 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
     }
   }
   return energies;
+}
+
+namespace {
+
+constexpr std::int64_t kMostTexels = 16384;  ///< that are looked through
+
+/// A wave of degree l that runs diagonally to texels h wide steps by 2 sin(l h / sqrt(8)) of itself from each to the
+/// next, whose square is 8 sin^2(l h / sqrt(8)) / h^2 of it along both axes. Turns.
+constexpr double kOfWave = 0.25 / (std::numbers::sqrt2 * kPi);
+
+/// Sums of rows, column by column, as compilers make registers of those.
+class ColumnSums {
+ public:
+  explicit ColumnSums(int columns)
+      : steradians(std::size_t{3} * static_cast<std::size_t>(columns)),
+        squares_(steradians.size()),
+        steps_(steradians.size()) {}
+
+  /// `below`: the next row, or the same. `narrow`: the width of the row's texels over their height. The square of the
+  /// gradient times steradians is the square of steps between neighbours.
+  void add(const float* here, const float* below, float narrow) {
+    const std::size_t values = squares_.size();
+    float* const squares = squares_.data();
+    const float* const own = steradians.data();
+    for (std::size_t k = 0; k < values; ++k) squares[k] += own[k] * (here[k] * here[k]);
+    float* const steps = steps_.data();
+    const float wide = 1.0F / narrow;
+    for (std::size_t k = 0; k + 3 < values; ++k) {
+      const float down = below[k] - here[k];
+      const float across = here[k + 3] - here[k];
+      steps[k] += narrow * (down * down) + wide * (across * across);
+    }
+  }
+  void sum(PictureSums& sums) const {
+    sums.energy = std::accumulate(squares_.begin(), squares_.end(), 0.0);
+    sums.steps = std::accumulate(steps_.begin(), steps_.end(), 0.0);
+  }
+
+  std::vector<float> steradians;  ///< of a row's texels, for each channel
+
+ private:
+  std::vector<float> squares_;
+  std::vector<float> steps_;
+};
+
+}  // namespace
+
+PictureSums::PictureSums(const SourceRows& faces, int rings)
+    : texel(std::sqrt(4.0 * kPi / 6.0) / faces.face()), ring(kPi / rings) {
+  const int size = faces.face();
+  if (std::int64_t{6} * size * size > kMostTexels) return;
+  const auto angles = image::FaceSolidAngles::get(size);
+  ColumnSums sums(size);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column)
+      std::fill_n(&sums.steradians[3 * static_cast<std::size_t>(column)], 3,
+                  static_cast<float>(angles->at(row, column)));
+    const std::size_t next = row + 1 < size ? 1 : 0;
+    for (int face = 0; face < 6; ++face) {
+      const auto here = static_cast<std::size_t>(size * face + row);
+      sums.add(faces.rows[here], faces.rows[here + next], 1.0F);
+    }
+  }
+  sums.sum(*this);
+}
+
+PictureSums::PictureSums(const transforms::PictureRows& rows) : texel(kPi / rows.height) {
+  if (std::int64_t{rows.width} * rows.height > kMostTexels) return;
+  ColumnSums sums(rows.width);
+  for (int row = 0; row < rows.height; ++row) {
+    const double own = image::lat_long_texel_solid_angle(rows.width, rows.height, row);
+    std::fill(sums.steradians.begin(), sums.steradians.end(), static_cast<float>(own));
+    sums.add(rows.row(row), rows.row(std::min(row + 1, rows.height - 1)), static_cast<float>(own / (texel * texel)));
+  }
+  sums.sum(*this);
+}
+
+EnergyBeyond PictureSums::beyond(std::span<const double> energies) const {
+  constexpr double kSumsRounding = 2e-6;  // of all energy
+  const RingLosses rings{ring, 0.0};
+  double left = energy * (1.0 - kSumsRounding);
+  double steps_left = steps;
+  for (std::size_t l = 0; l < energies.size(); ++l) {
+    const double kept = std::max(0.5, 1.0 - rings.lost(static_cast<int>(l)));
+    const double own = energies[l] / (kept * kept);
+    const double sine = math::sine_cosine_of_turns(kOfWave * texel * static_cast<double>(l)).sine;
+    left -= own;
+    steps_left -= own * 8.0 * sine * sine / (texel * texel);
+  }
+  if (!(left > 0.0)) return {};
+  const double square = std::clamp(0.125 * texel * texel * steps_left / left, 0.0, 1.0);
+  const double turns = math::arc_sine(std::sqrt(square)) / (2.0 * kPi);
+  return {left, std::max(static_cast<double>(energies.size()), turns / (kOfWave * texel))};
 }
 
 namespace {
@@ -122,14 +215,32 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
   for (std::size_t l = 0; l < lobe.size(); ++l) {
     const double near = lobe[l] - (l < far.size() ? far[l] : 0.0);
     const double lost =
-        near * std::min(1.0, kHalvedOrder * Rings::fourth_power(2.0 / mip.near.face * static_cast<double>(l)));
+        near * std::min(1.0, kHalvedOrder * RingLosses::fourth_power(2.0 / mip.near.face * static_cast<double>(l)));
     sum += (l < source.energies.size() ? source.energies[l] : tail) * lost * lost;
   }
   return sum;
 }
 
+/// Square of the error by a wave that has what energy the picture has beyond the known degrees, but for what `counted`
+/// of them are taken to have: as it is where one finds a picture of stripes or checkers, or texels that are wide for
+/// the bands. Far out a lobe goes on as it fell at its end.
+double square_beyond(const EnergyBeyond& beyond, const std::vector<double>& lobe, double counted) {
+  constexpr std::size_t kEnd = 8;
+  const double energy = beyond.energy - counted;
+  if (energy <= 0.0 || lobe.size() <= kEnd) return 0.0;
+  const auto degree = static_cast<std::size_t>(beyond.degree);
+  double value = lobe[std::min(degree, lobe.size() - 1)];
+  if (degree >= lobe.size()) {
+    const double fall = std::min(1.0, std::abs(lobe.back()) / std::max(1e-30, std::abs(lobe[lobe.size() - 1 - kEnd])));
+    value *=
+        math::exponential(static_cast<double>(degree + 1 - lobe.size()) / kEnd * math::logarithm(std::max(1e-9, fall)));
+  }
+  return energy * value * value;
+}
+
 /// Square of the error by what the spectrum knows, times 4 pi.
-double spectral_square(const MipPlan& mip, std::span<const double> energies, const std::optional<Rings>& source) {
+double spectral_square(const MipPlan& mip, std::span<const double> energies, const EnergyBeyond& beyond,
+                       const std::optional<RingLosses>& source) {
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
   const std::vector<double> lobe =
@@ -155,7 +266,8 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
     }
     if (l < known) finer += energy;
   }
-  return sum;
+  const auto counted = static_cast<double>(std::max(0, static_cast<int>(lobe.size()) - known));
+  return sum + square_beyond(beyond, lobe, counted * tail);
 }
 
 }  // namespace
@@ -163,10 +275,11 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
   const bool cube = source.face_size > 0;
-  const Rings of_cube{cube ? kPi / source.rings : 0.0, source.halved};
-  const std::optional<Rings> rings = cube ? std::optional(of_cube) : std::nullopt;
+  const RingLosses of_cube{cube ? kPi / source.rings : 0.0, source.halved};
+  const std::optional<RingLosses> rings = cube ? std::optional(of_cube) : std::nullopt;
   const double square =
-      (spectral_square(mip, source.energies, rings) + near_square(mip, source)) / (4.0 * kPi) + of_lights * of_lights;
+      (spectral_square(mip, source.energies, source.beyond, rings) + near_square(mip, source)) / (4.0 * kPi) +
+      of_lights * of_lights;
   const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
   double rounding = kRounding + (source.finer ? finer : 0.0);
   if (mip.near.face > 0) {

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/prefilter_plan.h"
+#include "transform/picture_rows.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
 
@@ -14,6 +16,27 @@ namespace welkin::reflections {
 
 /// Squares of a spectrum's coefficients, summed over orders and channels: one for each degree.
 [[nodiscard]] std::vector<double> energies_of(const transforms::Spectrum& spectrum);
+
+/// Energy that a picture has beyond the degrees that are known, and the degree that it would have in one wave.
+struct EnergyBeyond {
+  double energy = 0.0;
+  double degree = 0.0;
+};
+
+/// Sums over a picture of at most 16384 texels: larger ones are not looked through.
+struct PictureSums {
+  /// `rings`: on which the cubemap is read.
+  PictureSums(const SourceRows& faces, int rings);
+  explicit PictureSums(const transforms::PictureRows& rows);
+
+  /// Returns what the picture, whose first degrees have `energies`, has beyond them; nothing of a larger one.
+  [[nodiscard]] EnergyBeyond beyond(std::span<const double> energies) const;
+
+  double energy = 0.0;  ///< squares times steradians
+  double steps = 0.0;   ///< squares of the gradient times steradians
+  double texel = 0.0;   ///< radians of an edge
+  double ring = 0.0;    ///< radians of a ring's height; 0: of a lat-long
+};
 
 /// What spectral mips are made of.
 struct SpectralSource {
@@ -23,6 +46,7 @@ struct SpectralSource {
   bool finer = false;                ///< whether its texels are finer than the transform's bands
   double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
   double contrast = 0.0;             ///< of a cubemap of few texels, see `contrast_of`
+  EnergyBeyond beyond{};             ///< of the energies
 };
 
 /// Root mean square error of a spectral mip over `rms`, its own, all three channels together:
@@ -30,7 +54,7 @@ struct SpectralSource {
 /// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
 /// r_l what a cubemap's rings lose; energy that those scatter; `of_lights`, what the bright texels' lights err
 /// (`BrightLights::error`). docs/maths/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
-/// energy.
+/// energy, and what else the picture has there in one wave.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
 /// Chooses the bands of each spectral mip of a plan of lobes other than GGX, of at most `plan.bands`, by the picture's
