@@ -101,7 +101,7 @@ class LightTree {
         use_(lobes.of) {
     const double edge = edge_of(shape);
     smooth_ = smooth_points(edge, lobes.least_alpha, reach, lobes.of);
-    lights.edge_ = shape.cubemap ? 2.0 / shape.columns : edge;  // of the widest, about a face's middle
+    lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
     places_.reserve(texels.size());

@@ -325,16 +325,17 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
     if (!spectral_.near_mips.empty() && faces_.face() < kFewTexels)
       contrast_ = contrast_of_faces(faces_.rows, faces_.face());
   }
-  const bool ggx = spectral_.lights.of == LightsOf::ggx;
+  // Tighter bounds take so many bands that the tail says enough, and sums would refuse noise that is within them.
+  const bool looked = spectral_.lights.of == LightsOf::ggx && plan_.bounds.rms > 1e-3;
   std::optional<PictureSums> sums;
   Rings rings;
   if (source_.cubemap()) {
     const SourceRows coarse = halved_faces({faces_.rows}, face, {control.stop, {}});
-    if (ggx) sums.emplace(coarse, wanted);
+    if (looked) sums.emplace(coarse, wanted);
     rings = rings_of_cubemap(coarse.rows, wanted, {control.stop, {}});
   } else {
     rings = rings_of(source_, texels, wanted, {control.stop, {}});
-    if (ggx) sums.emplace(rings.view);
+    if (looked) sums.emplace(rings.view);
   }
   if (spectral_.near_mips.empty()) {
     memory_.give_back(faces_.owned.bytes());

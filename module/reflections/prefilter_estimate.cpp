@@ -173,7 +173,10 @@ EnergyBeyond PictureSums::beyond(std::span<const double> energies) const {
   if (!(left > 0.0)) return {};
   const double square = std::clamp(0.125 * texel * texel * steps_left / left, 0.0, 1.0);
   const double turns = math::arc_sine(std::sqrt(square)) / (2.0 * kPi);
-  return {left, std::max(static_cast<double>(energies.size()), turns / (kOfWave * texel))};
+  // What texels' steps alone make mirrors the degrees below at pi / texel.
+  const auto known = static_cast<double>(energies.size());
+  const double least = known > kPi / texel ? std::max(known, 0.5 * known + kPi / texel) : known;
+  return {left, std::max(least, turns / (kOfWave * texel))};
 }
 
 namespace {
