@@ -211,10 +211,12 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
     for (int a = 0; a < shape_.angles; ++a) {
       const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
       float* const texels = source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns);
-      float inside[4 * kSunBlock];
       kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.azimuths.data() + first, texels);
-      kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.inside.data() + first, inside);
-      go_on_outside(inside, first, texels);
+      const float* const slopes = source_nodes_.slopes.data() + first;
+      float inside[4 * kSunBlock];
+      const bool outside = std::any_of(slopes, slopes + kSunBlock, [](float slope) { return slope != 0.0F; });
+      if (outside) kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.inside.data() + first, inside);
+      if (outside || source_.glow.any()) go_on_outside(outside ? inside : texels, first, texels);
     }
   }
 }
