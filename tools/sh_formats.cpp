@@ -89,11 +89,12 @@ std::string source_lines(const ShReport& report) {
   return text;
 }
 
-std::string indented(const std::string& text) {
-  std::string lines = "  ";
+/// The text's lines, each behind `prefix`.
+std::string prefixed(const char* prefix, const std::string& text) {
+  std::string lines = prefix;
   for (const char c : text) {
     lines += c;
-    if (c == '\n') lines += "  ";
+    if (c == '\n') lines += prefix;
   }
   return lines + '\n';
 }
@@ -115,7 +116,7 @@ std::string engine_lines(const EngineLight& light) {
     text += "  " + pad_right(vector.name, width + 1) + column.cells(glm::dvec3(vector.value)) +
             column.cell(vector.value.w) + '\n';
   }
-  return text + indented(light.formula);
+  return text + prefixed("  ", light.formula);
 }
 
 /// Returns the lines about an engine that takes no harmonics.
@@ -210,8 +211,8 @@ std::string diagnostics_lines(const ShReport& report) {
 
 std::string sh_table(const ShReport& report) {
   const SphericalHarmonics& radiance = report.projection.radiance;
-  std::string text = source_lines(report) + convention_lines(radiance.bands()) + indented("Axes: " + report.axes) +
-                     coefficient_lines(radiance, report.irradiance);
+  std::string text = source_lines(report) + convention_lines(radiance.bands()) +
+                     prefixed("  ", "Axes: " + report.axes) + coefficient_lines(radiance, report.irradiance);
   text += no_form_lines(report) +
           engine_lines(report.engine_light ? *report.engine_light : engine_light_in_place(radiance, Engine::welkin));
   return text + "\nAverage colour (mean radiance of the sphere)  " + significant(mean_radiance(radiance)) + '\n' +
@@ -355,14 +356,7 @@ namespace {
 /// Returns whether an engine's form is printed in place of the canonical coefficients, which are Welkin's own.
 bool asks_for_form(const ShReport& report) { return report.engine_light && report.engine != Engine::welkin; }
 
-std::string remark(const std::string& text) {
-  std::string lines = "# ";
-  for (const char c : text) {
-    lines += c;
-    if (c == '\n') lines += "# ";
-  }
-  return lines + '\n';
-}
+std::string remark(const std::string& text) { return prefixed("# ", text); }
 
 std::string term_line(const std::string& name, const glm::dvec3& rgb) {
   return name + ' ' + all_digits(rgb.x) + ' ' + all_digits(rgb.y) + ' ' + all_digits(rgb.z) + '\n';

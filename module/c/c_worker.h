@@ -101,30 +101,12 @@ struct welkin_job {
 namespace welkin::c_interface {
 
 /// Holds a reference.
-class JobReference {
- public:
-  /// A job that nothing is known of yet. Throws std::bad_alloc.
-  JobReference() : job_(new welkin_job) {}
-  ~JobReference() {
-    if (job_ != nullptr) job_->release();
-  }
-  JobReference(const JobReference& other) noexcept : job_(other.job_) {
-    if (job_ != nullptr) job_->retain();
-  }
-  JobReference(JobReference&& other) noexcept : job_(std::exchange(other.job_, nullptr)) {}
-  JobReference& operator=(JobReference other) noexcept {
-    std::swap(job_, other.job_);
-    return *this;
-  }
+using JobReference = std::shared_ptr<welkin_job>;
 
-  [[nodiscard]] welkin_job* get() const noexcept { return job_; }
-  welkin_job* operator->() const noexcept { return job_; }
-  /// The reference goes over to the caller.
-  [[nodiscard]] welkin_job* detach() noexcept { return std::exchange(job_, nullptr); }
-
- private:
-  welkin_job* job_;
-};
+/// A job that nothing is known of yet. Throws std::bad_alloc.
+[[nodiscard]] inline JobReference make_job() {
+  return {new welkin_job, [](welkin_job* job) { job->release(); }};
+}
 
 /// What a question about the job returns, and what that leaves in `welkin_last_error`.
 welkin_status report(const Outcome& outcome) noexcept;
@@ -237,7 +219,7 @@ class CompletedCallback final : public detail::Computation {
 /// All that is needed later is made first: nothing may fail once the job is posted.
 template <class Request>
 void post(welkin_worker* worker, Request request, const Posting& posting, welkin_job** job) {
-  JobReference reference;
+  const JobReference reference = make_job();
   detail::ComputationList completed;
   if (posting.given.completed != nullptr) {
     completed.push_back(detail::make_shared_in_job_memory<CompletedCallback>(reference, posting.given.completed,
@@ -247,7 +229,9 @@ void post(welkin_worker* worker, Request request, const Posting& posting, welkin
   const auto made = detail::JobAccess::make<Request>(std::move(request));
   reference->adopt(made);
   detail::JobAccess::submit(worker->worker, made, posting.options(), bytes, std::move(completed));
-  if (job != nullptr) *job = reference.detach();
+  if (job == nullptr) return;
+  reference->retain();
+  *job = reference.get();
 }
 
 /// Around every post: `body` gets the posting and makes the request.

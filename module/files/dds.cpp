@@ -8,17 +8,6 @@
 namespace welkin::files {
 namespace {
 
-constexpr std::array kDxgiFormats{
-    KindNumber{TexelKind::rgba32f, 2},       // DXGI_FORMAT_R32G32B32A32_FLOAT
-    KindNumber{TexelKind::rgba16f, 10},      // DXGI_FORMAT_R16G16B16A16_FLOAT
-    KindNumber{TexelKind::b10g11r11, 26},    // DXGI_FORMAT_R11G11B10_FLOAT
-    KindNumber{TexelKind::rgba8, 28},        // DXGI_FORMAT_R8G8B8A8_UNORM
-    KindNumber{TexelKind::rgba8_srgb, 29},   // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
-    KindNumber{TexelKind::e5b9g9r9, 67},     // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
-    KindNumber{TexelKind::bc6h_ufloat, 95},  // DXGI_FORMAT_BC6H_UF16
-    KindNumber{TexelKind::bc6h_sfloat, 96},  // DXGI_FORMAT_BC6H_SF16
-};
-
 [[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
   throw platform::file_error(code, file.path(), message);
 }
@@ -46,7 +35,7 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if ((fields[kPixelFormatFlags] & kDdsHasFourCc) == 0 || fields[kFourCc] != kFourCcDx10) {
     refuse(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
   }
-  if (!kind_of(kDxgiFormats, fields[kFormat])) {
+  if (!kind_with(&KindTraits::dxgi, fields[kFormat])) {
     refuse(file, ErrorCode::unsupported_file,
            "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
                " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
@@ -66,7 +55,7 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   const bool cube = (fields[kMiscellaneous] & kDdsTextureCube) != 0;
   TextureLayout layout;
   layout.container = FileFormat::dds;
-  layout.kind = *kind_of(kDxgiFormats, fields[kFormat]);
+  layout.kind = *kind_with(&KindTraits::dxgi, fields[kFormat]);
   settle_texture(file, layout, fields[kWidth], fields[kHeight], levels, cube ? 6 : 1, fields[kArraySize], element);
   layout.levels.resize(levels);
   std::uint64_t chain = 0;  // of a face
@@ -117,7 +106,7 @@ std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
   append({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});                                  // reserved
   append({kDdsPixelFormatBytes, kDdsHasFourCc, kFourCcDx10, 0, 0, 0, 0, 0});  // the pixel format is below
   append({kDdsTexture | several | (levels > 1 ? kDdsMipMap : 0), shape.cube ? kDdsCubemap | kDdsAllFaces : 0, 0, 0, 0});
-  append({number_of(kDxgiFormats, kind), kDdsTexture2d, shape.cube ? kDdsTextureCube : 0, one_texture, alpha_unknown});
+  append({traits(kind).dxgi, kDdsTexture2d, shape.cube ? kDdsTextureCube : 0, one_texture, alpha_unknown});
   return bytes;
 }
 

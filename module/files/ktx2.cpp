@@ -15,23 +15,6 @@
 namespace welkin::files {
 namespace {
 
-constexpr std::array kVulkanFormats{
-    KindNumber{TexelKind::rgba16f, 97},               // VK_FORMAT_R16G16B16A16_SFLOAT
-    KindNumber{TexelKind::rgba32f, 109},              // VK_FORMAT_R32G32B32A32_SFLOAT
-    KindNumber{TexelKind::b10g11r11, 122},            // VK_FORMAT_B10G11R11_UFLOAT_PACK32
-    KindNumber{TexelKind::e5b9g9r9, 123},             // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
-    KindNumber{TexelKind::rgba8, 37},                 // VK_FORMAT_R8G8B8A8_UNORM
-    KindNumber{TexelKind::rgba8_srgb, 43},            // VK_FORMAT_R8G8B8A8_SRGB
-    KindNumber{TexelKind::rgb8, 23},                  // VK_FORMAT_R8G8B8_UNORM
-    KindNumber{TexelKind::rgb8_srgb, 29},             // VK_FORMAT_R8G8B8_SRGB
-    KindNumber{TexelKind::rgb16f, 90},                // VK_FORMAT_R16G16B16_SFLOAT
-    KindNumber{TexelKind::rgb32f, 106},               // VK_FORMAT_R32G32B32_SFLOAT
-    KindNumber{TexelKind::bc6h_ufloat, 143},          // VK_FORMAT_BC6H_UFLOAT_BLOCK
-    KindNumber{TexelKind::bc6h_sfloat, 144},          // VK_FORMAT_BC6H_SFLOAT_BLOCK
-    KindNumber{TexelKind::astc_4x4_hdr, 1000066000},  // VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK
-    KindNumber{TexelKind::astc_6x6_hdr, 1000066004},  // VK_FORMAT_ASTC_6x6_SFLOAT_BLOCK
-};
-
 // Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
 constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
 constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
@@ -93,26 +76,6 @@ std::vector<Sample> samples_of(TexelFormat format) {
 }
 
 }  // namespace
-
-std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
-  switch (kind) {
-    case TexelKind::rgb16f:
-    case TexelKind::rgba16f: return 2;
-    case TexelKind::rgb32f:
-    case TexelKind::rgba32f:
-    case TexelKind::b10g11r11:
-    case TexelKind::e5b9g9r9: return 4;
-    case TexelKind::rgb8:
-    case TexelKind::rgb8_srgb:
-    case TexelKind::rgba8:
-    case TexelKind::rgba8_srgb:
-    case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat:
-    case TexelKind::astc_4x4_hdr:
-    case TexelKind::astc_6x6_hdr: return 1;
-  }
-  return 1;
-}
 
 std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept {
   switch (supercompression) {
@@ -192,13 +155,13 @@ Header read_header(platform::ByteFile& file) {
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
   if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
-  if (!kind_of(kVulkanFormats, header.format)) {
+  if (!kind_with(&KindTraits::vulkan, header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
                " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
                "rgba8 and rgb8 (unorm, srgb) are");
   }
-  if (is_astc(*kind_of(kVulkanFormats, header.format)))
+  if (is_astc(*kind_with(&KindTraits::vulkan, header.format)))
     require_codec(Codec::astc, file.path(), "save it in another format");
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
@@ -209,7 +172,7 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   if (supercompression != Supercompression::none) {
     require_codec(codec_of(supercompression), file.path(), "save it without supercompression");
   }
-  const std::uint32_t type_size = ktx2_type_size(*kind_of(kVulkanFormats, header.format));
+  const std::uint32_t type_size = traits(*kind_with(&KindTraits::vulkan, header.format)).unit;
   if (header.type_size != type_size) {
     refuse(file, ErrorCode::corrupt_file,
            "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
@@ -297,7 +260,7 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
   TextureLayout layout;
   layout.container = FileFormat::ktx2;
-  layout.kind = *kind_of(kVulkanFormats, header.format);
+  layout.kind = *kind_with(&KindTraits::vulkan, header.format);
   layout.supercompression = *supercompression_of_ktx2(header.scheme);
   settle_texture(file, layout, header.width, header.height, levels, header.faces, header.layers, element);
   std::vector<std::uint8_t> index(kKtx2LevelIndexBytes * levels);
@@ -371,7 +334,7 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
   constexpr std::uint32_t layers = 0;
   for (const std::uint32_t field :
-       {number_of(kVulkanFormats, kind), ktx2_type_size(kind), static_cast<std::uint32_t>(shape.width),
+       {traits(kind).vulkan, traits(kind).unit, static_cast<std::uint32_t>(shape.width),
         static_cast<std::uint32_t>(shape.height), shape.depth, layers, shape.faces,
         static_cast<std::uint32_t>(places.size()), ktx2_scheme(options.supercompression), descriptor_offset,
         descriptor_size, descriptor_offset + descriptor_size, static_cast<std::uint32_t>(metadata.size())}) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -25,53 +26,34 @@ void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, co
   }
 }
 
+// In the enumeration's order.
+constexpr std::array kKinds{
+    KindTraits{"rgba16f", 8, 1, 2, 97, 10, PixelFormat::rgba16f},
+    KindTraits{"rgba32f", 16, 1, 4, 109, 2, PixelFormat::rgba32f},
+    KindTraits{"b10g11r11", 4, 1, 4, 122, 26, std::nullopt},
+    KindTraits{"e5b9g9r9", 4, 1, 4, 123, 67, std::nullopt},
+    KindTraits{"bc6h ufloat", 16, image::kBlockEdge, 1, 143, 95, std::nullopt},
+    KindTraits{"bc6h sfloat", 16, image::kBlockEdge, 1, 144, 96, std::nullopt},
+    KindTraits{"astc 4x4 hdr", 16, 4, 1, 1000066000, 0, std::nullopt},
+    KindTraits{"astc 6x6 hdr", 16, 6, 1, 1000066004, 0, std::nullopt},
+    KindTraits{"rgba8", 4, 1, 1, 37, 28, PixelFormat::rgba8},
+    KindTraits{"rgba8 srgb", 4, 1, 1, 43, 29, PixelFormat::srgba8},
+    KindTraits{"rgb16f", 6, 1, 2, 90, 0, PixelFormat::rgb16f},
+    KindTraits{"rgb32f", 12, 1, 4, 106, 0, PixelFormat::rgb32f},
+    KindTraits{"rgb8", 3, 1, 1, 23, 0, PixelFormat::rgb8},
+    KindTraits{"rgb8 srgb", 3, 1, 1, 29, 0, PixelFormat::srgb8},
+};
+static_assert(kKinds.size() == static_cast<std::size_t>(TexelKind::rgb8_srgb) + 1);
+
 }  // namespace
 
-std::uint32_t number_of(std::span<const KindNumber> table, TexelKind kind) noexcept {
-  return std::find_if(table.begin(), table.end(), [kind](const KindNumber& k) { return k.kind == kind; })->number;
-}
+const KindTraits& traits(TexelKind kind) noexcept { return kKinds[static_cast<std::size_t>(kind)]; }
 
-std::optional<TexelKind> kind_of(std::span<const KindNumber> table, std::uint32_t number) noexcept {
-  for (const KindNumber& known : table) {
-    if (known.number == number) return known.kind;
-  }
-  return std::nullopt;
-}
-
-const char* name(TexelKind kind) noexcept {
-  switch (kind) {
-    case TexelKind::rgba16f: return "rgba16f";
-    case TexelKind::rgba32f: return "rgba32f";
-    case TexelKind::b10g11r11: return "b10g11r11";
-    case TexelKind::e5b9g9r9: return "e5b9g9r9";
-    case TexelKind::rgba8: return "rgba8";
-    case TexelKind::rgba8_srgb: return "rgba8 srgb";
-    case TexelKind::bc6h_ufloat: return "bc6h ufloat";
-    case TexelKind::bc6h_sfloat: return "bc6h sfloat";
-    case TexelKind::rgb16f: return "rgb16f";
-    case TexelKind::rgb32f: return "rgb32f";
-    case TexelKind::rgb8: return "rgb8";
-    case TexelKind::rgb8_srgb: return "rgb8 srgb";
-    case TexelKind::astc_4x4_hdr: return "astc 4x4 hdr";
-    case TexelKind::astc_6x6_hdr: return "astc 6x6 hdr";
-  }
-  return "unknown";
-}
-
-int block_edge(TexelKind kind) noexcept {
-  if (kind == TexelKind::astc_6x6_hdr) return 6;
-  if (kind == TexelKind::astc_4x4_hdr) return 4;
-  return kind == TexelKind::bc6h_ufloat || kind == TexelKind::bc6h_sfloat ? image::kBlockEdge : 1;
-}
-
-bool is_astc(TexelKind kind) noexcept { return kind == TexelKind::astc_4x4_hdr || kind == TexelKind::astc_6x6_hdr; }
-
-std::size_t texel_bytes(TexelKind kind) noexcept {
-  if (kind == TexelKind::rgba16f) return 8;
-  if (kind == TexelKind::rgb16f) return 6;
-  if (kind == TexelKind::rgb32f) return 12;
-  if (kind == TexelKind::rgb8 || kind == TexelKind::rgb8_srgb) return 3;
-  return kind == TexelKind::rgba32f || is_compressed(kind) ? 16 : 4;
+std::optional<TexelKind> kind_with(std::uint32_t KindTraits::*member, std::uint32_t number) noexcept {
+  const auto found =
+      std::find_if(kKinds.begin(), kKinds.end(), [&](const KindTraits& known) { return known.*member == number; });
+  if (number == 0 || found == kKinds.end()) return std::nullopt;
+  return static_cast<TexelKind>(found - kKinds.begin());
 }
 
 RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept {
@@ -94,22 +76,12 @@ void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_
 std::uint64_t level_bytes(TexelKind kind, int size) noexcept { return 6 * place_of_rows(kind, size, 0, size).bytes; }
 
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
-  const auto whole = static_cast<int>(count);
-  switch (kind) {
-    case TexelKind::rgba16f: return image::decode_texels(PixelFormat::rgba16f, texels, whole, rgb);
-    case TexelKind::rgba32f: return image::decode_texels(PixelFormat::rgba32f, texels, whole, rgb);
-    case TexelKind::rgba8: return image::decode_texels(PixelFormat::rgba8, texels, whole, rgb);
-    case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::srgba8, texels, whole, rgb);
-    case TexelKind::rgb16f: return image::decode_texels(PixelFormat::rgb16f, texels, whole, rgb);
-    case TexelKind::rgb32f: return image::decode_texels(PixelFormat::rgb32f, texels, whole, rgb);
-    case TexelKind::rgb8: return image::decode_texels(PixelFormat::rgb8, texels, whole, rgb);
-    case TexelKind::rgb8_srgb: return image::decode_texels(PixelFormat::srgb8, texels, whole, rgb);
-    case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
-    case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
-    case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat:
-    case TexelKind::astc_4x4_hdr:
-    case TexelKind::astc_6x6_hdr: return;  // texels that lie in no row
+  if (const auto& pixels = traits(kind).pixels) {
+    image::decode_texels(*pixels, texels, static_cast<int>(count), rgb);
+  } else if (kind == TexelKind::b10g11r11) {
+    decode_packed(texels, count, rgb, image::unpack_b10g11r11);
+  } else if (kind == TexelKind::e5b9g9r9) {
+    decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
   }
 }
 

@@ -93,16 +93,28 @@ static_assert(static_cast<int>(TexelKind::astc_6x6_hdr) == static_cast<int>(Texe
 
 [[nodiscard]] constexpr TexelKind kind_of(TexelFormat format) noexcept { return static_cast<TexelKind>(format); }
 
-/// "rgba16f", ..., "rgba8", "rgba8 srgb", "bc6h ufloat", ...
-[[nodiscard]] const char* name(TexelKind kind) noexcept;
+/// What there is to know of a kind.
+struct KindTraits {
+  const char* name;
+  std::size_t bytes;                  ///< per texel or block
+  int edge;                           ///< texels along the edge of a block; 1: not in blocks
+  std::uint32_t unit;                 ///< bytes of what is swapped for the other byte order: a channel, a packed texel
+  std::uint32_t vulkan;               ///< VkFormat
+  std::uint32_t dxgi;                 ///< DXGI_FORMAT; 0: not read from DDS
+  std::optional<PixelFormat> pixels;  ///< with the same layout
+};
+[[nodiscard]] const KindTraits& traits(TexelKind kind) noexcept;
 
-/// Texels along an edge of the blocks that they lie in, of 16 bytes each; 1: not in blocks.
-[[nodiscard]] int block_edge(TexelKind kind) noexcept;
+/// The kind to which a container gives that number.
+[[nodiscard]] std::optional<TexelKind> kind_with(std::uint32_t KindTraits::*member, std::uint32_t number) noexcept;
+
+[[nodiscard]] inline const char* name(TexelKind kind) noexcept { return traits(kind).name; }
+[[nodiscard]] inline int block_edge(TexelKind kind) noexcept { return traits(kind).edge; }
 [[nodiscard]] inline bool is_compressed(TexelKind kind) noexcept { return block_edge(kind) > 1; }
-[[nodiscard]] bool is_astc(TexelKind kind) noexcept;
-
-/// 3 to 16; of a block 16.
-[[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
+[[nodiscard]] constexpr bool is_astc(TexelKind kind) noexcept {
+  return kind == TexelKind::astc_4x4_hdr || kind == TexelKind::astc_6x6_hdr;
+}
+[[nodiscard]] inline std::size_t texel_bytes(TexelKind kind) noexcept { return traits(kind).bytes; }
 
 /// What holds some rows of a face or picture, whole blocks of it; `size`: texels in a row.
 struct RowPlace {
@@ -120,14 +132,6 @@ void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_
 
 /// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
-
-/// The number that a container has for a kind: a DXGI_FORMAT, a VkFormat.
-struct KindNumber {
-  TexelKind kind;
-  std::uint32_t number;
-};
-[[nodiscard]] std::uint32_t number_of(std::span<const KindNumber> table, TexelKind kind) noexcept;  ///< must be there
-[[nodiscard]] std::optional<TexelKind> kind_of(std::span<const KindNumber> table, std::uint32_t number) noexcept;
 
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
 //
@@ -158,9 +162,6 @@ inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 
                                                               0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
 inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
 inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
-
-/// Bytes of what is turned for the other byte order: a channel, or a packed texel.
-[[nodiscard]] std::uint32_t ktx2_type_size(TexelKind kind) noexcept;
 
 /// supercompressionScheme.
 [[nodiscard]] std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept;

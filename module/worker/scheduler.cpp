@@ -22,6 +22,7 @@
 #include "platform/wait.h"
 #include "welkin/worker.h"
 #include "worker/thread_executor.h"
+#include "worker/thread_role.h"
 
 namespace welkin::detail {
 namespace {
@@ -59,8 +60,6 @@ void require_no_lost_locks() {
   sound_process = platform::process_number();
 }
 
-thread_local const ThreadRole* innermost_role = nullptr;
-
 /// Looks whether a job is ready for about as long as it takes the system to wake two sleeping threads, which is what
 /// going to sleep at once would cost: the worker's, and then this one. `keeping`: it keeps its processor at first, for
 /// as long as a small job takes on a thread that is awake. Where the worker's threads take all processors, one of them
@@ -90,33 +89,6 @@ struct LentTask : InJobMemory {
 };
 
 }  // namespace
-
-ThreadRole::ThreadRole(Scheduler& scheduler, Kind kind) noexcept
-    : scheduler_(&scheduler), kind_(kind), outer_(innermost_role) {
-  innermost_role = this;
-}
-ThreadRole::~ThreadRole() { innermost_role = outer_; }
-
-template <class Wanted>
-const ThreadRole* ThreadRole::innermost(const Wanted& wanted) noexcept {
-  const ThreadRole* role = innermost_role;
-  while (role != nullptr && !wanted(*role)) role = role->outer_;
-  return role;
-}
-
-bool ThreadRole::has_any(const Scheduler& scheduler) noexcept {
-  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler; }) != nullptr;
-}
-
-bool ThreadRole::is_worker(const Scheduler& scheduler) noexcept {
-  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler && role.kind_ == worker; }) !=
-         nullptr;
-}
-
-Scheduler* ThreadRole::scheduler() noexcept {
-  const ThreadRole* const role = innermost([](const ThreadRole&) { return true; });
-  return role != nullptr && role->kind_ == worker ? role->scheduler_ : nullptr;
-}
 
 void let_another_pass(TaskPriority priority) {
   constexpr int kDeepest = 8;  // each is so much stack
@@ -245,7 +217,10 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   if (!closed_ && reserve(posted->bytes)) return put_in_inbox(std::move(arrival));
   Books books(*this);
   if (const std::optional<ErrorCode> reason = reason_to_refuse(*arrival)) {
-    refuse(*arrival, *reason, books.work);
+    job->withdrawn = reason;
+    job->settled = true;
+    posted->record = job;
+    books.work.ended.splice(books.work.ended.end(), arrival->node);
   } else {
     admit(*arrival, books.work);
   }
@@ -268,28 +243,15 @@ void Scheduler::admit(Arrival& arrival, DeferredWork& work) {
   const std::shared_ptr<JobRecord>& job = arrival.job;
   const std::shared_ptr<Computation>& posted = job->computation;
   job->counted = true;
-  if (closed_) {
-    bytes_ -= posted->bytes;
-    settle(*job);
-    return refuse(arrival, ErrorCode::stopped, work);
-  }
   posted->record = job;
-  enqueue(posted, arrival.node, false);
-  ++work.startable;
-  if (job->key.empty()) return;
+  let_wait(posted, arrival.node, false, work);
+  if (job->key.empty() || job->settled) return;
   const auto newest = newest_.find(job->key);
   if (newest == newest_.end()) {
     newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
   } else {
     withdraw(std::exchange(newest->second, job), ErrorCode::replaced, work);
   }
-}
-
-void Scheduler::refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work) {
-  arrival.job->withdrawn = reason;
-  arrival.job->settled = true;
-  arrival.node.front()->record = arrival.job;
-  work.ended.splice(work.ended.end(), arrival.node);
 }
 
 bool Scheduler::reserve(std::uint64_t bytes, std::size_t freed_jobs, std::uint64_t freed_bytes) noexcept {
@@ -330,8 +292,7 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Defer
       stop(computation, work);
     } else {
       next = computation->parent;
-      settle(*job);
-      work.ended.splice(work.ended.end(), take_out(computation));
+      end(computation, nullptr, work);
     }
     job = next;
   }
@@ -344,18 +305,14 @@ void Scheduler::stop(const std::shared_ptr<Computation>& computation, DeferredWo
   work.stopping = computation;
 }
 
-/// The job is ready.
+/// The job is ready: what follows it may start.
 void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
   job.done = true;
   news_ = true;
-  hand_on(job, job.followers, work);
-}
-
-void Scheduler::hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work) {
-  while (!followers.empty()) {
-    const std::shared_ptr<Computation> next = followers.front();
+  while (!job.followers.empty()) {
+    const std::shared_ptr<Computation> next = job.followers.front();
     ComputationList node;
-    node.splice(node.begin(), followers, followers.begin());
+    node.splice(node.begin(), job.followers, job.followers.begin());
     next->parent = nullptr;
     next->list = nullptr;
     next->failure = error_of(job);
@@ -366,21 +323,17 @@ void Scheduler::hand_on(const JobRecord& job, ComputationList& followers, Deferr
       list.splice(list.end(), node);
       undrained_.store(drained_.size(), std::memory_order_release);
     } else {
-      enqueue(next, node, true);
-      if (closed_) {
-        end(next, nullptr, work);
-      } else {
-        ++work.startable;
-      }
+      let_wait(next, node, true, work);
     }
   }
 }
 
-/// Of a computation that waits, and that no thread will start: because of the error, or as the worker has ended.
+/// Of a computation that waits, and that no thread will start: because of the error, because it was withdrawn, or as
+/// the worker has ended.
 void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work) {
   if (JobRecord* const job = computation->record.get()) {
     job->error = error;
-    if (!error) job->withdrawn = ErrorCode::stopped;
+    if (!error && !job->withdrawn) job->withdrawn = ErrorCode::stopped;
     settle(*job);
   }
   work.ended.splice(work.ended.end(), take_out(computation));
@@ -458,11 +411,10 @@ void Scheduler::follow(Arrival& arrival, DeferredWork& work) {
   const std::shared_ptr<Computation> child = arrival.node.front();
   child->priority = arrival.parent->computation->priority;
   child->record = arrival.job;
-  if (arrival.parent->done) return hand_on(*arrival.parent, arrival.node, work);
   hang(arrival.node, arrival.parent);
+  if (arrival.parent->done) hand_on(*arrival.parent, work);
 }
 
-/// On a job that is not done.
 void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent) {
   Computation& child = *node.front();
   child.parent = parent;
@@ -473,10 +425,6 @@ void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& pa
 
 // Starting computations, and what they leave.
 
-ComputationList& Scheduler::waiting(TaskPriority priority) noexcept {
-  return waiting_[static_cast<std::size_t>(priority)];
-}
-
 std::size_t Scheduler::waiting_count() const noexcept {
   return waiting_[0].size() + waiting_[1].size() + waiting_[2].size();
 }
@@ -485,18 +433,21 @@ bool Scheduler::is_waiting(const Computation& computation) const noexcept {
   return computation.list != nullptr && computation.list != &running_ && !computation.parent;
 }
 
-bool Scheduler::has_waiting() {
-  const Books books(*this);
-  return waiting_count() > 0;
-}
-
 void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front) {
-  ComputationList& list = waiting(computation->priority);
+  ComputationList& list = waiting_[static_cast<std::size_t>(computation->priority)];
   list.splice(in_front ? list.begin() : list.end(), from);
   news_ = true;
   if (computation->waiting_since == Clock::time_point{}) computation->waiting_since = Clock::now();
   computation->list = &list;
   computation->place = in_front ? list.begin() : std::prev(list.end());
+}
+
+/// For a thread, unless none will come.
+void Scheduler::let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
+                         DeferredWork& work) {
+  enqueue(computation, from, in_front);
+  if (closed_) return end(computation, nullptr, work);
+  ++work.startable;
 }
 
 ComputationList Scheduler::take_out(const std::shared_ptr<Computation>& computation) {

@@ -109,7 +109,6 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   /// Runs the first of those that wait and have this priority or a higher one; false if there is none. `lent`: as a
   /// task of the executor's.
   bool run_next(bool lent = false, TaskPriority least = TaskPriority::low);
-  [[nodiscard]] bool has_waiting();
 
  private:
   using Lock = std::unique_lock<std::mutex>;
@@ -146,7 +145,6 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void admit(Arrival& arrival, DeferredWork& work);
   void follow(Arrival& arrival, DeferredWork& work);
   static void hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent);
-  static void refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work);
   /// Counts a job and bytes against the limits if they hold then, with as much less in flight as will be freed.
   [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
   void settle(JobRecord& job);
@@ -155,7 +153,6 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work);
   static void stop(const std::shared_ptr<Computation>& computation, DeferredWork& work);
   void hand_on(JobRecord& job, DeferredWork& work);
-  void hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work);
   void end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work);
   void tell_jobs_of(DeferredWork& work);
   void carry_out(DeferredWork& work);
@@ -163,11 +160,12 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
 
   // Starting, running, waiting. With the mutex held: enqueue to startable_for.
   void enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front);
+  void let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
+                DeferredWork& work);
   void start_running(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] ComputationList take_out(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] std::size_t waiting_count() const noexcept;
   [[nodiscard]] bool is_waiting(const Computation& computation) const noexcept;
-  [[nodiscard]] ComputationList& waiting(TaskPriority priority) noexcept;
   [[nodiscard]] std::shared_ptr<Computation> startable_for(const JobRecord& job) const;
   void run(const std::shared_ptr<Computation>& computation);
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
@@ -218,34 +216,6 @@ void Scheduler::wait_for(const Done& done) {
     platform::wait_while(signals_, seen);
   }
 }
-
-/// What the calling thread is to a scheduler, for as long as this object lives.
-class ThreadRole {
- public:
-  enum Kind {
-    worker,     ///< its own, or a lent one that runs its work
-    bystander,  ///< inside something that its work waits for
-  };
-  explicit ThreadRole(Scheduler& scheduler, Kind kind = worker) noexcept;
-  ~ThreadRole();
-  ThreadRole(const ThreadRole&) = delete;
-  ThreadRole& operator=(const ThreadRole&) = delete;
-
-  /// Whether the thread is either kind, and so must not wait for the scheduler's work to end.
-  [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept;
-  /// Whether the scheduler may run computations on it.
-  [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept;
-  /// The scheduler that may run computations on the thread, the innermost one; null if there is none.
-  [[nodiscard]] static Scheduler* scheduler() noexcept;
-
- private:
-  template <class Wanted>
-  [[nodiscard]] static const ThreadRole* innermost(const Wanted& wanted) noexcept;
-
-  Scheduler* scheduler_;
-  Kind kind_;
-  const ThreadRole* outer_;
-};
 
 /// Runs the first of the waiting computations on the calling thread, if there is one of no lower priority than
 /// `priority`. A long request calls this between its pieces with its own priority, so that others need not wait for it.

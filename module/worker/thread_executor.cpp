@@ -15,6 +15,7 @@
 #include "platform/spin.h"
 #include "platform/thread.h"
 #include "worker/scheduler.h"
+#include "worker/thread_role.h"
 
 namespace welkin::detail {
 namespace {
@@ -124,7 +125,7 @@ void ThreadExecutor::park(Scheduler& scheduler, Place& place) {
   parking.blocker = parking.group.defer([] {});
   place = &parking.blocker;
   // What came after this thread looked for work, but before it could be seen to be free.
-  if (dismissed_ || scheduler.has_waiting()) call(place);
+  if (dismissed_ || scheduler.load().waiting > 0) call(place);
   parking.group.wait();
 }
 
