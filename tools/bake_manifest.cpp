@@ -78,7 +78,7 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
                {"fit_lookups", !specular.lobe_roughness.empty()},
                {"method", welkin::name(specular.method)},
                {"rms_error", specular.rms_error},
-               {"maximum_error", specular.maximum_error.value_or(std::min(1.0, 10.0 * specular.rms_error))},
+               {"maximum_error", specular.texel_bound()},
                {"background_size", options.background_size},
                {"irradiance_size", options.irradiance_size},
                {"irradiance_method", name_of(options.irradiance_method)},

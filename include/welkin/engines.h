@@ -74,9 +74,6 @@ struct BabylonPolynomial {
 /// 0.886277). Bands above the third are dropped; missing ones are zero.
 [[nodiscard]] BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance);
 
-/// Returns the polynomial of an ambient colour, as a placeholder: `colour` in xx, yy and zz, zero elsewhere.
-[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const dvec3& colour);
-
 /// Returns the polynomial's value for a normal. Throws `Error` (invalid_argument) for one that is zero or not finite.
 [[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 

@@ -175,9 +175,11 @@ class Cubemap {
   [[nodiscard]] std::size_t bytes() const noexcept { return values_ * sizeof(float); }
 
   /// Returns all values of all mips.
-  [[nodiscard]] std::span<float> pixels() noexcept { return {pixels_.get(), values_}; }
+  [[nodiscard]] std::span<float> pixels() & noexcept { return {pixels_.get(), values_}; }
   /// Returns all values of all mips.
-  [[nodiscard]] std::span<const float> pixels() const noexcept { return {pixels_.get(), values_}; }
+  [[nodiscard]] std::span<const float> pixels() const& noexcept { return {pixels_.get(), values_}; }
+  /// Returns a copy of all values: those of a temporary would not outlive the expression.
+  [[nodiscard]] std::vector<float> pixels() && { return {pixels_.get(), pixels_.get() + values_}; }
 
   /// Returns the pixels of a face: level_size^2 packed RGB texels, top row first. 0 <= level < levels(), 0 <= face < 6.
   [[nodiscard]] float* face(int level, int face) noexcept { return pixels_.get() + face_offset(level, face); }

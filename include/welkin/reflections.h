@@ -86,6 +86,9 @@ struct PrefilterOptions {
 
   PixelPolicy pixels{};  ///< treatment of source values, as in `project`
 
+  /// Returns the bound at any texel: `maximum_error` or its default.
+  [[nodiscard]] double texel_bound() const noexcept;
+
   /// Returns the default options with the method and the bounds of a preset. They may be changed afterwards.
   [[nodiscard]] static PrefilterOptions at(Quality quality);
 
@@ -228,8 +231,6 @@ struct BrdfTable {
   int channels = 2;           ///< 2, or 3 with sheen
   std::vector<float> values;  ///< height x width x channels values; row 0 has the lowest roughness
 
-  /// Returns the values as IEEE half floats, rounded to nearest, ties to even. Values above 65504 become 65504.
-  [[nodiscard]] std::vector<std::uint16_t> half_values() const;
   /// Returns the size of `values` in bytes.
   [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(float); }
 };

@@ -75,9 +75,6 @@ void evaluate_basis(const dvec3& direction, int bands, std::span<double> values)
 /// Converts irradiance to the radiance that a white Lambertian surface reflects: multiplies by 1/pi.
 [[nodiscard]] SphericalHarmonics lambertian_from_irradiance(const SphericalHarmonics& irradiance);
 
-/// Returns the coefficients of a uniform environment: band 0 only.
-[[nodiscard]] SphericalHarmonics constant_radiance(const dvec3& radiance, int bands = 1);
-
 /// Returns the mean radiance over the sphere, c(0,0) / sqrt(4 pi): the light of a scene with one ambient colour.
 [[nodiscard]] dvec3 mean_radiance(const SphericalHarmonics& radiance);
 

@@ -64,15 +64,6 @@ BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance) {
   return polynomial;
 }
 
-BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour) {
-  const platform::FloatingPointScope floating_point;
-  BabylonPolynomial polynomial;
-  polynomial.xx = colour;
-  polynomial.yy = colour;
-  polynomial.zz = colour;
-  return polynomial;
-}
-
 glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal) {
   const platform::FloatingPointScope floating_point;
   const glm::dvec3 unit = math::as_unit_direction(normal, "normal");

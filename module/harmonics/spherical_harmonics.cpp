@@ -96,13 +96,6 @@ SphericalHarmonics lambertian_from_irradiance(const SphericalHarmonics& irradian
   return reflected;
 }
 
-SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int bands) {
-  const platform::FloatingPointScope floating_point;
-  SphericalHarmonics harmonics(bands);
-  harmonics.at(0, 0) = radiance * band_zero_of_one();
-  return harmonics;
-}
-
 glm::dvec3 mean_radiance(const SphericalHarmonics& radiance) {
   const platform::FloatingPointScope floating_point;
   return radiance.at(0, 0) / band_zero_of_one();

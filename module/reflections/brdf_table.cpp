@@ -1,11 +1,9 @@
 #include "reflections/brdf_table.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <numbers>
 #include <string>
 
-#include "image/pixels.h"
 #include "jobs/control.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
@@ -83,13 +81,6 @@ math::TableCache<BrdfTableOptions, BrdfTable>& cache() {
 }
 
 }  // namespace
-
-std::vector<std::uint16_t> BrdfTable::half_values() const {
-  const platform::FloatingPointScope floating_point;
-  std::vector<std::uint16_t> halves(values.size());
-  std::transform(values.begin(), values.end(), halves.begin(), image::half_from_float);
-  return halves;
-}
 
 std::size_t reflections::brdf_values(const BrdfTableOptions& options) noexcept {
   return static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) *

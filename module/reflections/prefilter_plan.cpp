@@ -304,11 +304,7 @@ double narrow_reach(const PrefilterPlan& plan) noexcept {
   return std::max(plan.reach, reach_for(usual.rms, usual.maximum));
 }
 
-ErrorBounds bounds_of(const PrefilterOptions& options) noexcept {
-  const ErrorBounds usual;
-  const double in_proportion = std::min(1.0, options.rms_error / usual.rms * usual.maximum);
-  return {options.rms_error, options.maximum_error.value_or(in_proportion)};
-}
+ErrorBounds bounds_of(const PrefilterOptions& options) noexcept { return {options.rms_error, options.texel_bound()}; }
 
 std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
@@ -516,6 +512,11 @@ const char* name(Quality quality) noexcept {
     case Quality::reference: return "reference";
   }
   return "normal";
+}
+
+double PrefilterOptions::texel_bound() const noexcept {
+  const reflections::ErrorBounds usual;
+  return maximum_error.value_or(std::min(1.0, rms_error / usual.rms * usual.maximum));
 }
 
 PrefilterOptions PrefilterOptions::at(Quality quality) {

@@ -200,18 +200,6 @@ std::vector<double> density_breaks(std::span<const DensityLayer> layers, double 
   return breaks;
 }
 
-std::vector<double> density_turns(std::span<const DensityLayer> layers, double thickness_m) {
-  std::vector<double> turns;
-  double bottom = 0.0;
-  for (std::size_t i = 0; i < layers.size() && bottom < thickness_m; ++i) {
-    const double top = i + 1 == layers.size() ? thickness_m : std::min(thickness_m, bottom + layers[i].thickness_m);
-    const double turn = turning_point(layers[i]);
-    if (turn > bottom && turn < top) turns.push_back(turn);
-    bottom = top;
-  }
-  return turns;
-}
-
 namespace {
 
 constexpr double kSmallestMoment = 0.01;

@@ -79,10 +79,6 @@ class Air {
 /// places where a layer's formula meets 0 or 1. Between two of them the density is analytic. At most 7 + 8 * 4.
 [[nodiscard]] std::vector<double> density_breaks(std::span<const DensityLayer> layers, double thickness_m);
 
-/// Altitudes strictly between 0 and `thickness_m`, rising, at which the density may turn from rising to falling or back
-/// inside of a layer. Between two of these or of the breaks it is monotone. At most 8.
-[[nodiscard]] std::vector<double> density_turns(std::span<const DensityLayer> layers, double thickness_m);
-
 // Phase functions: the share of scattered light that goes where, per steradian; their integral over the sphere is 1.
 //
 // `cosine` is of the angle by which light turns: 1 straight on. Only + - * / and square roots: the same bits

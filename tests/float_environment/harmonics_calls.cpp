@@ -58,8 +58,6 @@ void call_harmonics(Calls& calls) {
     return values;
   });
   calls.call("cosine_lobe(", [&] { return cosine_lobe(8); });
-  calls.call("constant_radiance(", [&] { return constant_radiance(colour, 3); });
-  calls.call("babylon_constant_polynomial(", [&] { return babylon_constant_polynomial(colour); });
   calls.call("turn_about_y(", [] { return turn_about_y(33.3); });
   calls.refused("turned(SphericalHarmonics const&, glm::mat", [&] { static_cast<void>(turned(a, glm::dmat3(0.3))); });
 

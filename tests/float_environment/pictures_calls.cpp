@@ -121,7 +121,7 @@ void call_probes(Calls& calls, const Cubemap& cube) {
   calls.call("windowed(", [&] { return windowed(probes, Window::min_laplacian); });
   calls.call("relight(", [&] {
     BakedProbes relit = probes;
-    relight(relit, project(cube.view()).radiance, constant_radiance(dvec3(0.1, 0.2, 0.3)));
+    relight(relit, project(cube.view()).radiance, SphericalHarmonics(1));
     return relit;
   });
   calls.call("probe_irradiance(", [&] { return probe_irradiance(probes, {0.3, 0.3, 0.3}, {0.0, 0.6, 0.8}); });
@@ -220,7 +220,6 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cub
 
   const BrdfTableOptions small{.width = 5, .height = 4};
   const auto brdf = calls.call("brdf_table(", [&] { return brdf_table(small); });
-  calls.call("BrdfTable::half_values(", [&] { return brdf->half_values(); });
 }
 
 void call_upload(Calls& calls, const Cubemap& cube) {

@@ -96,7 +96,6 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
   print("turned by a quaternion", welkin::turned(light, quaternion));
   print("turned by a matrix", welkin::turned(light, matrix));
   print("scale", welkin::scale(light, glm::dvec3(0.5, 1.0, 2.0)));
-  print("constant", welkin::constant_radiance(glm::dvec3(0.5, 1.0, 2.0), 2));
   print("mean", glm::dvec3(welkin::mean_radiance(light)));
   const welkin::HarmonicMinimum minimum = welkin::minimum(light);
   print("minimum", glm::dvec3(minimum.value));

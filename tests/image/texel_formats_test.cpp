@@ -69,6 +69,35 @@ TEST_CASE("every half comes back from its float, and floats go where Imath has t
   }
 }
 
+TEST_CASE("Half values are rounded as Imath rounds them", "[codec][texels]") {
+  std::vector<float> values;
+  for (unsigned bits = 0; bits < 0x7C00U; ++bits) {  // all finite ones, what lies half way to the next, and beside it
+    const auto here = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits));
+    const auto next = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits + 1));
+    if (!next.isFinite()) break;
+    const float middle = 0.5F * (static_cast<float>(here) + static_cast<float>(next));
+    for (const float v :
+         {static_cast<float>(here), middle, std::nextafter(middle, 0.0F), std::nextafter(middle, 1e9F)}) {
+      values.push_back(v);
+      values.push_back(-v);
+    }
+  }
+  std::mt19937 random(5);
+  for (int k = 0; k < 100'000; ++k) {
+    const float v = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    if (std::abs(v) <= 65504.0F) values.push_back(v);
+  }
+  std::size_t wrong = 0;
+  for (const float v : values) {
+    if (image::half_from_float(v) != Imath::half(v).bits()) ++wrong;
+  }
+  CHECK(wrong == 0);
+  for (const float v : {65504.0F, 65519.0F, 65520.0F, 1e30F}) {
+    CHECK(image::half_from_float(v) == 0x7BFF);
+    CHECK(image::half_from_float(-v) == 0xFBFF);
+  }
+}
+
 TEST_CASE("b10g11r11 takes the nearest value in each channel", "[codec][texels]") {
   const std::vector<double> eleven = all_small_floats(6);
   const std::vector<double> ten = all_small_floats(5);

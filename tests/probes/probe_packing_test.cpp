@@ -3,6 +3,7 @@
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"
+#include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/thrown_error.h"
 #include "welkin/engines.h"

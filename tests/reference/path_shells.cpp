@@ -21,6 +21,22 @@ const DensityLayer* layer_about(std::span<const DensityLayer> layers, double alt
   return &layers[i];
 }
 
+/// Returns the altitudes inside layers, rising, at which the density turns from rising to falling or back. The layer's
+/// formula is convex or concave, so that its slope a s exp(s h) + l is zero at most once.
+std::vector<double> density_turns(std::span<const DensityLayer> layers, double thickness_m) {
+  std::vector<double> turns;
+  double bottom = 0.0;
+  for (std::size_t i = 0; i < layers.size() && bottom < thickness_m; ++i) {
+    const DensityLayer& layer = layers[i];
+    const double top = i + 1 == layers.size() ? thickness_m : std::min(thickness_m, bottom + layer.thickness_m);
+    const double ratio = -layer.linear_term_per_m / (layer.exponential_term * layer.exponential_scale_per_m);
+    const double turn = std::log(ratio) / layer.exponential_scale_per_m;  // not finite or outside: monotone
+    if (turn > bottom && turn < top) turns.push_back(turn);
+    bottom = top;
+  }
+  return turns;
+}
+
 }  // namespace
 
 PathShells::PathShells(const ReferenceAir& air) : air_(air) {

@@ -1,5 +1,4 @@
 // BRDF tables: the quadrature behind them, their layout, options, cache and errors.
-#include <half.h>
 
 #include "perf/report/passes.h"
 #include "reflections/brdf_kernels.h"
@@ -305,34 +304,6 @@ TEST_CASE("BRDF table sizes out of range are refused", "[brdf]") {
     CHECK(thrown_by([&] { (void)brdf_table({edge, 64}); }).says("width is " + std::to_string(edge)));
     CHECK(thrown_by([&] { (void)brdf_table({64, edge}); }).says("height is " + std::to_string(edge)));
   }
-}
-
-TEST_CASE("Half values are rounded as Imath rounds them", "[brdf]") {
-  BrdfTable table;
-  for (unsigned bits = 0; bits < 0x7C00U; ++bits) {  // all finite ones, what lies half way to the next, and beside it
-    const auto here = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits));
-    const auto next = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits + 1));
-    if (!next.isFinite()) break;
-    const float middle = 0.5F * (static_cast<float>(here) + static_cast<float>(next));
-    for (const float v :
-         {static_cast<float>(here), middle, std::nextafter(middle, 0.0F), std::nextafter(middle, 1e9F)}) {
-      table.values.push_back(v);
-      table.values.push_back(-v);
-    }
-  }
-  std::mt19937 random(5);
-  for (int k = 0; k < 100'000; ++k) {
-    const float v = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
-    if (std::abs(v) <= 65504.0F) table.values.push_back(v);
-  }
-  const std::vector<std::uint16_t> halves = table.half_values();
-  std::size_t wrong = 0;
-  for (std::size_t k = 0; k < halves.size(); ++k) {
-    if (halves[k] != Imath::half(table.values[k]).bits()) ++wrong;
-  }
-  CHECK(wrong == 0);
-  table.values = {65504.0F, 65519.0F, 65520.0F, 1e30F, -1e30F};
-  CHECK(table.half_values() == std::vector<std::uint16_t>{0x7BFF, 0x7BFF, 0x7BFF, 0x7BFF, 0xFBFF});
 }
 
 }  // namespace welkin::test

@@ -106,10 +106,6 @@ TEST_CASE("The algebra of harmonics is the same as before", "[same_as_before]") 
            }},
           {"irradiance_from_radiance", [] { return irradiance_from_radiance(harmonics(9, 2)); }},
           {"lambertian_from_irradiance", [] { return lambertian_from_irradiance(harmonics(9, 3)); }},
-          {"constant_radiance",
-           [] {
-             return constant_radiance({0.1, 0.2, 0.3}, 4);
-           }},
           {"average_radiance", [] { return mean_radiance(harmonics(3, 4)); }},
           {"rotate_3", [&] { return turned(harmonics(3, 5), turn); }},
           {"rotate_9", [&] { return turned(harmonics(9, 6), turn); }},
@@ -154,10 +150,6 @@ TEST_CASE("The algebra of harmonics is the same as before", "[same_as_before]") 
 TEST_CASE("Engines' forms of light are the same as before", "[same_as_before]") {
   std::vector<NamedResult> results{
       {"babylon_polynomial", [] { return babylon_polynomial(harmonics(4, 22)); }},
-      {"babylon_constant_polynomial",
-       [] {
-         return babylon_constant_polynomial({0.1, 0.2, 0.3});
-       }},
       {"babylon_polynomial_evaluated",
        [] { return evaluate(babylon_polynomial(harmonics(3, 23)), glm::normalize(glm::dvec3(1, -2, 2))); }},
       {"conventions",

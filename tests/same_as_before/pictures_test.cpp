@@ -229,12 +229,6 @@ TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
       }
     }
   }
-  results.emplace_back(
-      "half_values",
-      [] {
-        return brdf_table({8, 8})->half_values();
-      },
-      Repeats::once);
   require_as_recorded("brdf", results);
 }
 

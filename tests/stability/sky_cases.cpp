@@ -3,6 +3,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
+#include "support/random_harmonics.h"
 #include "welkin/sky.h"
 
 namespace welkin::test::stability {

@@ -4,6 +4,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
+#include "support/random_harmonics.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"

@@ -11,6 +11,13 @@
 
 namespace welkin::test {
 
+/// The coefficients of a uniform environment.
+inline SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int bands = 1) {
+  SphericalHarmonics harmonics(bands);
+  harmonics.at(0, 0) = radiance * std::sqrt(4.0 * std::numbers::pi);
+  return harmonics;
+}
+
 class RandomLight {
  public:
   explicit RandomLight(std::uint32_t seed) : engine_(seed) {}

@@ -238,15 +238,6 @@ constexpr std::uint32_t kHashFactor = 0x01000193U;
 
 }  // namespace
 
-const std::vector<Content>& all_contents() {
-  static const std::vector<Content> contents = [] {
-    std::vector<Content> list;
-    for (const auto& entry : kNames) list.push_back(entry.first);
-    return list;
-  }();
-  return contents;
-}
-
 std::string_view name(Content content) {
   const auto found = std::find_if(kNames.begin(), kNames.end(), [=](const auto& e) { return e.first == content; });
   return found == kNames.end() ? "unknown" : found->second;

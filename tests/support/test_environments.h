@@ -28,9 +28,6 @@ enum class Content {
   one_texel_sun,   ///< noise in [0, 1), and one texel of 1e6
 };
 
-/// Every kind, in the order above.
-[[nodiscard]] const std::vector<Content>& all_contents();
-
 /// The enumerator's own name, and the way back (throws std::invalid_argument on a name that is none).
 [[nodiscard]] std::string_view name(Content content);
 [[nodiscard]] Content content_named(std::string_view name);
