@@ -16,7 +16,7 @@
 namespace welkin {
 namespace {
 
-struct Sun {
+struct SunRow {
   double elevation;
   /// Diffuse irradiance on level ground; radiance 5, 30 and 60 degrees up, each towards the sun and opposite to it.
   std::array<double, 7> light;
@@ -32,7 +32,7 @@ struct Case {
   double albedo;
   double rms_percent;
   double largest_percent;
-  std::array<Sun, 4> suns;
+  std::array<SunRow, 4> suns;
 };
 
 // clang-format off
@@ -85,20 +85,21 @@ Atmosphere flat(const Case& of) {
   air.sun_angular_radius_degrees = 0.0;
   air.bottom_radius_m = 1e9;
   air.top_radius_m = 1e9 + 6e4;
-  air.rayleigh = {.density = falling(8000.0), .scattering_per_m = std::vector(3, of.rayleigh_per_m)};
+  air.rayleigh.density = falling(8000.0);
+  air.rayleigh.scattering_per_m.assign(3, of.rayleigh_per_m);
   air.ground_albedo.assign(3, of.albedo);
   if (of.aerosol_per_m > 0.0) {
-    air.aerosol = {.density = falling(1200.0),
-                   .scattering_per_m = std::vector(3, of.aerosol_per_m),
-                   .absorption_per_m = std::vector(3, of.absorption_per_m)};
+    air.aerosol.density = falling(1200.0);
+    air.aerosol.scattering_per_m.assign(3, of.aerosol_per_m);
+    air.aerosol.absorption_per_m.assign(3, of.absorption_per_m);
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
     air.aerosol_asymmetry = of.asymmetry;
   }
   if (of.ozone_per_m > 0.0) {
-    air.absorbers.push_back(
-        {.density = {{.thickness_m = 25'000.0, .linear_term_per_m = 1.0 / 15'000.0, .constant_term = -2.0 / 3.0},
-                     {.linear_term_per_m = -1.0 / 15'000.0, .constant_term = 8.0 / 3.0}},
-         .absorption_per_m = std::vector(3, of.ozone_per_m)});
+    Constituent& ozone = air.absorbers.emplace_back();
+    ozone.density = {{.thickness_m = 25'000.0, .linear_term_per_m = 1.0 / 15'000.0, .constant_term = -2.0 / 3.0},
+                     {.linear_term_per_m = -1.0 / 15'000.0, .constant_term = 8.0 / 3.0}};
+    ozone.absorption_per_m.assign(3, of.ozone_per_m);
   }
   return air;
 }
@@ -110,7 +111,7 @@ TEST_CASE("Skies are those of CDISORT, in haze and over bright ground", "[sky][t
     const SkyView view(std::make_shared<const SkyTables>(precompute_sky(flat(of), {})), 0.0);
     double squares = 0.0;
     int count = 0;
-    for (const Sun& sun : of.suns) {
+    for (const SunRow& sun : of.suns) {
       CAPTURE(of.name, sun.elevation);
       const glm::dvec3 from = sun_direction(sun.elevation, 0.0);
       CHECK(std::abs(view.irradiance(from).x / sun.light[0] - 1.0) < 5e-3);
