@@ -28,7 +28,7 @@ constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are foll
 // Of what orders beyond the last one add.
 constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths, ...
 constexpr int kMostRestOrders = 24;      ///< ... or, where the ratio of two orders still changes, up to so many
-constexpr double kSettled = 2e-3;        ///< of all light: how far the sum may be wrong by that change
+constexpr double kSettled = 1e-3;        ///< of all light: how far the sum may be wrong by that change
 constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
 constexpr double kLeastLoss = 0.75;      ///< ... and least loss of light from one to the next, of that of all places
 constexpr double kLargestRatio = 0.95;   ///< beyond which a sum would multiply errors by 20 and more

@@ -87,9 +87,11 @@ WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
   const Lanes path =
       xsimd::max(Lanes(1.0F) - a * Lanes(axis.inverse_lowest), Lanes(0.0F)) / (Lanes(1.0F) + Lanes(axis.bend) * a);
   const Lanes x = Lanes(axis.path) * path + Lanes(axis.level) * xsimd::max(mu - Lanes(axis.lowest), Lanes(0.0F));
-  const Lanes below = xsimd::max(Lanes(1.0F) - x, Lanes(0.0F));
-  const Lanes from_zenith = xsimd::sqrt(below * (below + Lanes(axis.zenith)) * Lanes(1.0F / (1.0F + axis.zenith)));
-  return place_among((Lanes(1.0F) - from_zenith) * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
+  constexpr auto high = static_cast<float>(kHighSuns);
+  const Lanes u = xsimd::min(xsimd::max(Lanes(1.0F) - x, Lanes(0.0F)) * Lanes(1.0F / high), Lanes(1.0F));
+  const Lanes rest = Lanes(1.0F) - u;
+  const Lanes bent = xsimd::sqrt(u * (u + Lanes(axis.zenith) * (rest * rest * rest))) - u;
+  return place_among((x - Lanes(high) * bent) * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
 }
 
 // Places are computed across texels; then each texel takes its four channels with one load a node, which beats

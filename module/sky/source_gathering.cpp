@@ -54,7 +54,8 @@ void SourceSolver::add_source_node(double zenith, std::size_t s, double angle) {
   };
   add(nearest, source_nodes_.azimuths);
   add(inside, source_nodes_.inside);
-  const double beyond = angle == nearest ? 0.0 : (angle - nearest) / (nearest - inside);
+  // Relative to a glow light changes by other laws: it is held.
+  const double beyond = angle == nearest || source_.glow.any() ? 0.0 : (angle - nearest) / (nearest - inside);
   source_nodes_.slopes.push_back(static_cast<float>(beyond));
 }
 

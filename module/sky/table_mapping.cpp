@@ -40,20 +40,20 @@ struct SunShares {
   double sunset;  ///< of all
   double radii;   ///< of the disc, in w
   double centre;
+  double zenith;  ///< z, which gives the last 40 degrees two nodes more
 };
 // Carry light scattered before to 0.4 % from 90 to -9 degrees and 2 % to -18 (48 nodes against 192).
 constexpr double kSunBend = 0.25;
-constexpr double kSunZenith = 0.127;  // three of 64 nodes beyond the one that stood next to the zenith
 constexpr double kLevelShare = 0.2;
-constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0};
-constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053};
+constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0, .zenith = 0.0};
+constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053, .zenith = 0.76};
 constexpr double kLeastSunset = 0.004;  ///< w of a sun that is a point, radians
 constexpr int kHalvings = 60;
 constexpr int kNewtonSteps = 8;
 
 double sigmoid(double mu, double width) { return mu / std::sqrt(mu * mu + width * width); }
 
-SunTerms smooth_terms(double lowest, double level_share = kLevelShare) {
+SunTerms smooth_terms(double lowest, double zenith, double level_share = kLevelShare) {
   return {.bend = kSunBend,
           .path = 1.0 - level_share,
           .level = level_share / (1.0 - lowest),
@@ -62,11 +62,11 @@ SunTerms smooth_terms(double lowest, double level_share = kLevelShare) {
           .width = 1.0,
           .centre = 0.0,
           .sunset_lowest = 0.0,
-          .zenith = kSunZenith};
+          .zenith = zenith};
 }
 
 SunTerms sunset_terms(double lowest, double sun_radius_degrees, const SunShares& shares) {
-  SunTerms terms = smooth_terms(lowest, shares.level);
+  SunTerms terms = smooth_terms(lowest, shares.zenith, shares.level);
   terms.path *= 1.0 - shares.sunset;
   terms.level *= 1.0 - shares.sunset;
   terms.width = std::max(kLeastSunset, shares.radii * sun_radius_degrees * std::numbers::pi / 180.0);
@@ -107,9 +107,11 @@ TableMapping::TableMapping(double bottom_radius, double top_radius, double lowes
       sun_thickness_(std::max(thickness_, kThinnestForSuns * bottom_radius)),
       sun_tangent_(tangent_distance(bottom_radius, sun_thickness_)),
       lowest_(scaled_sun_distance(lowest_sun_sine)),
-      smooth_sun_terms_(smooth_terms(lowest_sun_sine)),
+      smooth_sun_terms_(smooth_terms(lowest_sun_sine, nodes.high_suns ? kManySuns.zenith : 0.0)),
       sun_terms_(sunset_terms(lowest_sun_sine, sun_radius_degrees, nodes.many_suns ? kManySuns : kFewSuns)),
-      azimuth_terms_(nodes.many_azimuths ? kManyAzimuths : kFewAzimuths) {}
+      azimuth_terms_(nodes.many_azimuths ? kManyAzimuths : kFewAzimuths) {
+  if (!nodes.high_suns) sun_terms_.zenith = 0.0;
+}
 
 double TableMapping::height_coordinate(double altitude) const noexcept {
   const double inside = std::min(thickness_, std::max(0.0, altitude));
@@ -197,8 +199,10 @@ double TableMapping::coordinate_of_sun(const SunTerms& terms, double sun_zenith_
   const double x = terms.path * std::max(1.0 - a / lowest_, 0.0) / (1.0 + terms.bend * a) +
                    terms.level * (mu - terms.lowest) +
                    terms.sunset * (sigmoid(mu - terms.centre, terms.width) - terms.sunset_lowest);
-  const double below = 1.0 - unit(x);
-  return 1.0 - std::sqrt(below * (below + terms.zenith) / (1.0 + terms.zenith));
+  const double inside = unit(x);
+  const double u = std::min((1.0 - inside) / kHighSuns, 1.0);
+  const double rest = 1.0 - u;
+  return inside - kHighSuns * (std::sqrt(u * (u + terms.zenith * (rest * rest * rest))) - u);
 }
 
 double TableMapping::sun_at(const SunTerms& terms, double coordinate) const noexcept {

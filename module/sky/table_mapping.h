@@ -9,13 +9,14 @@
 //       rays to the top, u the share of the length: even in the angle about the zenith, and dense at the horizon
 //   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
 //   sun zeniths (scattering, irradiance)   x = path max(1 - a / A, 0) / (1 + bend a) + level (mu_s - lowest) + sunset
-//       (s(mu_s) - s(lowest)), s(mu) = (mu - c) / sqrt((mu - c)^2 + w^2), of which 1 - x becomes sqrt((1 - x)
-//       (1 - x + z) / (1 + z)): about the zenith even in the angle, as light with the azimuth's cosine goes as its
-//       sine, which a cosine's coordinate has a root of; a the length of the sun's ray from the ground beyond T over H
-//       - T, A the lowest sun's, w about three radii of the disc: while it sets, light in the shadow's direction goes
-//       out within half a degree, and a fifth of the nodes is there; `bend` spreads them over the twilight as evenly as
-//       light falls, `level` over the day. The top counts as no lower than 0.008 R: under a thinner shell a day's paths
-//       are all so much shorter than the horizon's that they would share an interval
+//       (s(mu_s) - s(lowest)), s(mu) = (mu - c) / sqrt((mu - c)^2 + w^2), a the length of the sun's ray from the ground
+//       beyond T over H - T, A the lowest sun's, w about three radii of the disc: while it sets, light in the shadow's
+//       direction goes out within half a degree, and a fifth of the nodes is there; `bend` spreads them over the
+//       twilight as evenly as light falls, `level` over the day. The top counts as no lower than 0.008 R: under a
+//       thinner shell a day's paths are all so much shorter than the horizon's that they would share an interval. Of
+//       many suns those above about 10 degrees, u = (1 - x) / 0.19 below 1, are bent so that sqrt(u (u + z (1 - u)^3))
+//       takes u's place: even in the angle about the zenith, since what differs between azimuths goes as its sine,
+//       which is a root of u. Next to u = 1 that is u to the second derivative
 //   sun angles                      x = (1 + q) y / (1 + q y), y = (1 + cos phi) / 2, phi the azimuth between view and
 //       sun. q = most / (1 + ((mu_s - middle) / width)^2)^2 - deep u^2 / (1 + u^2), u = max(start - mu_s, 0) / rise:
 //       about sunset nodes crowd opposite to the sun, where low rays run along the edge of the planet's shadow and meet
@@ -49,6 +50,7 @@ struct ViewRay {
 struct TableNodes {
   bool many_views = false;
   bool many_suns = false;
+  bool high_suns = false;  ///< those of high suns are bent
   bool many_azimuths = false;
 };
 
@@ -82,6 +84,9 @@ struct AzimuthTerms {
   double start;
   double rise;
 };
+
+/// Share of the suns' coordinate in which high suns' nodes are bent.
+inline constexpr double kHighSuns = 0.19;
 
 class TableMapping {
  public:

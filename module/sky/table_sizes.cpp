@@ -80,9 +80,12 @@ TableNodes table_nodes(const SkyTableOptions& options) noexcept {
 }
 
 TableMapping mapping_of(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
+  TableNodes nodes = table_nodes(options);
+  // A narrow lobe's sources are so sharp in angles that other suns' nodes make them no better, and some worse.
+  nodes.high_suns = nodes.many_suns && narrow_lobe(atmosphere, options.orders) == NarrowLobe::none;
   return {atmosphere.bottom_radius_m, atmosphere.top_radius_m,
           math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine,
-          atmosphere.sun_angular_radius_degrees, table_nodes(options)};
+          atmosphere.sun_angular_radius_degrees, nodes};
 }
 
 std::uint64_t scattering_texels(const SkyTableOptions& options) noexcept {

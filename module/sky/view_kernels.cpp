@@ -77,9 +77,10 @@ WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places
   const DoubleLanes x = between(constant(terms.path) * path + constant(terms.level) * (mu - constant(terms.lowest)) +
                                     constant(terms.sunset) * (set - constant(terms.sunset_lowest)),
                                 0.0, 1.0);
-  const DoubleLanes below = constant(1.0) - x;
-  const DoubleLanes from_zenith = xsimd::sqrt(below * (below + constant(terms.zenith)) / constant(1.0 + terms.zenith));
-  ((constant(1.0) - from_zenith) * constant(run.suns - 1)).store_aligned(places.sun + k);
+  const DoubleLanes u = xsimd::min((constant(1.0) - x) / constant(kHighSuns), constant(1.0));
+  const DoubleLanes rest = constant(1.0) - u;
+  const DoubleLanes bent = xsimd::sqrt(u * (u + constant(terms.zenith) * (rest * rest * rest))) - u;
+  ((x - constant(kHighSuns) * bent) * constant(run.suns - 1)).store_aligned(places.sun + k);
   const DoubleLanes t = between((mu_s + constant(1.0)) / constant(run.lowest_zenith + 1.0 + kTiny), 0.0, 1.0);
   (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(places.fade + k);
 }

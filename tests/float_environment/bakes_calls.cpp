@@ -81,6 +81,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(wide.view(), {}, change); });
   calls.call("ResultCache::project_file(", [&] { return cache.project_file(file); });
   const PrefilterOptions specular{.size = 8, .roughness = {0.2, 0.7}};
+  calls.call("PrefilterOptions::texel_bound(", [&] { return specular.texel_bound(); });
   calls.call("ResultCache::prefilter_specular(EnvironmentView",
              [&] { return cache.prefilter_specular(cube.view(), specular); });
   calls.call("ResultCache::prefilter_specular(EnvironmentView",

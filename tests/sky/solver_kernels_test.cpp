@@ -111,8 +111,8 @@ struct Scene {
     const double inside = std::clamp(mu, -1.0, 1.0);
     const double a = std::max(std::sqrt(inside * inside + 0.019) - inside - 0.0094, 0.0) * 7.8;
     const double even = 0.8 * std::max(1.0 - a * 0.12, 0.0) / (1.0 + 0.25 * a) + 0.13 * std::max(inside + 0.5, 0.0);
-    const double below = std::max(1.0 - even, 0.0);
-    const double x = 1.0 - std::sqrt(below * (below + 0.13) / 1.13);
+    const double u = std::clamp((1.0 - even) / 0.19, 0.0, 1.0);
+    const double x = even - 0.19 * (std::sqrt(u * (u + 0.13 * std::pow(1.0 - u, 3.0))) - u);
     const double place = std::clamp(x, 0.0, 1.0) * (kNodes - 1);
     const int node = std::min(static_cast<int>(place), kNodes - 2);
     const double q = static_cast<double>(nu[i]) - static_cast<double>(sample.view_cosine) * mu;
