@@ -185,9 +185,9 @@ enum class ScatteringLayout {
   /// Altitude, and the cosines of three angles: the view's zenith angle, the sun's zenith angle, and the azimuth
   /// between view and sun (for which Bruneton uses the angle between view and sun).
   full,
-  /// Those without the azimuth, with which only phase functions then vary; 32 x 64 x 32 texels in the article. rgb
-  /// holds Rayleigh and all higher orders; a holds the first channel of single Mie scattering, from which the other
-  /// channels are extrapolated.
+  /// Altitude and the two zenith angles: the azimuth enters only through phase functions (Bruneton and Neyret 2008,
+  /// 32 x 64 x 32 texels). rgb holds Rayleigh and all higher orders; a holds the first channel of single Mie
+  /// scattering, from which the other channels are extrapolated.
   compact,
 };
 
@@ -209,13 +209,13 @@ struct SkyTableOptions {
 
   int orders = 4;  ///< orders of scattering including ground reflections, 1 (single) to 64
 
-  /// Stops early after an order that adds less than this fraction to the mean radiance of the orders before it, over
+  /// Stops early after an order whose mean radiance is below this fraction of that of all orders before it, over
   /// all altitudes and suns; 0 never stops early. With `linear_srgb`, each group of three wavelengths stops separately,
   /// and `SkyTables::orders` is the maximum.
   double until_change = 0.0;
 
-  /// Omits orders beyond `orders`. By default their contribution is estimated if `orders` is above 1, because light in
-  /// deep twilight has been scattered many times.
+  /// True: ignores orders beyond `orders`. False: estimates their contribution, if `orders` is above 1. It matters in
+  /// deep twilight, in thick air and over bright ground.
   bool exact_orders = false;
 
   SkyColour colour = SkyColour::spectral;                      ///< three wavelengths, or linear sRGB
@@ -235,8 +235,8 @@ struct SkyTables {
 
   /// Scattered light, [heights][view_zeniths][sun_angles][sun_zeniths][4]: a texture of sun_angles * sun_zeniths x
   /// view_zeniths x heights RGBA texels. rgb holds Rayleigh scattering without its phase function plus higher orders
-  /// divided by that function, times solar irradiance. a holds the first channel of single Mie scattering without its
-  /// phase function.
+  /// divided by that function, both times solar irradiance. a holds the first channel of single Mie scattering without
+  /// its phase function. With `compact`, sun_angles counts as 1.
   std::vector<float> scattering;
 
   /// Single Mie scattering in three channels and a zero, in the shape of `scattering`. Empty for the compact layout,
@@ -256,7 +256,7 @@ struct SkyTables {
 };
 
 /// Returns the memory in bytes that `precompute_sky` needs at most, including results and 1 MB per thread of the
-/// caller's arena. Throws `Error` (invalid_argument), also unless `spectral` tables have three wavelengths.
+/// caller's arena. Throws `Error` (invalid_argument), also for `spectral` tables without three wavelengths.
 [[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
 
 /// Computes scattering tables. Cost per three wavelengths: 2 s of CPU time with the defaults, a third of that with one
@@ -314,9 +314,9 @@ class SkyView {
   /// Returns the altitude of the observer above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Returns the radiance from a direction, without the sun's disc; finite and not negative. For suns below the lowest
-  /// one of the tables, returns the sky of that sun, faded to black at the nadir. Does not allocate. Cost: 0.3 us.
-  /// Throws `Error` (invalid_argument) for directions that are zero or not finite.
+  /// Returns the radiance from a direction, without the sun's disc; finite and not negative. For a sun below
+  /// the tables' lowest, returns the sky of that lowest sun, dimmed to black for a sun at the nadir. Does not allocate.
+  /// Cost: 0.3 us. Throws `Error` (invalid_argument) for directions that are zero or not finite.
   [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
   /// Computes radiance for many directions with SIMD; bit-identical to the call above for the same floats. Does not
@@ -329,7 +329,7 @@ class SkyView {
   [[nodiscard]] Sun sun(const dvec3& sun) const;
 
   /// Returns the irradiance of the sky, without direct sunlight, on a horizontal surface facing up, from the table.
-  /// Includes the atmosphere's `night_zenith_luminance`. 0 above the air.
+  /// Includes the light of the night sky within the air; 0 above it.
   [[nodiscard]] dvec3 irradiance(const dvec3& sun) const;
 
  private:

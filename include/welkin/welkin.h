@@ -735,7 +735,7 @@ typedef struct welkin_post_options {
   void* completed_user; /* passed to `completed` */
 } welkin_post_options;
 
-/* Posts the call of the same name. The last two make a curve or reflections (without the sun's disc). */
+/* Each posts the call of its name; the last two compute a curve, and reflections without the sun's disc. */
 WELKIN_API welkin_status welkin_post_project(welkin_worker* worker, const welkin_environment* mips, int32_t mip_count,
                                              const welkin_projection_options* options, const welkin_post_options* post,
                                              welkin_job** job);
@@ -842,9 +842,9 @@ typedef struct welkin_sky_light_options {
   const welkin_prefilter_options* specular;  /* options of the chain; null: the defaults */
   int32_t without_specular;                  /* 1: no reflections */
   double altitude_m;                         /* altitude of the observer above the ground */
-  double sun_threshold_degrees;              /* smaller movements are ignored; 0: 0.01; negative: none */
-  double specular_threshold_degrees;         /* change of elevation between new reflections; 0: 0.5; negative: none */
-  double altitude_threshold_m;               /* smaller changes are ignored; 0: 1; negative: none */
+  double sun_threshold_degrees;              /* smaller movements are ignored; 0: 0.01; negative: every change counts */
+  double specular_threshold_degrees;         /* change of elevation between new reflections; 0: 0.5; negative: all */
+  double altitude_threshold_m;               /* smaller changes are ignored; 0: 1; negative: every change counts */
   double blend_seconds;                      /* time to blend from old to new light; 0: 0.5; negative: at once */
 } welkin_sky_light_options;
 
@@ -853,7 +853,7 @@ typedef struct welkin_sky_reflections {
   const welkin_chain* chain; /* valid until the next update; null: none yet */
   uint64_t id;               /* increases with each new chain; upload only if it changed; 0: none */
   double weight;             /* factor of its light */
-  double turn[9];            /* rotation: light from direction d comes from turn * d */
+  double turn[9];            /* rotation, column-major: the light of d now comes from turn * d */
 } welkin_sky_reflections;
 
 /* The light of a frame. `struct_size` may end inside `coefficients`. */
