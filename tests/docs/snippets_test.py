@@ -57,10 +57,10 @@ PAGES = {
         "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 2, 5)),
     "docs/guides/worker.md": (
         "welkin::Cubemap image, double sun, std::vector<Probe> probes", ()),
-    "docs/guides/without_codecs.md": (
+    "docs/guides/install.md": (
         "const void* pixels, int width, int height, std::ptrdiff_t row_stride_bytes", (0,)),
     "docs/guides/moving_sky.md": ("", ()),
-    "docs/guides/cache.md": ("welkin::LatLongView panorama, welkin::BakeOptions options", ()),
+    "docs/guides/scene_needs.md": ("welkin::LatLongView panorama, welkin::BakeOptions options", ()),
     "docs/guides/path_tracer.md": (
         "welkin::LatLongView panorama, welkin::dvec3 radiance_sum, double cosine, double (*random)(),"
         "welkin::dvec3 (*radiance)(welkin::dvec3)",
