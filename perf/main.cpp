@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
   perf::add_worker_latency(thread_counts);
   perf::add_cancel_latency(thread_counts);
   const bool page = first == "--page";
-  perf::PageOptions page_options{.folder = std::filesystem::temp_directory_path()};
+  perf::PageOptions page_options;
   if (page) {  // what is not the page's is Google Benchmark's
     const auto value = [](const std::string& word, const std::string& option) {
       return word.starts_with(option) ? std::filesystem::path(word.substr(option.size())) : std::filesystem::path();
@@ -101,8 +101,13 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   if (page) {
-    std::cout << perf::speed_page(page_options);
-    return 0;
+    try {
+      std::cout << perf::speed_page(page_options);
+      return 0;
+    } catch (const std::exception& error) {
+      std::cerr << "welkin_perf: " << error.what() << '\n';
+      return 1;
+    }
   }
   perf::run_benchmarks();
   benchmark::Shutdown();

@@ -243,7 +243,6 @@ struct PageOptions {
   bool processor = false;              ///< processor time, for machines with other programs
   std::filesystem::path before;        ///< a page of an earlier version, whose times get a column; or none
   std::filesystem::path node_modules;  ///< folder that holds node_modules with @babylonjs/core and three; or none
-  std::filesystem::path folder;        ///< for files of this run
 };
 
 /// Runs the benchmarks that the page shows (they are registered, and Google Benchmark is initialised) and returns the

@@ -285,16 +285,17 @@ double operations_a_cycle() {
   }
 }
 
-Verdict verdict(const Figure& figure, double seconds, std::optional<double> limit, double clock) {
+/// `limit`: seconds; 0 if there is none.
+Verdict verdict(const Figure& figure, double seconds, double limit, double clock) {
   const double mark = figure.mark.value_or(0.0);
   switch (figure.measure) {
     case Measure::share_of_limit: {
-      if (!limit) break;
-      return {percent(*limit / seconds), "at least " + percent(mark), *limit / seconds >= mark};
+      if (!(limit > 0.0)) break;
+      return {percent(limit / seconds), "at least " + percent(mark), limit / seconds >= mark};
     }
     case Measure::ratio_to_other: {
-      if (!limit) break;
-      return {number("%.2f x", seconds / *limit), number("at most %.3g x", mark), seconds / *limit <= mark};
+      if (!(limit > 0.0)) break;
+      return {number("%.2f x", seconds / limit), number("at most %.3g x", mark), seconds / limit <= mark};
     }
     case Measure::seconds: return {"", "at most " + time_text(mark), seconds <= mark};
     case Measure::counted: {
@@ -312,11 +313,11 @@ std::string label_of(const Figure& figure) {
 
 void add_row(Table& table, const Figure& figure, const Comparison& by) {
   const std::optional<double> seconds = by.results.seconds(figure.benchmark, figure.counter);
-  const std::optional<double> limit = figure.limit.empty() ? std::optional<double>() : by.results.seconds(figure.limit);
+  const double limit = figure.limit.empty() ? 0.0 : by.results.seconds(figure.limit).value_or(0.0);
   const Verdict said = seconds ? verdict(figure, *seconds, limit, by.clock) : Verdict();
   const bool marked = seconds && figure.mark;
   std::vector<std::string> cells{
-      label_of(figure), time_text(seconds),      figure.limit.empty() ? "" : time_text(limit),
+      label_of(figure), time_text(seconds),      limit > 0.0 ? time_text(limit) : "",
       said.value,       marked ? said.mark : "", marked ? (said.reached ? "yes" : "no") : ""};
   if (!by.before.empty()) {
     const auto before = by.before.find(cells.front());
@@ -330,7 +331,7 @@ std::map<std::string, std::string> times_of_page(const std::filesystem::path& fi
   std::map<std::string, std::string> times;
   if (file.empty()) return times;
   std::ifstream in(file);
-  if (!in) throw Error(ErrorCode::io, "the page before cannot be read: " + file.string());
+  if (!in) throw Error(ErrorCode::invalid_argument, "the page before cannot be read: " + file.string());
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(" | ");
     const std::size_t second = first == std::string::npos ? first : line.find(" | ", first + 3);
@@ -373,7 +374,8 @@ std::string peer_section(const PageOptions& options) {
     stopwatch.threads = 1;
     const double own = stopwatch.seconds([&] { benchmark::DoNotOptimize(project(cube.view())); });
     table.add({std::to_string(size), "Welkin", time_text(own), "1"});
-    for (const report::PeerProjection& peer : peers.project(cube, {0}, options.folder, stopwatch)) {
+    for (const report::PeerProjection& peer :
+         peers.project(cube, {0}, std::filesystem::temp_directory_path(), stopwatch)) {
       table.add({std::to_string(size), peer.peer + ", " + peer.method, time_text(peer.seconds),
                  number("%.3g", peer.seconds / own)});
     }
