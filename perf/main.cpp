@@ -8,7 +8,8 @@
 //   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
-//   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
+//   welkin_perf --page [--processor] [--before=PAGE] [--node-modules=FOLDER] [Google Benchmark options]
+//     every figure that Welkin is held to, beside its limit: docs/notes/speed.md
 #include "perf.h"
 
 namespace welkin::perf {
@@ -64,6 +65,7 @@ int main(int argc, char** argv) {
   perf::add_bc6h(thread_counts);
   perf::add_prefilter(thread_counts);
   perf::add_sky_views(thread_counts);
+  perf::add_harmonics();
   perf::add_importance(thread_counts);
   perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
@@ -75,16 +77,37 @@ int main(int argc, char** argv) {
   perf::add_worker_latency(thread_counts);
   perf::add_cancel_latency(thread_counts);
   const bool page = first == "--page";
-  if (page) {  // the rest is Google Benchmark's
-    std::swap(argv[0], argv[1]);
-    ++argv;
-    --argc;
+  perf::PageOptions page_options;
+  if (page) {  // what is not the page's is Google Benchmark's
+    const auto value = [](const std::string& word, const std::string& option) {
+      return word.starts_with(option) ? std::filesystem::path(word.substr(option.size())) : std::filesystem::path();
+    };
+    std::vector<char*> rest{argv[0]};
+    for (int i = 2; i < argc; ++i) {
+      const std::string word = argv[i];
+      if (word == "--processor") {
+        page_options.processor = true;
+      } else if (word.starts_with("--before=")) {
+        page_options.before = value(word, "--before=");
+      } else if (word.starts_with("--node-modules=")) {
+        page_options.node_modules = value(word, "--node-modules=");
+      } else {
+        rest.push_back(argv[i]);
+      }
+    }
+    argc = static_cast<int>(rest.size());
+    std::copy(rest.begin(), rest.end(), argv);
   }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   if (page) {
-    std::cout << perf::speed_page();
-    return 0;
+    try {
+      std::cout << perf::speed_page(page_options);
+      return 0;
+    } catch (const std::exception& error) {
+      std::cerr << "welkin_perf: " << error.what() << '\n';
+      return 1;
+    }
   }
   perf::run_benchmarks();
   benchmark::Shutdown();

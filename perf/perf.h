@@ -224,6 +224,9 @@ void add_result_cache();
 /// "--altitude=METRES" (0).
 [[nodiscard]] std::string sky_error_tables(const Paths& options);
 
+/// Harmonics/product-1000|turned-1000|evaluate-1000|evaluate-one-by-one-1000|sky-curve-1000/<bands>/1.
+void add_harmonics();
+
 /// SkyTables/LAYOUT/ORDERS/THREADS: precomputing an Earth of the usual sizes (compact: 32 x 64 x 32), all tables.
 /// SkyTransmittance/table/64x256/1: what one order of the smallest scattering table takes, nearly all of it lengths.
 void add_sky_tables(const std::vector<int>& thread_counts);
@@ -236,9 +239,15 @@ void add_sky_views(const std::vector<int>& thread_counts);
 /// threads' times with one's. Of repetitions the fastest counts.
 void run_benchmarks();
 
+struct PageOptions {
+  bool processor = false;              ///< processor time, for machines with other programs
+  std::filesystem::path before;        ///< a page of an earlier version, whose times get a column; or none
+  std::filesystem::path node_modules;  ///< folder that holds node_modules with @babylonjs/core and three; or none
+};
+
 /// Runs the benchmarks that the page shows (they are registered, and Google Benchmark is initialised) and returns the
 /// page as Markdown. Of repetitions the fastest counts. Names of running benchmarks go to standard error.
-[[nodiscard]] std::string speed_page();
+[[nodiscard]] std::string speed_page(const PageOptions& options);
 
 /// Tables by which path tracers pick directions, of a picture of 4096 x 2048, into memory that is there.
 void add_importance(const std::vector<int>& thread_counts);

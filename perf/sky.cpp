@@ -21,6 +21,18 @@ void add_sky_tables(const std::vector<int>& thread_counts) {
                       });
       }
     }
+    // More and less haze in turn: what it does not change is kept.
+    add_benchmark("SkyTables", "compact-haze", "4", threads, 1.0, 0.0, []() -> std::function<void()> {
+      return [more = false]() mutable {
+        more = !more;
+        Atmosphere air = earth_bruneton();
+        for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
+        SkyTableOptions options;
+        options.layout = ScatteringLayout::compact;
+        options.sun_zeniths = 32;
+        benchmark::DoNotOptimize(precompute_sky(air, options));
+      };
+    });
     const SkyTableOptions least{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
     add_benchmark("SkyTransmittance", "table", "64x256", threads, 64.0 * 256.0, 0.0, [=]() -> std::function<void()> {
       return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), least)); };

@@ -1,4 +1,7 @@
+#include <fstream>
+
 #include "perf.h"
+#include "perf/report/passes.h"
 
 namespace welkin::perf {
 namespace {
@@ -6,6 +9,9 @@ namespace {
 /// The fastest run of each benchmark, and its counters.
 class Collector : public benchmark::ConsoleReporter {
  public:
+  /// `processor`: what counts of benchmarks on one thread is its processor time, not the clock's.
+  explicit Collector(bool processor = false) : processor_(processor) {}
+
   struct Result {
     double seconds = 0.0;
     bool latency = false;  ///< its own counters say what is to be compared
@@ -16,11 +22,13 @@ class Collector : public benchmark::ConsoleReporter {
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string full = run.benchmark_name();
-      Result result{run.real_accumulated_time / static_cast<double>(run.iterations),
-                    full.find("/manual_time") != std::string::npos,
-                    {}};
+      const bool latency = full.find("/manual_time") != std::string::npos;
+      const std::string own = own_name(full);
+      const bool processor = processor_ && !latency && own.ends_with("/1");
+      const double time = processor ? run.cpu_accumulated_time : run.real_accumulated_time;
+      Result result{time / static_cast<double>(run.iterations), latency, {}};
       for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
-      const auto [at, added] = results_.try_emplace(own_name(full), result);
+      const auto [at, added] = results_.try_emplace(own, result);
       if (!added && result.seconds < at->second.seconds) at->second = result;
     }
   }
@@ -44,11 +52,16 @@ class Collector : public benchmark::ConsoleReporter {
     return full.substr(0, end);
   }
 
+  bool processor_;
   std::map<std::string, Result> results_;
 };
 
 /// Names of what runs go to standard error.
 class Names final : public Collector {
+ public:
+  using Collector::Collector;
+
+ private:
   bool ReportContext(const Context& /*context*/) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
     Collector::ReportRuns(runs);
@@ -92,7 +105,8 @@ class Ratios final : public Collector {
 enum class Measure {
   share_of_limit,  ///< the limit's time over the figure's; the mark is the least share that will do
   ratio_to_other,  ///< the figure's time over the other's; the mark is the largest ratio that will do
-  seconds,         ///< the mark is the longest time that will do; the limit, if there is one, is for comparison
+  seconds,         ///< the mark is the longest time that will do
+  counted,         ///< cycles a texel; the mark is the least share of them that the counted operations may take
 };
 
 struct Figure {
@@ -101,6 +115,8 @@ struct Figure {
   Measure measure = Measure::seconds;
   std::optional<double> mark{};  ///< none: shown for comparison
   std::string counter{};         ///< in place of the benchmark's own time: one of its counters, microseconds
+  double texels = 0.0;           ///< of `counted`, ...
+  double operations = 0.0;       ///< ... and operations on floats a texel
 };
 
 struct Section {
@@ -112,29 +128,67 @@ struct Section {
 constexpr double kMilli = 1e-3;
 constexpr double kMicro = 1e-6;
 
+/// Of the cycles that counted operations take at four registers each: what an AVX2 machine was asked for (64 in 10 us).
+constexpr double kShareOfCounted = 0.4;
+
+/// Additions, subtractions and multiplications of three bands for a texel of three channels: docs/maths/projection.md
+/// counts them. Of strips: moments of values, then classes and products of moments.
+double operations_of(int size) {
+  constexpr double kQuadrants = 19.5;  // 3 (8 + 18) / 4
+  if (size < 256) return kQuadrants;
+  const double moments = size >= 1024 ? 4.0 : size >= 512 ? 5.0 : 6.0;
+  const double moments_of_value = size >= 1024 ? 4.0 : size >= 512 ? 4.5 : 5.1;
+  return 3.0 * moments_of_value + kQuadrants * moments / 16.0;
+}
+
 Section projection() {
-  Section section{"Projection", "Exact quadrature, three bands where the name says nothing else.", {}};
-  const auto add = [&section](const std::string& rest, std::optional<double> mark) {
+  Section section{
+      "Projection",
+      "Exact quadrature, three bands where the name says nothing else. Faces to 512 are bound by arithmetic: "
+      "cycles a texel, and the share of them that the counted operations take at four registers a cycle. "
+      "Larger ones are bound by memory: share of the time in which the same bytes are read.",
+      {}};
+  const auto counted = [&section](const std::string& variant, int size, std::optional<double> mark) {
+    section.figures.push_back({"ProjectCubemap/" + variant + '/' + std::to_string(size) + "/1", "", Measure::counted,
+                               mark, "", 6.0 * size * size, operations_of(size)});
+  };
+  const auto read = [&section](const std::string& rest, std::optional<double> mark) {
     section.figures.push_back({"ProjectCubemap/" + rest, "ReadBandwidth/" + rest, Measure::share_of_limit, mark});
   };
   for (const char* const format : {"rgb32f", "rgba32f", "rgba16f"}) {
-    for (const int size : {64, 128, 256, 512, 1024, 2048}) {
-      for (const char* const threads : {"1", "2"}) {
-        add(std::string(format) + '/' + std::to_string(size) + '/' + threads, size >= 256 ? 0.85 : 0.6);
-      }
+    for (const int size : {64, 128, 256, 512}) counted(format, size, kShareOfCounted);
+    for (const char* const size : {"1024", "2048"}) {
+      read(std::string(format) + '/' + size + "/1", 0.7);
+      read(std::string(format) + '/' + size + "/2", 0.9);
     }
   }
-  section.figures.push_back({"ProjectCubemap/rgb32f/64/1", "", Measure::seconds, 8.0 * kMicro});
-  for (const char* const variant : {"rgb32f-bands4", "rgb32f-bands6", "rgb32f-bands10", "rgb8", "rgba8srgb"}) {
-    for (const char* const size : {"64", "1024"}) {
-      section.figures.push_back({std::string("ProjectCubemap/") + variant + '/' + size + "/1",
-                                 std::string("ReadBandwidth/rgb32f/") + size + "/1", Measure::share_of_limit});
-    }
+  for (const char* const variant : {"rgb8", "srgba8"}) counted(variant, 64, {});
+  for (const char* const variant : {"rgb32f-bands4", "rgb32f-bands6", "rgb32f-bands10", "rgb8", "srgba8"}) {
+    section.figures.push_back(
+        {std::string("ProjectCubemap/") + variant + "/1024/1", "ReadBandwidth/rgb32f/1024/1", Measure::share_of_limit});
   }
   for (const char* const threads : {"1", "2"}) {
     section.figures.push_back({std::string("ProjectLatLong/rgb32f/4096x2048/") + threads,
-                               std::string("ReadBandwidth/rgb32f/4096x2048/") + threads, Measure::share_of_limit});
+                               std::string("ReadBandwidth/rgb32f/4096x2048/") + threads, Measure::share_of_limit,
+                               0.75});
   }
+  return section;
+}
+
+Section harmonics() {
+  Section section{"Small calls",
+                  "A thousand calls of three bands: milliseconds here are microseconds a call. `evaluate` in one call "
+                  "for a thousand directions, compared with one by one.",
+                  {}};
+  for (const char* const bands : {"3", "6", "10"}) {
+    const std::string rest = std::string("/") + bands + "/1";
+    section.figures.push_back(
+        {"Harmonics/evaluate-1000" + rest, "Harmonics/evaluate-one-by-one-1000" + rest, Measure::ratio_to_other, 0.5});
+    for (const char* const call : {"product-1000", "turned-1000"}) {
+      section.figures.push_back({std::string("Harmonics/") + call + rest, "", Measure::seconds});
+    }
+  }
+  section.figures.push_back({"Harmonics/sky-curve-1000/3/1", "", Measure::seconds, 1.0 * kMilli});
   return section;
 }
 
@@ -171,7 +225,8 @@ Section skies() {
   return {"Skies",
           "",
           {{"SkyTables/full/4/2", "", Measure::seconds, 0.25},
-           {"SkyTables/compact/4/2", "", Measure::seconds, 0.05},
+           {"SkyTables/compact/4/2", "", Measure::seconds, 0.06},
+           {"SkyTables/compact-haze/4/2", "SkyTables/compact/4/2", Measure::ratio_to_other},
            {"SkySpecular/no_disc/32/2", "", Measure::seconds, 3.0 * kMilli}}};
 }
 
@@ -179,7 +234,7 @@ Section many() {
   return {
       "Many small probes",
       "Of 64 half floats: one call on one or two threads, compared with single calls on one.",
-      {{"ProjectCubemap/rgba16f/64/1", "", Measure::seconds, 12.0 * kMicro},
+      {{"ProjectMany/rgba16f/64x10000/1", "", Measure::seconds, 40.0 * kMilli},
        {"ProjectMany/rgba16f/64x10000/1", "ProjectMany/rgba16f-single-calls/64x10000/1", Measure::ratio_to_other, 1.0},
        {"ProjectMany/rgba16f/64x10000/2", "ProjectMany/rgba16f-single-calls/64x10000/1", Measure::ratio_to_other,
         1.0 / (2.0 * 0.95)},
@@ -214,31 +269,118 @@ struct Verdict {
   bool reached = false;
 };
 
-Verdict verdict(const Figure& figure, double seconds, std::optional<double> limit) {
+/// What all rows are compared by.
+struct Comparison {
+  const Collector& results;
+  double clock;                               ///< cycles a second; 0: not known
+  std::map<std::string, std::string> before;  ///< times of another page
+};
+
+/// Registers' lanes of floats times operations a cycle, as on Zen.
+double operations_a_cycle() {
+  switch (active_instruction_set()) {
+    case InstructionSet::avx512: return 4.0 * 16.0;
+    case InstructionSet::avx2: return 4.0 * 8.0;
+    default: return 4.0 * 4.0;
+  }
+}
+
+/// `limit`: seconds; 0 if there is none.
+Verdict verdict(const Figure& figure, double seconds, double limit, double clock) {
   const double mark = figure.mark.value_or(0.0);
   switch (figure.measure) {
     case Measure::share_of_limit: {
-      if (!limit) break;
-      return {percent(*limit / seconds), "at least " + percent(mark), *limit / seconds >= mark};
+      if (!(limit > 0.0)) break;
+      return {percent(limit / seconds), "at least " + percent(mark), limit / seconds >= mark};
     }
     case Measure::ratio_to_other: {
-      if (!limit) break;
-      return {number("%.2f x", seconds / *limit), number("at most %.3g x", mark), seconds / *limit <= mark};
+      if (!(limit > 0.0)) break;
+      return {number("%.2f x", seconds / limit), number("at most %.3g x", mark), seconds / limit <= mark};
     }
-    case Measure::seconds:
-      return {limit ? percent(*limit / seconds) : "", "at most " + time_text(mark), seconds <= mark};
+    case Measure::seconds: return {"", "at most " + time_text(mark), seconds <= mark};
+    case Measure::counted: {
+      const double cycles = seconds * clock / figure.texels;
+      const double share = figure.operations / operations_a_cycle() / cycles;
+      return {number("%.2f cycles, ", cycles) + percent(share), "at least " + percent(mark), share >= mark};
+    }
   }
   return {};
 }
 
-void add_row(Table& table, const Figure& figure, const Collector& results) {
-  const std::optional<double> seconds = results.seconds(figure.benchmark, figure.counter);
-  const std::optional<double> limit = figure.limit.empty() ? std::optional<double>() : results.seconds(figure.limit);
-  const Verdict said = seconds ? verdict(figure, *seconds, limit) : Verdict();
+std::string label_of(const Figure& figure) {
+  return '`' + figure.benchmark + "`" + (figure.counter.empty() ? "" : " " + figure.counter);
+}
+
+void add_row(Table& table, const Figure& figure, const Comparison& by) {
+  const std::optional<double> seconds = by.results.seconds(figure.benchmark, figure.counter);
+  const double limit = figure.limit.empty() ? 0.0 : by.results.seconds(figure.limit).value_or(0.0);
+  const Verdict said = seconds ? verdict(figure, *seconds, limit, by.clock) : Verdict();
   const bool marked = seconds && figure.mark;
-  table.add({'`' + figure.benchmark + "`" + (figure.counter.empty() ? "" : " " + figure.counter), time_text(seconds),
-             figure.limit.empty() ? "" : time_text(limit), said.value, marked ? said.mark : "",
-             marked ? (said.reached ? "yes" : "no") : ""});
+  std::vector<std::string> cells{
+      label_of(figure), time_text(seconds),      limit > 0.0 ? time_text(limit) : "",
+      said.value,       marked ? said.mark : "", marked ? (said.reached ? "yes" : "no") : ""};
+  if (!by.before.empty()) {
+    const auto before = by.before.find(cells.front());
+    cells.insert(cells.begin() + 2, before == by.before.end() ? "" : before->second);
+  }
+  table.add(cells);
+}
+
+/// Of each row of a page's tables the first cell and the second.
+std::map<std::string, std::string> times_of_page(const std::filesystem::path& file) {
+  std::map<std::string, std::string> times;
+  if (file.empty()) return times;
+  std::ifstream in(file);
+  if (!in) throw Error(ErrorCode::invalid_argument, "the page before cannot be read: " + file.string());
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t first = line.find(" | ");
+    const std::size_t second = first == std::string::npos ? first : line.find(" | ", first + 3);
+    if (line.starts_with("| `") && second != std::string::npos) {
+      times.try_emplace(line.substr(2, first - 2), line.substr(first + 3, second - first - 3));
+    }
+  }
+  return times;
+}
+
+/// Cycles a second: of a chain of multiplications of whole numbers, each of which takes three.
+double clock_of_this_machine() {
+  constexpr int kChain = 20'000;
+  double least = 1.0;
+  std::uint64_t value = 3;
+  for (int run = 0; run < 200; ++run) {
+    const Clock::time_point start = Clock::now();
+    for (int k = 0; k < kChain; ++k) {
+      value *= 0x9E3779B97F4A7C15U;
+      benchmark::DoNotOptimize(value);
+    }
+    least = std::min(least, seconds(Clock::now() - start));
+  }
+  return 3.0 * kChain / least;
+}
+
+/// Babylon.js and three.js in Node.js on the same texels, next to Welkin.
+std::string peer_section(const PageOptions& options) {
+  if (options.node_modules.empty()) return {};
+  const report::Peers peers = report::Peers::find(options.node_modules);
+  Table table({"cubemap of noise, three bands", "program", "time", "times Welkin's"});
+  for (const int size : {64, 256}) {
+    Cubemap cube(size, 1);
+    const CubemapView noise = noise_cubemap(PixelFormat::rgb32f, size);
+    for (int face = 0; face < 6; ++face) {
+      const auto* const from = static_cast<const float*>(noise.faces[static_cast<std::size_t>(face)]);
+      std::copy_n(from, 3 * size * size, cube.pixels().begin() + std::ptrdiff_t{3} * size * size * face);
+    }
+    report::Stopwatch stopwatch;
+    stopwatch.threads = 1;
+    const double own = stopwatch.seconds([&] { benchmark::DoNotOptimize(project(cube.view())); });
+    table.add({std::to_string(size), "Welkin", time_text(own), "1"});
+    for (const report::PeerProjection& peer :
+         peers.project(cube, {0}, std::filesystem::temp_directory_path(), stopwatch)) {
+      table.add({std::to_string(size), peer.peer + ", " + peer.method, time_text(peer.seconds),
+                 number("%.3g", peer.seconds / own)});
+    }
+  }
+  return "\n## Other programs\n\n" + table.text();
 }
 
 /// Matches those names and no others, however Google Benchmark goes on after them.
@@ -264,23 +406,30 @@ void run_benchmarks() {
   benchmark::RunSpecifiedBenchmarks(&reporter);
 }
 
-std::string speed_page() {
-  const std::vector<Section> sections = {projection(), streams(), bakes(), many(), skies(), command(), worker()};
-  Names results;
+std::string speed_page(const PageOptions& options) {
+  const std::vector<Section> sections = {projection(), streams(), harmonics(), bakes(),
+                                         many(),       skies(),   command(),   worker()};
+  std::map<std::string, std::string> before = times_of_page(options.before);  // it must not fail after minutes
+  Names results(options.processor);
   benchmark::RunSpecifiedBenchmarks(&results, filter_for(sections));
+  const Comparison by{results, clock_of_this_machine(), std::move(before)};
   report::Stopwatch stopwatch;
   stopwatch.threads = 2;
   const report::Machine machine = report::this_machine(stopwatch);
   std::string page = "# Speed\n\n`welkin_perf --page`, " + machine.date + ": " + machine.processor + ", " +
-                     machine.instruction_set + ", " + machine.compiler + ", Welkin " + machine.welkin +
-                     ". A name ends with the number of threads; times are wall times, the fastest repetition's.\n";
+                     machine.instruction_set + number(", %.2f GHz, ", 1e-9 * by.clock) + machine.compiler +
+                     ", Welkin " + machine.welkin + ". A name ends with the number of threads; times are " +
+                     (options.processor ? "processor times (of several threads wall times)" : "wall times") +
+                     ", the fastest repetition's.\n";
+  std::vector<std::string> heads{"figure", "time", "compared with", "share, ratio or cycles a texel", "target", "met"};
+  if (!by.before.empty()) heads.insert(heads.begin() + 2, "before");
   for (const Section& section : sections) {
     page += "\n## " + section.title + "\n\n" + (section.said.empty() ? "" : section.said + "\n\n");
-    Table table({"figure", "time", "compared with", "fraction or ratio", "target", "met"});
-    for (const Figure& figure : section.figures) add_row(table, figure, results);
+    Table table(heads);
+    for (const Figure& figure : section.figures) add_row(table, figure, by);
     page += table.text();
   }
-  return page;
+  return page + peer_section(options);
 }
 
 }  // namespace welkin::perf

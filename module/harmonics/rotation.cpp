@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <string>
-#include <utility>
 
 #include "platform/float_environment.h"
 #include "platform/text.h"
@@ -103,15 +103,15 @@ BandRotation::BandRotation(const glm::dmat3& map) {
   for (int m = 0; m < 3; ++m) {
     for (int n = 0; n < 3; ++n) linear_[m][n] = map[axis[n]][axis[m]];  // GLM: column, then row
   }
+  matrices_[0][0] = 1.0;
 }
 
 void BandRotation::advance() {
-  std::swap(before_, here_);
   ++band_;
   const int l = band_;
-  here_.resize(static_cast<std::size_t>((2 * l + 1) * (2 * l + 1)));
+  Matrix& here = matrices_[l % 2];
   for (int m = -l; m <= l; ++m) {
-    for (int n = -l; n <= l; ++n) here_[index(l, m, n)] = l == 1 ? linear(m, n) : entry(m, n);
+    for (int n = -l; n <= l; ++n) here[index(l, m, n)] = l == 1 ? linear(m, n) : entry(m, n);
   }
 }
 
@@ -123,16 +123,61 @@ double BandRotation::product(int i, int m, int n) const noexcept {
   return linear(i, 0) * before(m, n);
 }
 
+namespace {
+
+/// u, v and w of the papers' table 1, |m| in place of m.
+struct Factors {
+  double u, v, w;
+};
+
+Factors compute_factors(int l, int m, int n) noexcept {
+  const int size = std::abs(m);
+  const double below = std::abs(n) == l ? 2.0 * l * (2.0 * l - 1.0) : (l + n) * (static_cast<double>(l) - n);
+  return {std::sqrt((l + m) * (static_cast<double>(l) - m) / below),
+          0.5 * std::sqrt((l + size - 1.0) * (l + size) / below),
+          0.5 * std::sqrt((l - size - 1.0) * (l - size) / below)};
+}
+
+/// Those of the bands below this are kept: 32 KB, and 20 us of the first call.
+constexpr int kKeptBands = 10;
+
+/// Where a band's factors begin: the sum of (2 k + 1)^2 over k < l.
+constexpr std::size_t first_factor(int l) { return static_cast<std::size_t>(l * (4 * l * l - 1) / 3); }
+
+class KeptFactors {
+ public:
+  KeptFactors() {
+    Factors* next = factors_.data() + first_factor(2);
+    for (int l = 2; l < kKeptBands; ++l) {
+      for (int m = -l; m <= l; ++m) {
+        for (int n = -l; n <= l; ++n) *next++ = compute_factors(l, m, n);
+      }
+    }
+  }
+  [[nodiscard]] const Factors& at(int l, int m, int n) const noexcept {
+    return factors_[first_factor(l) + static_cast<std::size_t>((m + l) * (2 * l + 1) + n + l)];
+  }
+
+ private:
+  std::array<Factors, first_factor(kKeptBands)> factors_;
+};
+
+Factors factors(int l, int m, int n) noexcept {
+  static const KeptFactors kept;
+  return l < kKeptBands ? kept.at(l, m, n) : compute_factors(l, m, n);
+}
+
+}  // namespace
+
 // u U + v V + w W (tables 1 and 2). Where a factor is zero its product would reach outside band l - 1 and is left out.
 double BandRotation::entry(int m, int n) const noexcept {
   const int l = band_;
   const int size = std::abs(m);
-  const double below = std::abs(n) == l ? 2.0 * l * (2.0 * l - 1.0) : (l + n) * (static_cast<double>(l) - n);
+  const auto [u, v, w] = factors(l, m, n);
   double sum = 0.0;
-  if (size < l) sum += std::sqrt((l + m) * (static_cast<double>(l) - m) / below) * product(0, m, n);
+  if (size < l) sum += u * product(0, m, n);
 
-  const double v = 0.5 * std::sqrt((l + size - 1.0) * (l + size) / below);
-  const double root2 = std::sqrt(2.0);
+  const double root2 = std::numbers::sqrt2;
   if (m == 0) {
     sum -= v * root2 * (product(1, 1, n) + product(-1, -1, n));
   } else if (m == 1) {
@@ -146,7 +191,6 @@ double BandRotation::entry(int m, int n) const noexcept {
   }
 
   if (m == 0 || size > l - 2) return sum;
-  const double w = 0.5 * std::sqrt((l - size - 1.0) * (l - size) / below);
   if (m > 0) return sum - w * (product(1, m + 1, n) + product(-1, -m - 1, n));
   return sum - w * (product(1, m - 1, n) - product(-1, 1 - m, n));
 }

@@ -1,9 +1,11 @@
 // The matrices by which an orthogonal map of directions acts on the harmonics of each band.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
-#include <vector>
+
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::harmonics {
 
@@ -11,7 +13,8 @@ namespace welkin::harmonics {
 /// c'(l, m) = sum over n of at(m, n) c(l, n) are the coefficients of d -> f(map^-1 d).
 ///
 /// `map` must be orthogonal; mirrors are as good as rotations, since a band's matrix is what band 1's makes of a
-/// product of harmonics. Error below 1e-13 to band 15. Cost: some 20 flops and three square roots an entry.
+/// product of harmonics. Error below 1e-13 to band 15. Cost: some 20 flops an entry, and beyond band 9 three square
+/// roots.
 class BandRotation {
  public:
   /// Band 0.
@@ -20,24 +23,29 @@ class BandRotation {
   [[nodiscard]] int band() const noexcept { return band_; }
 
   /// -band() <= m, n <= band().
-  [[nodiscard]] double at(int m, int n) const noexcept { return here_[index(band_, m, n)]; }
+  [[nodiscard]] double at(int m, int n) const noexcept { return here()[index(band_, m, n)]; }
 
   /// Goes on to the next band.
   void advance();
 
  private:
+  static constexpr int kWidest = 2 * kMaximumBands - 1;
+  using Matrix = std::array<double, static_cast<std::size_t>(kWidest) * kWidest>;
+
+  [[nodiscard]] const Matrix& here() const noexcept { return matrices_[band_ % 2]; }
   [[nodiscard]] static std::size_t index(int l, int m, int n) noexcept {
     return static_cast<std::size_t>((m + l) * (2 * l + 1) + n + l);
   }
   [[nodiscard]] double linear(int m, int n) const noexcept { return linear_[m + 1][n + 1]; }
-  [[nodiscard]] double before(int m, int n) const noexcept { return before_[index(band_ - 1, m, n)]; }
+  [[nodiscard]] double before(int m, int n) const noexcept {
+    return matrices_[(band_ + 1) % 2][index(band_ - 1, m, n)];
+  }
   [[nodiscard]] double product(int i, int m, int n) const noexcept;
   [[nodiscard]] double entry(int m, int n) const noexcept;
 
   int band_ = 0;
   double linear_[3][3];  ///< band 1: the map in the order y, z, x
-  std::vector<double> here_{1.0};
-  std::vector<double> before_;
+  Matrix matrices_[2];   ///< of this band and the one before, in turn
 };
 
 }  // namespace welkin::harmonics

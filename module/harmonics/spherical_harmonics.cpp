@@ -5,16 +5,21 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <numbers>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "harmonics/harmonics_kernels.h"
 #include "math/basis.h"
 #include "math/direction.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "math/table_cache.h"
 #include "platform/float_environment.h"
+#include "platform/memory.h"
 #include "welkin/core.h"
 
 namespace welkin {
@@ -64,6 +69,32 @@ glm::dvec3 evaluate(const SphericalHarmonics& coefficients, const glm::dvec3& di
   std::size_t index = 0;
   for (const glm::dvec3& coefficient : coefficients.coefficients()) sum += coefficient * basis[index++];
   return sum;
+}
+
+void evaluate(const SphericalHarmonics& coefficients, std::span<const dvec3> directions, std::span<dvec3> values) {
+  const platform::FloatingPointScope floating_point;
+  if (values.size() < directions.size()) {
+    throw Error(ErrorCode::invalid_argument, "values has " + std::to_string(values.size()) + " elements for " +
+                                                 std::to_string(directions.size()) + " directions");
+  }
+  constexpr int kLanes = harmonics::kPointLanes;
+  constexpr auto kPoints = static_cast<std::size_t>(kLanes);
+  const harmonics::HarmonicsKernels& kernels = harmonics::harmonics_kernels();
+  const math::BasisRecurrence& recurrence = math::basis_constants();
+  const auto functions = static_cast<int>(coefficients.coefficients().size());
+  alignas(64) std::array<double, kPoints * kMaximumCoefficients> basis;
+  alignas(64) double axes[3][kPoints];
+  alignas(64) double sums[3][kPoints];
+  for (std::size_t first = 0; first < directions.size(); first += kPoints) {
+    const std::size_t here = std::min(kPoints, directions.size() - first);
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      const glm::dvec3 unit = math::as_unit_direction(directions[first + std::min(k, here - 1)], "direction");
+      for (int c = 0; c < 3; ++c) axes[c][k] = unit[c];
+    }
+    kernels.evaluate(recurrence, coefficients.bands(), axes[0], kLanes, basis.data());
+    kernels.sum(&coefficients.coefficients()[0].x, functions, basis.data(), kLanes, sums[0]);
+    for (std::size_t k = 0; k < here; ++k) values[first + k] = {sums[0][k], sums[1][k], sums[2][k]};
+  }
 }
 
 // Equation 9 for even l > 0, with n = l / 2: 2 pi (-1)^(n - 1) / ((l + 2) (l - 1)) x l! / (2^l n!^2). The last
@@ -147,18 +178,62 @@ namespace {
 
 // The product of two functions on the sphere, by a quadrature that is exact for its band limit.
 
-glm::dvec3 sum_of(const SphericalHarmonics& harmonics, const std::vector<double>& basis) {
-  glm::dvec3 sum(0.0);
-  std::size_t k = 0;
-  for (const glm::dvec3& coefficient : harmonics.coefficients()) sum += coefficient * basis[k++];
-  return sum;
-}
+struct PointsKey {
+  int degree;
+  int bands;
+
+  bool operator==(const PointsKey&) const = default;
+};
+
+/// Points by which polynomials of that degree are integrated, and the harmonics there.
+class ProductPoints {
+ public:
+  /// In z a Gauss rule of degree / 2 + 1 points is exact, along each circle degree + 1 equal steps are.
+  explicit ProductPoints(const PointsKey& key)
+      : azimuths_(key.degree + 1),
+        count_((azimuths_ * (key.degree / 2 + 1) + harmonics::kPointLanes - 1) / harmonics::kPointLanes *
+               harmonics::kPointLanes),
+        weights_(static_cast<std::size_t>(count_)),
+        basis_(static_cast<std::size_t>(key.bands * key.bands * count_)) {
+    const math::GaussRule rule = math::gauss_legendre(key.degree / 2 + 1);
+    platform::AlignedBuffer<double> axes(static_cast<std::size_t>(3 * count_));
+    for (int p = 0; p < count_; ++p) {
+      const bool counts = p < azimuths_ * rule.order;  // the others fill up the lanes
+      const int ring = counts ? p / azimuths_ : 0;
+      const double z = rule.nodes[ring];
+      const double radius = std::sqrt((1.0 - z) * (1.0 + z));
+      const math::SineCosine azimuth = math::sine_cosine_of_turns(static_cast<double>(p % azimuths_) / azimuths_);
+      axes.data()[p] = radius * azimuth.cosine;
+      axes.data()[count_ + p] = radius * azimuth.sine;
+      axes.data()[2 * count_ + p] = z;
+      weights_[static_cast<std::size_t>(p)] = counts ? rule.weights[ring] * (2.0 * std::numbers::pi / azimuths_) : 0.0;
+    }
+    harmonics::harmonics_kernels().evaluate(math::basis_constants(), key.bands, axes.data(), count_, basis_.data());
+  }
+
+  static std::shared_ptr<const ProductPoints> get(const PointsKey& key) {
+    static auto& cache = *new math::TableCache<PointsKey, ProductPoints>(kProductBytes);
+    return cache.get(key, [&] { return std::make_shared<const ProductPoints>(key); });
+  }
+
+  [[nodiscard]] int count() const noexcept { return count_; }
+  [[nodiscard]] const std::vector<double>& weights() const noexcept { return weights_; }
+  [[nodiscard]] const double* basis() const noexcept { return basis_.data(); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return sizeof *this + 8 * weights_.size() + basis_.bytes(); }
+
+ private:
+  static constexpr std::size_t kProductBytes = std::size_t{4} << 20U;  ///< two of the largest tables
+
+  int azimuths_;
+  int count_;
+  std::vector<double> weights_;
+  platform::AlignedBuffer<double> basis_;
+};
 
 }  // namespace
 
 // c(l, m) = Int a b Y(l, m): a polynomial of degree D = (bands of a - 1) + (of b - 1) + (of the result - 1) in the
-// direction. In z a Gauss rule of D / 2 + 1 points is exact for it, along each circle D + 1 equal steps are. Both
-// functions are summed in the same way, so that a b and b a have the same bits.
+// direction. Both functions are summed in the same way, so that a b and b a have the same bits.
 SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics& b, int bands) {
   const platform::FloatingPointScope floating_point;
   if (bands < 0 || bands > kMaximumBands) {
@@ -167,26 +242,26 @@ SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics
   }
   const int limit = a.bands() + b.bands() - 1;
   const int wanted = bands == 0 ? std::min(limit, kMaximumBands) : bands;
-  SphericalHarmonics result(std::min(wanted, limit));
-
-  const int degree = a.bands() + b.bands() + result.bands() - 3;
-  const math::GaussRule rule = math::gauss_legendre(degree / 2 + 1);
-  const int azimuths = degree + 1;
-  const int basis_bands = std::max({a.bands(), b.bands(), result.bands()});
-  std::vector<double> basis(static_cast<std::size_t>(basis_bands * basis_bands));
-  for (int i = 0; i < rule.order; ++i) {
-    const double z = rule.nodes[i];
-    const double ring = std::sqrt((1.0 - z) * (1.0 + z));
-    const double weight = rule.weights[i] * (2.0 * std::numbers::pi / azimuths);
-    for (int k = 0; k < azimuths; ++k) {
-      const math::SineCosine azimuth = math::sine_cosine_of_turns(static_cast<double>(k) / azimuths);
-      math::evaluate_basis(ring * azimuth.cosine, ring * azimuth.sine, z, basis_bands, basis.data());
-      const glm::dvec3 value = weight * (sum_of(a, basis) * sum_of(b, basis));
-      std::size_t at = 0;
-      for (glm::dvec3& coefficient : result.coefficients()) coefficient += value * basis[at++];
+  SphericalHarmonics result(wanted);
+  const int integrated = std::min(wanted, limit);
+  const auto points =
+      ProductPoints::get({a.bands() + b.bands() + integrated - 3, std::max({a.bands(), b.bands(), integrated})});
+  const int count = points->count();
+  const harmonics::HarmonicsKernels& kernels = harmonics::harmonics_kernels();
+  platform::AlignedBuffer<double> room(static_cast<std::size_t>(6 * count));
+  double* const first = room.data();
+  double* const second = first + std::ptrdiff_t{3} * count;
+  const auto functions = [](const SphericalHarmonics& of) { return static_cast<int>(of.coefficients().size()); };
+  kernels.sum(&a.coefficients()[0].x, functions(a), points->basis(), count, first);
+  kernels.sum(&b.coefficients()[0].x, functions(b), points->basis(), count, second);
+  for (int c = 0; c < 3; ++c) {
+    for (int p = 0; p < count; ++p) {
+      first[c * count + p] =
+          points->weights()[static_cast<std::size_t>(p)] * (first[c * count + p] * second[c * count + p]);
     }
   }
-  return with_bands(result, wanted);
+  kernels.integrate(first, points->basis(), integrated * integrated, count, &result.coefficients()[0].x);
+  return result;
 }
 
 }  // namespace welkin

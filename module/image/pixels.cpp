@@ -10,6 +10,7 @@
 
 #include "image/image_kernels.h"
 #include "jobs/tiles.h"
+#include "platform/file.h"
 #include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -39,12 +40,26 @@ EightBitTable make_table(const Curve& curve) {
   return table;
 }
 
-// A template, for the loop takes a tenth longer where the number of channels is a variable (Zen 5).
-template <int channels>
-void decode_eight_bit(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
+// One load for several bytes: with a load for each and one from the table the loop waits for loads (on Zen 3 rgb took
+// 1.2 times, rgba 1.6 times as long).
+void decode_eight_bit_rgb(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
-  for (int i = 0; i < count; ++i) {
-    for (int c = 0; c < 3; ++c) rgb[3 * i + c] = table[from[channels * i + c]];
+  const std::ptrdiff_t numbers = std::ptrdiff_t{3} * count;
+  std::ptrdiff_t k = 0;
+  for (; k + 8 <= numbers; k += 8) {
+    auto word = platform::read_little_endian<std::uint64_t>(from + k);
+    for (int i = 0; i < 8; ++i, word >>= 8U) rgb[k + i] = table[word & 0xFFU];
+  }
+  for (; k < numbers; ++k) rgb[k] = table[from[k]];
+}
+
+void decode_eight_bit_rgba(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
+  const auto* from = static_cast<const std::uint8_t*>(texels);
+  for (int i = 0; i < count; ++i, from += 4, rgb += 3) {
+    const auto word = platform::read_little_endian<std::uint32_t>(from);
+    rgb[0] = table[word & 0xFFU];
+    rgb[1] = table[(word >> 8U) & 0xFFU];
+    rgb[2] = table[(word >> 16U) & 0xFFU];
   }
 }
 
@@ -204,9 +219,9 @@ void decode_texels(PixelFormat format, const void* texels, int count, float* rgb
     case PixelFormat::rgb16f: return decode_half(texels, 3, count, rgb);
     case PixelFormat::rgba16f: return decode_half(texels, 4, count, rgb);
     case PixelFormat::rgb8: return decode_linear_bytes(texels, count, rgb);
-    case PixelFormat::rgba8: return decode_eight_bit<4>(linear, texels, count, rgb);
-    case PixelFormat::srgb8: return decode_eight_bit<3>(srgb, texels, count, rgb);
-    case PixelFormat::srgba8: return decode_eight_bit<4>(srgb, texels, count, rgb);
+    case PixelFormat::rgba8: return decode_eight_bit_rgba(linear, texels, count, rgb);
+    case PixelFormat::srgb8: return decode_eight_bit_rgb(srgb, texels, count, rgb);
+    case PixelFormat::srgba8: return decode_eight_bit_rgba(srgb, texels, count, rgb);
   }
 }
 

@@ -113,6 +113,12 @@ std::vector<double> Air::cut_at(const std::vector<double>& breaks, double faint)
   return shells;
 }
 
+std::vector<std::vector<DensityLayer>> Air::profiles() const {
+  std::vector<std::vector<DensityLayer>> all;
+  for (const Constituent* const matter : matter_) all.push_back(matter->density);
+  return all;
+}
+
 void Air::densities(double altitude, Amounts& amounts) const noexcept {
   amounts = {};
   for (std::size_t i = 0; i < matter_.size(); ++i) amounts[i] = density(matter_[i]->density, altitude);

@@ -33,6 +33,9 @@ class Air {
   /// Densities from 0 to 1 at an altitude, all entries written.
   void densities(double altitude, Amounts& amounts) const noexcept;
 
+  /// Densities of each constituent that matters.
+  [[nodiscard]] std::vector<std::vector<DensityLayer>> profiles() const;
+
   /// Rising altitudes from 0 to the thickness: between two of them every density is smooth, and an exponential one that
   /// matters changes by no more than e^2.5.
   [[nodiscard]] const std::vector<double>& shells() const noexcept { return shells_; }

@@ -19,6 +19,8 @@ struct Ray {
   double zenith_cosine;
   bool ground;
   double length;  ///< metres
+
+  bool operator==(const Ray&) const = default;
 };
 
 /// Places along a ray, rising, at which it passes shells and where it is nearest to the ground; 0 and its length too.

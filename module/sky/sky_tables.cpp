@@ -6,12 +6,14 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "sky/air.h"
 #include "sky/aureole.h"
+#include "sky/ray_lengths.h"
 #include "sky/ray_light.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
@@ -174,18 +176,19 @@ void Precomputation::transmittance() {
     }
   };
   timed("transmittance", "along every ray to the top", [&] {
-    const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
-    std::vector<sky::RayPanels> panels;
-    for (std::size_t i = 0; i < workers; ++i) panels.emplace_back(air_);
-    jobs::run_tiles(index(options_.transmittance_heights), jobs::Placement::arena, workers, part(0.0, 0.02),
-                    [&](std::size_t tile, std::size_t worker) {
-                      const double altitude = mapping_.altitude(coordinate(tile, options_.transmittance_heights));
-                      for (std::size_t k = 0; k < zeniths; ++k) {
-                        const sky::ViewRay view =
-                            mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths));
-                        const Ray ray{altitude, view.zenith_cosine, false, view.distance};
-                        texel(sky::lengths_along(air_, ray, panels[worker]),
-                              result_.transmittance.data() + 3 * (tile * zeniths + k));
+    std::vector<Ray> rays;
+    for (std::size_t h = 0; h < index(options_.transmittance_heights); ++h) {
+      const double altitude = mapping_.altitude(coordinate(h, options_.transmittance_heights));
+      for (std::size_t k = 0; k < zeniths; ++k) {
+        const sky::ViewRay view = mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths));
+        rays.push_back({altitude, view.zenith_cosine, false, view.distance});
+      }
+    }
+    const auto lengths = sky::lengths_of(air_, std::move(rays), part(0.0, 0.02));
+    jobs::run_tiles(index(options_.transmittance_heights), jobs::Placement::arena,
+                    jobs::worker_count(jobs::Placement::arena), {}, [&](std::size_t tile, std::size_t) {
+                      for (std::size_t k = tile * zeniths; k < (tile + 1) * zeniths; ++k) {
+                        texel(lengths->amounts[k], result_.transmittance.data() + 3 * k);
                       }
                     });
   });

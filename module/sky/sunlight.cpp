@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
-#include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "sky/sky_geometry.h"
 #include "sky/table_sizes.h"
@@ -25,20 +25,16 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 SunPaths::SunPaths(const Air& air, const TableMapping& mapping, const Size& size, const Control& control)
     : mapping_(mapping),
       size_(size),
-      bend_(std::clamp(4.0 * std::sqrt(2.0 * air.scale_height() / air.bottom_radius()), kLeastBend, 1.0)),
-      lengths_(index(size.heights * size.zeniths)) {
-  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
-  std::vector<RayPanels> panels;
-  for (std::size_t i = 0; i < workers; ++i) panels.emplace_back(air);
-  jobs::run_tiles(
-      index(size_.heights), jobs::Placement::arena, workers, control, [&](std::size_t tile, std::size_t worker) {
-        const double altitude = mapping_.altitude(static_cast<double>(tile) / (size_.heights - 1));
-        for (int k = 0; k < size_.zeniths; ++k) {
-          const double mu = zenith_cosine(altitude, k);
-          const Ray ray{altitude, mu, false, distance_to_top(air.bottom_radius(), air.thickness(), altitude, mu)};
-          lengths_[tile * index(size_.zeniths) + index(k)] = lengths_along(air, ray, panels[worker]);
-        }
-      });
+      bend_(std::clamp(4.0 * std::sqrt(2.0 * air.scale_height() / air.bottom_radius()), kLeastBend, 1.0)) {
+  std::vector<Ray> rays;
+  for (int h = 0; h < size_.heights; ++h) {
+    const double altitude = mapping_.altitude(static_cast<double>(h) / (size_.heights - 1));
+    for (int k = 0; k < size_.zeniths; ++k) {
+      const double mu = zenith_cosine(altitude, k);
+      rays.push_back({altitude, mu, false, distance_to_top(air.bottom_radius(), air.thickness(), altitude, mu)});
+    }
+  }
+  lengths_ = lengths_of(air, std::move(rays), control);
 }
 
 SunPaths::Axis SunPaths::axis(double altitude) const noexcept {

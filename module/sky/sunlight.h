@@ -3,9 +3,11 @@
 
 #include <array>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <vector>
 
 #include "sky/air.h"
+#include "sky/ray_lengths.h"
 #include "sky/ray_nodes.h"
 #include "sky/sky_kernels.h"
 #include "sky/table_mapping.h"
@@ -35,7 +37,7 @@ class SunPaths {
   };
   [[nodiscard]] Axis axis(double altitude) const noexcept;
   [[nodiscard]] const Amounts& lengths(int height, int zenith) const noexcept {
-    return lengths_[static_cast<std::size_t>(height * size_.zeniths + zenith)];
+    return lengths_->amounts[static_cast<std::size_t>(height * size_.zeniths + zenith)];
   }
   [[nodiscard]] const TableMapping& mapping() const noexcept { return mapping_; }
   [[nodiscard]] const Size& size() const noexcept { return size_; }
@@ -46,7 +48,7 @@ class SunPaths {
   TableMapping mapping_;
   Size size_;
   double bend_;
-  std::vector<Amounts> lengths_;
+  std::shared_ptr<const RayLengths> lengths_;
 };
 
 /// The light of the sun at three wavelengths, of one at unit irradiance.

@@ -278,6 +278,22 @@ TEST_CASE("Sums, multiples and mixtures act on the functions, with missing bands
   }
 }
 
+TEST_CASE("Many directions at once have the bits of one after the other", "[sh][combine]") {
+  RandomLight light(22);
+  for (const int bands : {1, 3, 7, 16}) {
+    const SphericalHarmonics harmonics = light.harmonics(bands);
+    std::vector<dvec3> directions;
+    for (int k = 0; k < 37; ++k) directions.push_back((k % 3 == 0 ? 1e-150 : 2.5) * light.direction());
+    for (const std::size_t count : {0U, 1U, 8U, 9U, 37U}) {
+      std::vector<dvec3> values(count);
+      evaluate(harmonics, std::span(directions).first(count), values);
+      for (std::size_t k = 0; k < count; ++k) CHECK(values[k] == evaluate(harmonics, directions[k]));
+    }
+    std::vector<dvec3> few(36);
+    CHECK_THROWS_AS(evaluate(harmonics, directions, few), Error);
+  }
+}
+
 TEST_CASE("A product is the pointwise product", "[sh][combine]") {
   RandomLight light(23);
   for (const auto& [bands_a, bands_b] : {std::pair{1, 1}, {2, 2}, {3, 3}, {1, 16}, {5, 9}, {8, 9}}) {

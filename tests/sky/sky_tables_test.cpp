@@ -2,6 +2,7 @@
 #include "float_environment/modes.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
+#include "sky/ray_lengths.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/table_mapping.h"
@@ -385,6 +386,30 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   });
   CHECK(error.code == ErrorCode::invalid_argument);
   CHECK(error.says("linear_srgb"));
+}
+
+TEST_CASE("Lengths along the rays of tables stay where only ground or haze changes", "[sky]") {
+  const Atmosphere clear = earth();
+  Atmosphere hazy = with_ground_albedo(clear, 0.8);
+  for (double& value : hazy.aerosol.scattering_per_m) value *= 1.5;
+  Atmosphere lower = clear;
+  lower.aerosol.density = exponential_profile(900.0);
+  const auto lengths = [](const Atmosphere& atmosphere, double altitude) {
+    const sky::Air air(atmosphere);
+    const std::vector<sky::Ray> rays{
+        {altitude, 1.0, false, air.thickness() - altitude},
+        {0.0, 0.5, false, sky::distance_to_top(air.bottom_radius(), air.thickness(), 0.0, 0.5)}};
+    auto found = sky::lengths_of(air, rays, {});
+    sky::RayPanels panels(air);
+    REQUIRE(found->amounts.size() == rays.size());
+    for (std::size_t k = 0; k < rays.size(); ++k) CHECK(found->amounts[k] == sky::lengths_along(air, rays[k], panels));
+    return found;
+  };
+  const auto first = lengths(clear, 100.0);
+  CHECK(lengths(hazy, 100.0) == first);
+  CHECK(lengths(lower, 100.0) != first);
+  CHECK(lengths(clear, 200.0) != first);
+  CHECK(lengths(clear, 100.0) == first);
 }
 
 }  // namespace welkin::test

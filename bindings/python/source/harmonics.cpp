@@ -58,10 +58,11 @@ py::array values_at(const SphericalHarmonics& harmonics, const py::args& words, 
   py::array_t<double> values(asked.shape);
   double* const out = values.mutable_data();
   const LockReleased released(asked.count());
-  for (std::size_t index = 0; index < asked.count(); ++index) {
-    const dvec3 value = evaluate(harmonics, asked.at(index));
-    std::copy_n(&value.x, 3, out + 3 * index);
-  }
+  std::vector<dvec3> directions(asked.count());
+  for (std::size_t index = 0; index < asked.count(); ++index) directions[index] = asked.at(index);
+  std::vector<dvec3> sums(asked.count());
+  evaluate(harmonics, directions, sums);
+  for (std::size_t index = 0; index < asked.count(); ++index) std::copy_n(&sums[index].x, 3, out + 3 * index);
   return values;
 }
 
