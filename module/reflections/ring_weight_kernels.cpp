@@ -112,14 +112,14 @@ WELKIN_INLINE int bits_below(std::uint32_t bits, int bit) {
 
 void write_folded(const WeighedTexel& texel, const RingBand& band, int ring, const float* row) {
   const RingWindow& window = texel.window;
-  for (int k = 0; k < window.columns; ++k) {
-    const RingCell cell = folded(ring, window.first_column + k, band.rows, band.width);
+  const auto write = [&](const RingCells& cells, int first) WELKIN_INLINE_LAMBDA {
     const std::uint32_t record =
-        cell.image == 0 ? texel.record
-                        : texel.first_image + static_cast<std::uint32_t>(bits_below(texel.images, cell.image));
-    std::uint32_t& next = band.next[(cell.ring - band.first_ring) * band.width + cell.column];
-    band.taps[next++] = {record, row[k]};
-  }
+        cells.image == 0 ? texel.record
+                         : texel.first_image + static_cast<std::uint32_t>(bits_below(texel.images, cells.image));
+    std::uint32_t* next = band.next + (cells.ring - band.first_ring) * band.width + cells.column;
+    for (int k = 0; k < cells.count; ++k, next += cells.step) band.taps[(*next)++] = {record, row[first + k]};
+  };
+  for_folded(ring, window.first_column, window.columns, band.rows, band.width, write);
 }
 
 void weigh_texel(const WeighedTexel& texel, const RingBand& band, float* block) {

@@ -72,27 +72,35 @@ struct WeighedTexel {
   std::uint32_t first_image;  ///< record of the first of them
 };
 
-/// A ring's texel of the sixteenth, and which image brings a texel around it there.
-struct RingCell {
+/// Columns of a ring of the sixteenth, and which image brings texels around it there.
+struct RingCells {
   int ring;
-  int column;
+  int column;  ///< of the first one
+  int step;    ///< from one to the next: 1, or -1 in a mirror image
+  int count;
   int image;
 };
 
-/// `column` is above -8 `width`.
-WELKIN_INLINE RingCell folded(int ring, int column, int rows, int width) {
+/// Calls `take(cells, k)` for the parts of `columns` columns of a ring from `first` on that lie in one sixteenth each,
+/// k columns further on. `first` is above -8 `width`.
+template <class Take>
+WELKIN_INLINE void for_folded(int ring, int first, int columns, int rows, int width, const Take& take) {
   if (ring < 0) {
     ring = -1 - ring;
-    column += 4 * width;
+    first += 4 * width;
   }
   const bool below = ring >= rows / 2;
   if (below) ring = rows - 1 - ring;
-  column = (column + 8 * width) % (8 * width);
-  const int eighth = column / width;
-  column -= eighth * width;
-  const bool mirrored = eighth % 2 == 1;
-  if (mirrored) column = width - 1 - column;
-  return {ring, column, 4 * ((eighth + 1) / 2 % 4) + (mirrored ? 2 : 0) + (below ? 1 : 0)};
+  first += 8 * width;
+  int eighth = first / width;
+  int column = first - eighth * width;
+  for (int k = 0; k < columns; ++eighth, column = 0) {
+    const bool mirrored = eighth % 2 == 1;
+    const int count = columns - k < width - column ? columns - k : width - column;
+    const int image = 4 * ((eighth + 1) / 2 % 4) + (mirrored ? 2 : 0) + (below ? 1 : 0);
+    take(RingCells{ring, mirrored ? width - 1 - column : column, mirrored ? -1 : 1, count, image}, k);
+    k += count;
+  }
 }
 
 /// Where the taps of a band's rings go.

@@ -296,8 +296,8 @@ std::uint32_t RingWeights::images_of(const RingWindow& window) const noexcept {
   if (window.first_ring >= 0 && end_ring <= rows_ / 2 && window.first_column >= 0 && end_column <= width) return 0;
   std::uint32_t bits = 0;
   const auto add = [&](int ring) {
-    for (int column = window.first_column; column < end_column + width - 1; column += width)
-      bits |= 1U << static_cast<unsigned>(folded(ring, std::min(column, end_column - 1), rows_, width).image);
+    for_folded(ring, window.first_column, window.columns, rows_, width,
+               [&](const RingCells& cells, int) { bits |= 1U << static_cast<unsigned>(cells.image); });
   };
   if (window.first_ring < 0) add(window.first_ring);
   if (end_ring > rows_ / 2) add(end_ring - 1);
@@ -364,12 +364,12 @@ void RingWeights::mark_texel(const RingWindow& window, std::size_t record, const
       --run[window.columns];
       continue;
     }
-    for (int column = 0; column < window.columns; ++column) {
-      const RingCell cell = folded(ring, window.first_column + column, rows_, width);
-      int* const run = marks + std::ptrdiff_t{width + 1} * (cell.ring - first_ring) + cell.column;
+    for_folded(ring, window.first_column, window.columns, rows_, width, [&](const RingCells& cells, int) {
+      const int first = cells.step > 0 ? cells.column : cells.column - cells.count + 1;
+      int* const run = marks + std::ptrdiff_t{width + 1} * (cells.ring - first_ring) + first;
       ++run[0];
-      --run[1];
-    }
+      --run[cells.count];
+    });
   }
 }
 

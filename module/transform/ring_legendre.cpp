@@ -246,7 +246,9 @@ SplineFunctions::SplineFunctions(int rings, int bands)
       std::fill_n(units.data(), units.size(), 0.0F);
       for (int i = first; i < std::min(first + count, bands - m); ++i)
         units.data()[kHarmonicFloats * i + (i - first) / 2] = 1.0F;
-      kernels.synthesise_order(places->run(m, 0, groups_, *factors), units.data(), columns.data());
+      LegendreRun run = places->run(m, 0, groups_, *factors);
+      run.fours = std::min(run.fours, fours_of(first + count));
+      kernels.synthesise_order(run, units.data(), columns.data());
       kernels.spline_rings({groups_, rings, m % 2 != 0}, columns.data(), scratch.data());
       for (int group = 0; group < groups_; ++group) {
         float* to = values_.data() + start(m, group) + std::ptrdiff_t{kRingLanes} * first;
