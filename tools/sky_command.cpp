@@ -500,7 +500,8 @@ std::string bake_sky(const SkyOptions& options) {
     const Sky sky = make_sky(options.sky, part_of(control, 0.0, kTables));
     return sky_picture(sky, options.picture_height, options.sun_disc, part_of(control, kTables, 1.0));
   };
-  return bake_to_folder(bake);
+  ProgressBar bar;
+  return bake_to_folder(bake, bar.control());
 }
 
 std::string answer(const SkyOptions& options) {
