@@ -229,16 +229,10 @@ std::string planned(const BakeCommandOptions& options, const Control& control) {
 
 void run(BakeCommandOptions options) {
   settle_files(options);
-  std::string text;
-  run_with_threads(options.common.threads, [&] {
-    ProgressBar bar;
-    text = options.scene.plan_only ? planned(options, bar.control()) : bake_to_folder(options, bar.control());
+  const std::string text = with_bar(options.common, [&](const Control& control) {
+    return options.scene.plan_only ? planned(options, control) : bake_to_folder(options, control);
   });
-  if (options.common.json || options.scene.plan_only) {
-    print_result(text);
-  } else {
-    print_summary(text);
-  }
+  options.common.json || options.scene.plan_only ? print_result(text) : print_summary(text);
 }
 
 /// The files of a bake that was made before.
