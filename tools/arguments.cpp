@@ -121,10 +121,6 @@ class Adding {
   const Option& option_;
 };
 
-bool has_value(const Option& option) {
-  return !std::holds_alternative<bool*>(option.target) && !std::holds_alternative<OnFlag>(option.target);
-}
-
 void add_option(CLI::App& command, const Option& option) {
   CLI::Option& added = *std::visit(Adding(command, option), option.target);
   if (option.list != List::none) added.delimiter(',');
@@ -160,6 +156,10 @@ void add_verbosity(CLI::App& command) {
       ->group(kRunningGroup);
 }
 
+Given given_to(const CLI::App& command) {
+  return Given([&command](const std::string& name) { return command.get_option(name)->results(); });
+}
+
 void add_command(CLI::App& program, const Command& command) {
   CLI::App& added = *program.add_subcommand(command.name, command.summary);
   added.get_option("--help")->group(kRunningGroup);
@@ -167,8 +167,7 @@ void add_command(CLI::App& program, const Command& command) {
   added.footer(with_exit_codes(command.notes));
   add_options(added, command.options);
   add_verbosity(added);
-  added.callback(
-      [&command, &added] { command.run([&added](const std::string& name) { return added.count(name) > 0; }); });
+  added.callback([&command, &added] { command.run(given_to(added)); });
 }
 
 std::string version_text() {
@@ -307,13 +306,28 @@ bool same_word(const std::string& one, const std::string& other) {
   return CLI::detail::to_lower(one) == CLI::detail::to_lower(other);
 }
 
-void read_options(const Options& table, const std::vector<std::string>& words) {
+bool has_value(const Option& option) noexcept {
+  return !std::holds_alternative<bool*>(option.target) && !std::holds_alternative<OnFlag>(option.target);
+}
+
+GivenOptions Given::of(const Options& table) const {
+  GivenOptions given;
+  for (const Option& option : table) {
+    const std::string name = option.names.substr(option.names.rfind(',') + 1);
+    const std::vector<std::string> values = values_(name);
+    if (!values.empty()) given.emplace_back(name, has_value(option) ? CLI::detail::join(values, ",") : "");
+  }
+  return given;
+}
+
+GivenOptions read_options(const Options& table, const std::vector<std::string>& words) {
   CLI::App parser;
   parser.allow_windows_style_options(false);
   parser.set_help_flag("");
   add_options(parser, table);
   try {
     parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    return given_to(parser).of(table);
   } catch (const CLI::ParseError& flaw) {
     throw Error(ErrorCode::invalid_argument, flaw.what());
   }
@@ -352,14 +366,6 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
   }
 }
 
-namespace {
-
-std::vector<std::string> words_of_program;
-
-}  // namespace
-
-const std::vector<std::string>& command_words() noexcept { return words_of_program; }
-
 std::vector<std::string> without_help_command(std::vector<std::string> arguments) {
   if (arguments.empty() || arguments.front() != "help") return arguments;
   arguments.erase(arguments.begin());
@@ -395,7 +401,6 @@ std::vector<std::string> with_command_first(const Program& program, std::vector<
 }
 
 ExitCode run_program(const Program& program, const std::vector<std::string>& arguments) {
-  words_of_program = arguments;
   reserve_standard_streams();
   return run_guarded([&] { return run(program, without_help_command(arguments)); });
 }

@@ -115,11 +115,30 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 [[nodiscard]] std::optional<int> whole_number_in(const std::string& text);
 
-/// Whether an option was on the command line.
-using Given = std::function<bool(const std::string& name)>;
+/// The options that were on the command line.
+class Given {
+ public:
+  /// `values`: returns the values of an option as they were written, nothing if it is not there.
+  explicit Given(std::function<std::vector<std::string>(const std::string& name)> values)
+      : values_(std::move(values)) {}
 
-/// Reads words as the command line is read: each option's value goes to its target. Throws `Error` (invalid_argument).
-void read_options(const Options& table, const std::vector<std::string>& words);
+  [[nodiscard]] bool operator()(const std::string& name) const { return !values_(name).empty(); }
+
+  /// Returns those of a table by their long names, in the table's order, whatever way they were written: flags have an
+  /// empty value, lists one with commas.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> of(const Options& table) const;
+
+ private:
+  std::function<std::vector<std::string>(const std::string& name)> values_;
+};
+using GivenOptions = std::vector<std::pair<std::string, std::string>>;
+
+/// Reads words as the command line is read: each option's value goes to its target. Returns what was given. Throws
+/// `Error` (invalid_argument).
+GivenOptions read_options(const Options& table, const std::vector<std::string>& words);
+
+/// Returns whether the option of that name takes a value.
+[[nodiscard]] bool has_value(const Option& option) noexcept;
 
 /// A subcommand.
 struct Command {
@@ -149,9 +168,6 @@ enum ExitCode : int {
 
 /// Turns whatever `work` throws into a message on standard error and an exit code.
 [[nodiscard]] ExitCode run_guarded(const std::function<ExitCode()>& work);
-
-/// The words that `run_program` was given.
-[[nodiscard]] const std::vector<std::string>& command_words() noexcept;
 
 /// "help bake" as "bake --help", and "help" as "--help".
 [[nodiscard]] std::vector<std::string> without_help_command(std::vector<std::string> arguments);

@@ -26,28 +26,6 @@ namespace {
 constexpr std::uint64_t kMostIndexBytes = std::uint64_t{1} << 20U;
 constexpr const char* kTimes = "\n  \"times\": ";  // the last member of a manifest: all that differs from run to run
 
-ContentHash hash_text(std::string_view text) { return hash_bytes(text.data(), text.size()); }
-
-/// The command line without what changes no byte of a file but where it goes, how fast, and what is said of it.
-std::string words_that_count() {
-  constexpr std::array<std::string_view, 4> kSaid = {"--json", "-q", "--quiet", "--verbose"};
-  std::string text;
-  const std::vector<std::string>& words = command_words();
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    if (std::ranges::find(kSaid, word) != kSaid.end()) continue;
-    bool has_value = false;
-    bool left_out = false;
-    for (const std::string_view option : {"-o", "--output", "--cache", "--threads"}) {
-      has_value |= word == option;
-      left_out |= word == option || word.starts_with(std::string(option) + '=');
-    }
-    if (has_value) ++i;
-    if (!left_out) text.append(word).push_back('\0');
-  }
-  return text;
-}
-
 std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
@@ -56,8 +34,6 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-std::string scene_text(const NeedsChoice& scene) { return needs_json(scene.needs()).one_line(); }
 
 std::optional<ContentHash> hash_in(std::string_view text) {
   constexpr std::size_t kDigits = 16;
@@ -125,10 +101,10 @@ Index index_in(std::string_view bytes) {
   return index;
 }
 
-/// With the one time that this run took.
-std::optional<std::string> with_own_times(const std::string& manifest, double milliseconds) {
+/// With the one time that this run took, if it has times.
+std::string with_own_times(const std::string& manifest, double milliseconds) {
   const std::size_t place = manifest.rfind(kTimes);
-  if (place == std::string::npos) return std::nullopt;
+  if (place == std::string::npos) return manifest;
   const Json time = {{"name", "cache"},
                      {"action", name(PassAction::reuse)},
                      {"reason", "all files found on disk"},
@@ -138,29 +114,30 @@ std::optional<std::string> with_own_times(const std::string& manifest, double mi
 
 }  // namespace
 
-std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
-  return input_files(options, inspect_environment(platform::path_of(*options.input), options.common.read));
-}
-
 std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options, const EnvironmentInfo& info) {
   if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
   return {platform::path_of(*options.input)};
+}
+
+ContentHash bake_key(const BakeCommandOptions& options) {
+  std::vector<std::string> asked;
+  for (const auto& [name, value] : options.asked) asked.insert(asked.end(), {name, value});
+  std::string understood;  // a file's name may tell its layout
+  std::vector<ContentHash> files;
+  if (options.input) {
+    const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
+    understood = std::string(name(info.layout)) + '\n' + info.format_words();
+    for (const std::filesystem::path& file : input_files(options, info)) files.push_back(hash_file(file));
+  }
+  const std::string scene = needs_json(options.scene.needs()).one_line();
+  return cache::result_key("bake", {cache::hash_of(asked, options.called, scene, understood), combine(files)});
 }
 
 BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
   if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
   if (options.input && is_stream(*options.input)) return;  // which cannot be hashed before it is read
   cache_.emplace(CacheOptions{.folder = platform::path_of(options.common.cache), .memory_bytes = 0});
-  key_ = key();
-}
-
-ContentHash BakeFolderCache::key() const {
-  std::vector<ContentHash> files;
-  if (options_.input) {
-    for (const std::filesystem::path& file : input_files(options_)) files.push_back(hash_file(file));
-  }
-  return cache::result_key("bake folder",
-                           {hash_text(words_that_count()), hash_text(scene_text(options_.scene)), combine(files)});
+  key_ = bake_key(options);
 }
 
 std::optional<KeptBake> BakeFolderCache::find() {
@@ -180,9 +157,7 @@ std::optional<KeptBake> BakeFolderCache::find() {
       kept.files.push_back({file.about, std::move(*contents)});
     }
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    std::optional<std::string> manifest = with_own_times(index.manifest, took.count());
-    if (!manifest) return std::nullopt;
-    kept.manifest = std::move(*manifest);
+    kept.manifest = with_own_times(index.manifest, took.count());
     return kept;
   } catch (const Flaw&) {  // no index that this version writes
     return std::nullopt;
@@ -192,7 +167,7 @@ std::optional<KeptBake> BakeFolderCache::find() {
 void BakeFolderCache::keep(const OutputFolder& folder, const std::string& manifest, const BakeWords& words,
                            std::vector<std::string>& notes) {
   if (!cache_) return;
-  if (key() != key_) return;
+  if (bake_key(options_) != key_) return;
   Json files = Json::array();
   for (const WrittenFile& file : folder.files()) {
     const std::vector<std::byte> bytes = bytes_of(folder.place(file.name));

@@ -48,22 +48,19 @@ class BakeFolderCache {
             std::vector<std::string>& notes);
 
  private:
-  [[nodiscard]] ContentHash key() const;
-
   const BakeCommandOptions& options_;
   std::optional<ResultCache> cache_;
   ContentHash key_;
 };
 
-/// All files of an input: itself or, of six, each. Throws what `inspect_environment` does.
-[[nodiscard]] std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options);
+/// All files of an input: itself or, of six, each.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options,
                                                              const EnvironmentInfo& info);
 
-// What names results, and what is believed of lists of files.
-
-/// What stood in the files that options name: they may be pipes, which cannot be read again.
-[[nodiscard]] std::string scene_text(const NeedsChoice& scene);
+/// Returns the key of all files of a bake: over the bytes of its input, how that was understood, what was asked for and
+/// stood in files that options name, and the version of results. Reads the input. Throws `Error` as
+/// `inspect_environment`.
+[[nodiscard]] ContentHash bake_key(const BakeCommandOptions& options);
 
 /// What `ContentHash::text` has written.
 [[nodiscard]] std::optional<ContentHash> hash_in(std::string_view text);

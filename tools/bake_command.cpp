@@ -1,10 +1,12 @@
 // `welkin bake`: an environment to all that a renderer loads.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -45,9 +47,10 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
 std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options) {
   std::vector<std::filesystem::path> files;
   for (const std::string& file : options.also_read) files.push_back(platform::path_of(file));
-  if (options.scene.file) files.push_back(platform::path_of(*options.scene.file));
+  if (options.scene.file) files.push_back(options.scene.folder / platform::path_of(*options.scene.file));
   if (!options.input || is_stream(*options.input)) return files;
-  const std::vector<std::filesystem::path> input = input_files(options);
+  const std::vector<std::filesystem::path> input =
+      input_files(options, inspect_environment(platform::path_of(*options.input), options.common.read));
   files.insert(files.end(), input.begin(), input.end());
   return files;
 }
@@ -207,6 +210,7 @@ std::string bake_table(const BakeWords& words, const std::string& times, const B
 // The command.
 
 constexpr double kBaked = 0.6;  // of the progress; the rest is writing
+constexpr std::array<std::string_view, 4> kRunningOptions = {"--output", "--json", "--threads", "--cache"};
 
 /// What can be refused is refused before there is a folder, and before any work.
 void check(const BakeCommandOptions& options) {
@@ -218,22 +222,17 @@ void check(const BakeCommandOptions& options) {
   check_places(options, bake);
 }
 
-std::string planned(const BakeCommandOptions& options) {
-  ProgressBar bar;
-  const Plan plan = plan_ahead(options, bar.control());
+std::string planned(const BakeCommandOptions& options, const Control& control) {
+  const Plan plan = plan_ahead(options, control);
   return options.common.json ? json_text(plan_json(plan)) : plan_text(plan);
 }
 
 void run(BakeCommandOptions options) {
   settle_files(options);
-  std::string text;
-  run_with_threads(options.common.threads,
-                   [&] { text = options.scene.plan_only ? planned(options) : bake_to_folder(options); });
-  if (options.common.json || options.scene.plan_only) {
-    print_result(text);
-  } else {
-    print_summary(text);
-  }
+  const std::string text = with_bar(options.common, [&](const Control& control) {
+    return options.scene.plan_only ? planned(options, control) : bake_to_folder(options, control);
+  });
+  options.common.json || options.scene.plan_only ? print_result(text) : print_summary(text);
 }
 
 /// The files of a bake that was made before.
@@ -260,20 +259,8 @@ std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, 
 
 }  // namespace
 
-void bake_files(BakeCommandOptions options, const Control& control) {
-  check(options);
-  Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
-  OutputFolder folder(platform::path_of(options.directory), names_to_write(options, baked.whole),
-                      part_of(control, kBaked, 1.0));
-  const ToneMap tone_map = options.previews ? tone_map_of(baked, options) : ToneMap();
-  write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
-  static_cast<void>(folder.finish(bake_manifest(baked, options, folder, tone_map), files_read(options)));
-}
-
-std::string bake_to_folder(const BakeCommandOptions& asked) {
+std::string bake_to_folder(const BakeCommandOptions& asked, const Control& control) {
   check(asked);
-  ProgressBar bar;
-  const Control control = bar.control();
   BakeFolderCache cache(asked);
   if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, asked, control);
   BakeCommandOptions options = asked;  // and what a budget chooses
@@ -300,8 +287,12 @@ Command bake_command() {
                       "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",
                       "--take-out-sun", "--clamp",  "--threads",  "--cache",       "--quiet"};
   command.several = "; 'welkin batch plan' bakes several: 'welkin help batch'";
-  command.run = [options, name = command.name](const Given& given) {
+  command.run = [options, name = command.name, table = command.options](const Given& given) {
     require_input(name, options->input, options->sky);
+    options->asked = given.of(table);
+    std::erase_if(options->asked, [](const auto& one) {  // what says where and how, and nothing of the files
+      return std::ranges::find(kRunningOptions, one.first) != kRunningOptions.end();
+    });
     if (!given("--output") && !options->scene.plan_only) {
       options->directory = default_output_name(options->input);
       require_own_folder(platform::path_of(options->directory), kManifestName, name);

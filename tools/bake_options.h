@@ -23,7 +23,8 @@
 namespace welkin::tool {
 
 struct NeedsChoice {
-  std::optional<std::string> file;  ///< as it was named; it is read once, when the option is, as it may be a pipe
+  std::filesystem::path folder;     ///< in which `file` is, if that is no pipe; empty: it may be one
+  std::optional<std::string> file;  ///< as it was named; it is read once, when the option is
   std::optional<SceneNeeds> needs_in_file;
   std::optional<RoughnessRange> glossy;
   bool no_glossy = false;
@@ -47,7 +48,7 @@ void add_needs_options(Options& table, NeedsChoice& choice);
 [[nodiscard]] Json needs_json(const SceneNeeds& needs);
 /// What is missing is as in a default `SceneNeeds`. Throws `Error`: file_access, limit_exceeded (more than a megabyte),
 /// corrupt_file naming the key, for what is no JSON and for members of another name, kind or range.
-[[nodiscard]] SceneNeeds read_needs(const std::filesystem::path& path);
+[[nodiscard]] SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes);
 
 [[nodiscard]] Json plan_json(const Plan& plan);
 
@@ -65,6 +66,7 @@ struct BakeCommandOptions {
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
   std::string called;  ///< what files call the input; then they do not depend on its name, nor on the time
+  GivenOptions asked;  ///< what says what comes out, for caches
   std::vector<std::string> also_read;  ///< files beside the input and those of `scene`
   std::set<Container> containers{Container::ktx2};
   bool containers_named = false;  ///< by --formats

@@ -140,7 +140,7 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
 
 /// What each step of the work takes by itself.
 struct BakeMemory {
-  std::string path;               ///< of the source, for the message
+  std::string path{};             ///< of the source, for the message
   std::uint64_t source = 0;       ///< held until all is baked
   std::uint64_t bake = 0;         ///< `bake_bytes`
   std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
@@ -388,8 +388,8 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
   baked.options = baked.plan.options;
   explain(options, baked.plan);
   const std::uint64_t held = baked.plan.streams ? 0 : baked.plan.pass("read").bytes;
-  check_memory({baked.source.path, held, baked.plan.result_bytes + baked.plan.working_bytes, 0, 0}, options,
-               baked.options);
+  check_memory({.path = baked.source.path, .source = held, .bake = baked.plan.result_bytes + baked.plan.working_bytes},
+               options, baked.options);
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, "results that the scene needs", [&] {
       return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
@@ -412,10 +412,14 @@ bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
   return needs.stored_results || !options.scene.any();
 }
 
+StoredEnvironment header_of(const BakeCommandOptions& options) {
+  return probe_environment(input_of(*options.input, options.common.read), options.common.read);
+}
+
 /// Of a chain without its sharpest mips there is no sharp environment.
 void note_blur(const BakeCommandOptions& options, Baked& baked) {
   if (!options.input) return;
-  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
+  const StoredEnvironment file = header_of(options);
   for (const std::string& note : file.info.notes) {
     if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
   }
@@ -426,69 +430,58 @@ void note_blur(const BakeCommandOptions& options, Baked& baked) {
 }
 
 /// What is to be made of pixels.
-struct PixelWork {
-  Plan light;    ///< by the library's bake
-  EnvChain env;  ///< beside it
-};
-
-/// Puts both into `baked.plan`, and refuses what would not fit into memory.
-PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& options, const SceneNeeds& needs,
-                      Baked& baked) {
-  PixelWork work;
-  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0, 0};
-  const EnvironmentView view = source.view();
-  work.light = plan(view, needs, baked.whole);
-  explain_folder(options, work.light);
-  memory.lat_long = lat_long_bytes(shape_of(view), options, baked.whole);
-  baked.plan = work.light;
-  baked.options = work.light.options;
-  work.env = env_chain(options, baked.whole, work.light);
-  plan_chains(shape_of(view), work.env, options, *baked.whole.specular, baked.plan);
-  memory.bake = work.light.result_bytes + work.light.working_bytes;
-  if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
-  baked.env_container = env_container(options);
-  baked.env_left_out = contains_rgbd(options.files) && !work.env.wanted;
-  baked.env_is_specular = work.env.is_specular;
-  explain(options, baked.plan);
-  memory.env_size = work.env.options.size;
-  memory.env_mips = work.env.options.mips.value_or(0);
-  check_memory(memory, options, baked.options);  // which holds the library's limit too
-  return work;
-}
-
-/// What a file's header tells of the work on its pixels.
-struct HeaderPlan {
-  Plan plan;
+struct FolderPlan {
+  Plan light;  ///< by the library's bake
+  EnvChain env;
+  Plan whole;  ///< with the chains beside it
   BakeMemory memory;
 };
 
-HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
-                       const BakeOptions& whole) {
-  Plan planned = plan(file.shape, needs, whole);
-  explain_folder(options, planned);
-  const EnvChain chain = env_chain(options, whole, planned);
-  BakeMemory memory{*options.input,
-                    kTexelBytes * file.shape.texels(),
-                    planned.result_bytes + planned.working_bytes,
-                    0,
-                    chain.options.size,
-                    chain.options.mips.value_or(0),
-                    file.levels,
-                    lat_long_bytes(file.shape, options, whole)};
-  if (chain.second()) {
-    const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options));
-    memory.second_bake = second.result_bytes + second.working_bytes;
-  }
-  plan_chains(file.shape, chain, options, *whole.specular, planned);
-  return {std::move(planned), memory};
+/// `memory`: what is known of the source.
+FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& options, const SceneNeeds& needs,
+                       const BakeOptions& asked, BakeMemory memory) {
+  FolderPlan folder{plan(source, needs, asked), {}, {}, std::move(memory)};
+  explain_folder(options, folder.light);
+  folder.env = env_chain(options, asked, folder.light);
+  folder.whole = folder.light;
+  plan_chains(source, folder.env, options, *asked.specular, folder.whole);
+  folder.memory.bake = folder.light.result_bytes + folder.light.working_bytes;
+  folder.memory.env_size = folder.env.options.size;
+  folder.memory.env_mips = folder.env.options.mips.value_or(0);
+  folder.memory.lat_long = lat_long_bytes(source, options, asked);
+  if (!folder.env.second()) return folder;
+  const Plan second = plan(source, SceneNeeds(), second_bake_options(folder.env.options));
+  folder.memory.second_bake = second.result_bytes + second.working_bytes;
+  return folder;
+}
+
+/// What a file's header tells of the work on its pixels.
+FolderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
+                       const BakeOptions& asked) {
+  return plan_folder(file.shape, options, needs, asked,
+                     {.path = *options.input, .source = kTexelBytes * file.shape.texels(), .levels = file.levels});
+}
+
+/// Puts the plan into `baked`, and refuses what would not fit into memory, as the library's own limit does.
+FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& options, const SceneNeeds& needs,
+                       Baked& baked) {
+  FolderPlan folder = plan_folder(shape_of(source.view()), options, needs, baked.whole,
+                                  {.path = baked.source.path, .source = source.bytes()});
+  baked.plan = folder.whole;
+  baked.options = folder.light.options;
+  baked.env_container = env_container(options);
+  baked.env_left_out = contains_rgbd(options.files) && !folder.env.wanted;
+  baked.env_is_specular = folder.env.is_specular;
+  explain(options, baked.plan);
+  check_memory(folder.memory, options, baked.options);
+  return folder;
 }
 
 /// Refuses by a file's header what would be refused once its pixels are read.
-void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
+void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& asked) {
   if (!options.input) return;
-  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
-  const HeaderPlan header = plan_header(file, options, needs, whole);
-  check_memory(header.memory, options, header.plan.options);
+  const FolderPlan header = plan_header(header_of(options), options, needs, asked);
+  check_memory(header.memory, options, header.light.options);
 }
 
 /// From the pixels.
@@ -504,7 +497,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
   note_blur(options, baked);
-  const PixelWork work = plan_pixels(source, options, needs, baked);
+  const FolderPlan work = plan_pixels(source, options, needs, baked);
   const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "results that the scene needs" : "all requested results";
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
@@ -538,32 +531,22 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
 }  // namespace
 
 Plan plan_ahead(BakeCommandOptions options, const Control& control) {
-  if (options.input) {
-    const SceneNeeds needs = needs_of(options);
-    const BakeOptions whole = library_options(options);
-    const StoredEnvironment file =
-        probe_environment(input_of(*options.input, options.common.read), options.common.read);
-    Plan planned = takes_stored(options, needs) ? plan(file, needs, whole) : plan(file.shape, needs, whole);
-    explain_folder(options, planned);
-    plan_chains(file.shape, env_chain(options, whole, planned), options, *whole.specular, planned);
-    return planned;
-  }
-  const BakeSource source(options, part_of(control, 0.0, kRead));
   const SceneNeeds needs = needs_of(options);
-  const BakeOptions whole = library_options(options);
-  Plan planned = plan(source.view(), needs, whole);
-  explain_folder(options, planned);
-  plan_chains(shape_of(source.view()), env_chain(options, whole, planned), options, *whole.specular, planned);
-  return planned;
+  const BakeOptions asked = library_options(options);
+  if (!options.input) {
+    const BakeSource source(options, part_of(control, 0.0, kRead));
+    return plan_folder(shape_of(source.view()), options, needs, asked, {}).whole;
+  }
+  const StoredEnvironment file = header_of(options);
+  return takes_stored(options, needs) ? plan(file, needs, asked) : plan_header(file, options, needs, asked).whole;
 }
 
 Prediction predict(BakeCommandOptions options) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-  const SceneNeeds needs = needs_of(options);
-  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
-  const HeaderPlan header = plan_header(file, options, needs, library_options(options));
-  const MemoryStep largest = largest_step(header.memory, options, header.plan.options, kNoLimit);
-  return {file.info, file.shape.texels(), header.plan.result_bytes, largest.bytes};
+  const StoredEnvironment file = header_of(options);
+  const FolderPlan header = plan_header(file, options, needs_of(options), library_options(options));
+  const MemoryStep largest = largest_step(header.memory, options, header.light.options, kNoLimit);
+  return {file.info, file.shape.texels(), header.whole.result_bytes, largest.bytes};
 }
 
 Baked bake_source(BakeCommandOptions& options, const Control& control) {
@@ -571,8 +554,7 @@ Baked bake_source(BakeCommandOptions& options, const Control& control) {
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
   if (takes_stored(options, needs)) {
-    const StoredEnvironment file =
-        probe_environment(input_of(*options.input, options.common.read), options.common.read);
+    const StoredEnvironment file = header_of(options);
     baked.plan = plan(file, needs, baked.whole);
     bake_stored(file, options, baked, control);
     return baked;

@@ -1,6 +1,7 @@
 // A batch's plan: which inputs there are, with which options each is baked, what that costs, and how it is cut.
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
 #include <queue>
 #include <set>
@@ -8,9 +9,9 @@
 #include <system_error>
 #include <tuple>
 #include <utility>
-#include <variant>
 
 #include "platform/text.h"
+#include "tools/bake_manifest.h"
 #include "tools/baked.h"
 #include "tools/batch.h"
 #include "tools/text.h"
@@ -27,75 +28,87 @@ constexpr std::uintmax_t kMostPlanBytes = std::uintmax_t{1} << 32U;
 constexpr double kMostSeconds = 1e9;
 constexpr double kMostBytes = 1e15;
 
-// ---- Options as words
+// ---- Options
 
-/// An option of the table with its values, or a word that is none.
-struct Group {
-  const Option* option = nullptr;
+constexpr const char* kNeeds = "--needs";  // the only one that names a file
+
+std::vector<std::string> words_of(const GivenOptions& options) {
   std::vector<std::string> words;
-};
-
-const Option* option_named(const Options& table, const std::string& word) {
-  const std::string name = word.substr(0, word.find('='));
-  const auto found = std::ranges::find_if(table, [&](const Option& option) {
-    return (',' + option.names + ',').find(',' + name + ',') != std::string::npos;
-  });
-  return name.starts_with("-") && found != table.end() ? &*found : nullptr;
-}
-
-/// Returns how many of the words behind an option are its values.
-std::size_t values_of(const Option& option, const std::vector<std::string>& words, std::size_t at) {
-  const bool is_flag = std::holds_alternative<bool*>(option.target) || std::holds_alternative<OnFlag>(option.target);
-  if (is_flag || words[at].find('=') != std::string::npos) return 0;
-  if (option.list != List::commas_or_spaces) return 1;
-  std::size_t values = 1;
-  while (at + 1 + values < words.size() && static_cast<int>(values) < option.count &&
-         number_in(words[at + 1 + values])) {
-    ++values;
-  }
-  return values;
-}
-
-std::vector<Group> groups_in(const std::vector<std::string>& words, const Options& table) {
-  std::vector<Group> groups;
-  for (std::size_t at = 0; at < words.size();) {
-    Group group{option_named(table, words[at]), {}};
-    const std::size_t values = group.option != nullptr ? values_of(*group.option, words, at) : 0;
-    const std::size_t end = std::min(words.size(), at + 1 + values);
-    for (; at < end; ++at) group.words.push_back(words[at]);
-    groups.push_back(group);
-  }
-  return groups;
-}
-
-/// Returns `all`, less the options that stand in `own`, and then `own`.
-std::vector<std::string> with_own(const std::vector<std::string>& all, const std::vector<std::string>& own) {
-  if (own.empty()) return all;
-  BakeCommandOptions unused;
-  const Options table = job_options(unused);
-  std::set<const Option*> named;
-  for (const Group& group : groups_in(own, table)) named.insert(group.option);
-  std::vector<std::string> joined;
-  for (const Group& group : groups_in(all, table)) {
-    if (!named.contains(group.option)) joined.insert(joined.end(), group.words.begin(), group.words.end());
-  }
-  joined.insert(joined.end(), own.begin(), own.end());
-  return joined;
-}
-
-/// Returns the words with `change` called on those that name a file, which are the values of --needs.
-template <class Change>
-std::vector<std::string> with_files(std::vector<std::string> words, const Change& change) {
-  constexpr std::string_view kOption = "--needs";
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i].starts_with(std::string(kOption) + '=')) {
-      words[i] = words[i].substr(0, kOption.size() + 1) + change(words[i].substr(kOption.size() + 1));
-    } else if (words[i] == kOption && i + 1 < words.size()) {
-      ++i;
-      words[i] = change(words[i]);
-    }
+  for (const auto& [name, value] : options) {
+    words.push_back(name);
+    if (!value.empty()) words.push_back(value);
   }
   return words;
+}
+
+// ---- The files that words on a command line stand for
+
+/// Whether a path fits a pattern: within a folder's or file's name `*` stands for any characters and `?` for one, and
+/// `**` for any number of folders.
+bool fits(std::string_view path, std::string_view pattern) noexcept {
+  constexpr std::string_view kFolders = "**/";
+  if (pattern.empty()) return path.empty();
+  if (pattern.starts_with(kFolders)) {
+    const std::size_t slash = path.find('/');
+    return fits(path, pattern.substr(kFolders.size())) ||
+           (slash != std::string_view::npos && fits(path.substr(slash + 1), pattern));
+  }
+  const bool goes_on = !path.empty() && path.front() != '/';
+  if (pattern.front() == '*') return fits(path, pattern.substr(1)) || (goes_on && fits(path.substr(1), pattern));
+  const bool same = !path.empty() && path.front() == pattern.front();
+  return (same || (goes_on && pattern.front() == '?')) && fits(path.substr(1), pattern.substr(1));
+}
+
+/// Adds the pictures in a folder and in those below it, but for hidden ones and those that a bake has made. Links to
+/// folders are not followed: they might lead back.
+void add_pictures(const fs::path& folder, std::size_t depth, std::vector<fs::path>& found) {
+  std::error_code trouble;
+  std::error_code unknown;
+  for (fs::directory_iterator at(folder.empty() ? "." : folder, trouble), end; !trouble && at != end;
+       at.increment(trouble)) {
+    const fs::path path = folder / at->path().filename();
+    if (platform::utf8(path.filename()).starts_with('.')) continue;
+    if (at->is_directory(unknown) && !at->is_symlink(unknown)) {
+      if (depth > 1 && !begins_with(path / kManifestName, "\"welkin\"")) add_pictures(path, depth - 1, found);
+    } else if (is_picture_name(path) && at->is_regular_file(unknown)) {
+      found.push_back(path);
+    }
+  }
+  if (!trouble) return;
+  throw Error(ErrorCode::file_access,
+              platform::utf8(folder) + ": cannot be listed (" + trouble.message() + "); check its permissions");
+}
+
+constexpr std::size_t kAnyDepth = 1000;
+
+/// All pictures below a folder, in the order of their paths.
+std::vector<fs::path> pictures_below(const fs::path& folder, std::size_t depth = kAnyDepth) {
+  std::vector<fs::path> found;
+  add_pictures(folder, depth, found);
+  std::ranges::sort(found);
+  return found;
+}
+
+std::vector<fs::path> pictures_that_fit(const std::string& named) {
+  fs::path folder;
+  std::string pattern;
+  std::size_t parts = 0;
+  for (const fs::path& part : platform::path_of(named)) {
+    const std::string text = platform::utf8(part);
+    if (parts == 0 && !is_pattern(text)) {
+      folder /= part;
+    } else if (!text.empty()) {
+      pattern += (parts++ > 0 ? "/" : "") + text;
+    }
+  }
+  std::error_code unknown;
+  if (!folder.empty() && !fs::is_directory(folder, unknown)) return {};
+  std::vector<fs::path> found = pictures_below(folder, pattern.find("**") != std::string::npos ? kAnyDepth : parts);
+  std::erase_if(found, [&](const fs::path& path) {
+    const std::u8string below = path.lexically_relative(folder.empty() ? "." : folder).generic_u8string();
+    return !fits({reinterpret_cast<const char*>(below.data()), below.size()}, pattern);
+  });
+  return found;
 }
 
 // ---- Planning
@@ -141,7 +154,7 @@ void refuse_nul(const std::string& text, const std::string& where) {
   if (text.find('\0') != std::string::npos) throw Flaw{where + " has a character NUL"};
 }
 
-Member words(const char* name, std::vector<std::string>& target) {
+Member texts(const char* name, std::vector<std::string>& target) {
   return {name, [&target](const Json& value, const std::string& where) {
             read_list(value, where, [&](const Json& word, const std::string& place) {
               text("", target.emplace_back()).read(word, place);
@@ -152,22 +165,27 @@ Member words(const char* name, std::vector<std::string>& target) {
 /// Adds jobs to a plan one by one.
 class Planner {
  public:
-  Planner(BatchPlan& plan, const std::vector<std::string>& options) : plan_(plan), options_(options) {}
+  Planner(BatchPlan& plan, const GivenOptions& options) : plan_(plan), options_(with_files_of(".", options)) {
+    static_cast<void>(bake_options_of(plan, {.options = words_of(options_)}));  // wrong even if there is no input
+  }
 
   void add_input(const std::string& word) {
     std::error_code unknown;
     const fs::path path = platform::path_of(word);
     const bool is_there = fs::exists(path, unknown);
     const bool is_folder = is_there && fs::is_directory(path, unknown);
-    if (!is_folder && (is_there || !is_pattern(word))) return add({.input = word, .options = options_, .typed = true});
-    const std::vector<fs::path> files = is_folder ? pictures_below(path) : files_that_fit(word);
+    if (!is_folder && (is_there || !is_pattern(word))) {
+      return wishes_.push_back({.input = word, .options = options_, .typed = true});
+    }
+    const std::vector<fs::path> files = is_folder ? pictures_below(path) : pictures_that_fit(word);
     if (files.empty()) {
       throw Error(ErrorCode::invalid_argument,
                   printable(word) + ": contains no images that Welkin reads; pass other files or folders");
     }
     for (const fs::path& file : files) {
       const fs::path name = is_folder ? file.lexically_relative(path) : file.filename();
-      add({.input = platform::utf8(file), .name = platform::utf8(name), .options = options_, .found = true});
+      wishes_.push_back(
+          {.input = platform::utf8(file), .name = platform::utf8(name), .options = options_, .found = true});
     }
   }
 
@@ -210,40 +228,49 @@ class Planner {
 
  private:
   struct Wish {
-    std::string input{};  ///< as it was named
-    std::string name{};   ///< empty: by the input
-    std::vector<std::string> options{};
-    bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
-    bool typed = false;  ///< on the command line: what no run could read is refused
+    std::string input{};     ///< as it was named
+    std::string name{};      ///< empty: by the input
+    GivenOptions options{};  ///< with files as the plan has them
+    bool found = false;      ///< in a folder or by a pattern: of six faces one stands for all
+    bool typed = false;      ///< on the command line: what no run could read is refused
   };
 
-  void add(Wish wish) { wishes_.push_back(std::move(wish)); }
+  /// Returns the options with files as the plan has them. `folder`: in which they are.
+  [[nodiscard]] GivenOptions with_files_of(const fs::path& folder, GivenOptions options) const {
+    for (auto& [name, value] : options) {
+      if (name == kNeeds) value = relative_to(plan_.folder, folder / platform::path_of(value));
+    }
+    return options;
+  }
 
   [[nodiscard]] Wish wish_in(const std::string& line, const fs::path& list) const {
     Wish wish;
-    std::vector<std::string> own;
+    std::vector<std::string> words;
     read_object(parse_json(line), "the line",
-                {text("input", wish.input), text("name", wish.name), words("options", own)});
+                {text("input", wish.input), text("name", wish.name), texts("options", words)});
     if (wish.input.empty()) throw Flaw{"there is no \"input\""};
     refuse_nul(wish.input, "\"input\"");
     refuse_nul(wish.name, "\"name\"");
-    // What a list names lies beside it.
-    const auto beside = [&](const std::string& path) {
-      return platform::utf8(list.parent_path() / platform::path_of(path));
-    };
-    wish.options = with_own(options_, with_files(own, beside));
-    static_cast<void>(bake_options_of({}, wish.options));
-    wish.input = beside(wish.input);
+    // What a list names lies beside it. An option of a line replaces that of all lines.
+    const fs::path folder = list.has_parent_path() ? list.parent_path() : fs::path(".");
+    BakeCommandOptions unused;
+    unused.scene.folder = folder;
+    Options table = job_options(unused);
+    for (Option& option : table) option.needs = option.excludes = {};
+    wish.options = options_;
+    for (const auto& own : with_files_of(folder, read_options(table, words))) {
+      std::erase_if(wish.options, [&](const auto& one) { return one.first == own.first; });
+      wish.options.push_back(own);
+    }
+    static_cast<void>(bake_options_of(plan_, {.options = words_of(wish.options)}));
+    wish.input = platform::utf8(list.parent_path() / platform::path_of(wish.input));
     return wish;
   }
 
   void plan_job(const Wish& wish) {
-    BakeCommandOptions options = bake_options_of({}, wish.options);
-    options.input = wish.input;
-    const auto placed = [&](const std::string& file) { return relative_to(plan_.folder, platform::path_of(file)); };
     BatchJob job;
-    job.input = placed(wish.input);
-    job.options = with_files(wish.options, placed);
+    job.input = relative_to(plan_.folder, platform::path_of(wish.input));
+    job.options = words_of(wish.options);
     try {
       if (is_stream(wish.input)) {
         throw Error(ErrorCode::unsupported_file,
@@ -254,8 +281,10 @@ class Planner {
                     printable(wish.input) + ": its name is not UTF-8, which plans need; rename it");
       }
       constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
+      BakeCommandOptions options = bake_options_of(plan_, job);
+      options.input = wish.input;
       const Prediction prediction = predict(options);
-      if (wish.found && is_known_face(wish, prediction.info)) return;
+      if (wish.found && is_known_face(job, prediction.info)) return;
       job.seconds = seconds_of(prediction, options);
       job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
       std::error_code unknown;
@@ -282,16 +311,16 @@ class Planner {
   }
 
   /// Returns whether this is one of six files that another job reads as a whole.
-  bool is_known_face(const Wish& wish, const EnvironmentInfo& info) {
+  bool is_known_face(const BatchJob& job, const EnvironmentInfo& info) {
     if (info.layout != Layout::six_files) return false;
     std::string all;
     for (const auto& face : info.faces) all += platform::utf8(face) + '\n';
-    for (const std::string& word : wish.options) all += word + '\0';
+    for (const std::string& word : job.options) all += word + '\0';
     return !faces_.insert(all).second;
   }
 
   BatchPlan& plan_;
-  const std::vector<std::string>& options_;
+  const GivenOptions options_;
   std::vector<Wish> wishes_;
   std::vector<std::string> refused_;
   std::map<std::string, int> names_;  ///< of each name the number that is to be tried next
@@ -311,7 +340,7 @@ BatchJob job_in(const Json& value, const std::string& where) {
   double memory = 0.0;
   read_object(
       value, where,
-      {text("name", job.name), text("input", job.input), words("options", job.options), number("seconds", job.seconds),
+      {text("name", job.name), text("input", job.input), texts("options", job.options), number("seconds", job.seconds),
        number("size", size), number("memory", memory), text("error", job.error)});
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
   refuse_nul(job.name, where + ".name");
@@ -357,14 +386,18 @@ double BatchPlan::seconds() const noexcept {
   return sum;
 }
 
-fs::path BatchPlan::place(const std::string& path) const {
-  return (folder / platform::path_of(path)).lexically_normal();
-}
-
 fs::path BatchPlan::default_results() const {
   fs::path results = file;
   return results.replace_extension(".results");
 }
+
+bool is_picture_name(const fs::path& path) {
+  constexpr std::array<const char*, 8> kEndings = {".exr", ".hdr", ".pfm", ".png", ".ktx2", ".ktx", ".dds", ".env"};
+  const std::string ending = platform::utf8(path.extension());
+  return std::ranges::any_of(kEndings, [&](const char* known) { return same_word(ending, known); });
+}
+
+bool is_pattern(const std::string& text) noexcept { return text.find_first_of("*?") != std::string::npos; }
 
 Options job_options(BakeCommandOptions& bake) {
   constexpr std::array<std::string_view, 9> kOthers = {
@@ -376,19 +409,7 @@ Options job_options(BakeCommandOptions& bake) {
   return table;
 }
 
-std::vector<std::string> words_for_jobs(const std::vector<std::string>& words) {
-  BakeCommandOptions unused;
-  const Options table = job_options(unused);
-  std::vector<std::string> kept;
-  for (const Group& group : groups_in(words, table)) {
-    if (group.words.front() == "--") break;  // inputs alone follow
-    if (group.option != nullptr) kept.insert(kept.end(), group.words.begin(), group.words.end());
-  }
-  return kept;
-}
-
 BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
-  static_cast<void>(bake_options_of({}, request.options));  // which are wrong even if there is no input
   BatchPlan plan = plan_at(file);
   Planner planner(plan, request.options);
   for (const std::string& word : request.inputs) planner.add_input(word);
@@ -433,21 +454,13 @@ BatchPlan read_batch_plan(const fs::path& file) {
   }
 }
 
-BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words) {
+BakeCommandOptions bake_options_of(const BatchPlan& plan, const BatchJob& job) {
   BakeCommandOptions options;
-  const Options table = job_options(options);
-  const auto placed = [&](const std::string& path) {
-    const fs::path place = plan.place(path);
-    std::error_code unknown;
-    if (fs::exists(place, unknown) && !fs::is_regular_file(place, unknown)) {
-      throw Error(ErrorCode::file_access,
-                  platform::utf8(place) + ": is not a regular file; a batch reads the files of its options many times");
-    }
-    return platform::utf8(place);
-  };
-  read_options(table, with_files(words, placed));
+  options.scene.folder = plan.folder;
+  options.asked = read_options(job_options(options), job.options);
   settle_files(options);
   static_cast<void>(library_options(options));
+  options.input = platform::utf8((plan.folder / platform::path_of(job.input)).lexically_normal());
   options.called = "environment";
   return options;
 }

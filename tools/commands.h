@@ -20,11 +20,8 @@ struct BakeCommandOptions;
 [[nodiscard]] Command importance_command();
 [[nodiscard]] Command batch_command();
 
-/// Bakes what the options name or compute into their folder. The manifest or, for a person, a table. Throws `Error`.
-[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& asked);
-
-/// The same without a cache and without a word: many may run side by side, in folders of their own. `settle_files` has
-/// been called. Throws `Error`.
-void bake_files(BakeCommandOptions options, const Control& control);
+/// Bakes what the options name or compute into their folder; many may run side by side, in folders of their own.
+/// `settle_files` has been called. Returns the manifest or, for a person, a table. Throws `Error`.
+[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& asked, const Control& control);
 
 }  // namespace welkin::tool

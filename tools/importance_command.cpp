@@ -141,13 +141,11 @@ const char* word_of(ImportanceWeight weight) {
 
 std::size_t count_of(int number) { return static_cast<std::size_t>(number); }
 
-std::string make(const ImportanceCommandOptions& options) {
+std::string make(const ImportanceCommandOptions& options, const Control& control) {
   const std::filesystem::path directory = platform::path_of(options.directory);
   const std::vector<std::string> names = names_to_write(options);
   check_output_folder(directory);
   OwnFiles(directory, kTableFiles).require(names);
-  ProgressBar bar;
-  const Control control = bar.control();
   const FileInput input = input_of(options.input, options.common.read);
   begin_stage("read");
   const Environment source = read_environment(input, options.common.read, part_of(control, 0.0, 0.4));
@@ -206,13 +204,8 @@ std::string make(const ImportanceCommandOptions& options) {
 }
 
 void run(const ImportanceCommandOptions& options) {
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = make(options); });
-  if (options.common.json) {
-    print_result(text);
-  } else {
-    print_summary(text);
-  }
+  const std::string text = with_bar(options.common, [&](const Control& control) { return make(options, control); });
+  options.common.json ? print_result(text) : print_summary(text);
 }
 
 }  // namespace

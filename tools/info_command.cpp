@@ -174,21 +174,12 @@ struct InfoOptions {
   std::string file;
 };
 
-InfoReport make_report(const InfoOptions& options) {
-  ProgressBar bar;
+std::string described(const InfoOptions& options, const Control& control) {
   begin_stage("read and measure");
   const FileInput input = input_of(options.file, options.common.read);
-  return {inspect_environment(input, options.common.read),
-          measure_environment(input, options.common.read, bar.control())};
-}
-
-void run(const InfoOptions& options) {
-  std::string text;
-  run_with_threads(options.common.threads, [&] {
-    const InfoReport report = make_report(options);
-    text = options.common.json ? info_json(report) : info_table(report);
-  });
-  print_result(text);
+  const InfoReport report{inspect_environment(input, options.common.read),
+                          measure_environment(input, options.common.read, control)};
+  return options.common.json ? info_json(report) : info_table(report);
 }
 
 }  // namespace
@@ -204,7 +195,9 @@ Command info_command() {
   in_group(command.options, "Input and output");
   add_read_options(command.options, options->common, "");
   add_threads_option(command.options, options->common);
-  command.run = [options](const Given& /*given*/) { run(*options); };
+  command.run = [options](const Given& /*given*/) {
+    print_result(with_bar(options->common, [&](const Control& control) { return described(*options, control); }));
+  };
   return command;
 }
 

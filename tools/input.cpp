@@ -156,6 +156,15 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.push_back(input);
 }
 
+std::string with_bar(const CommonOptions& options, const std::function<std::string(const Control& control)>& work) {
+  std::string text;
+  run_with_threads(options.threads, [&] {
+    ProgressBar bar;
+    text = work(bar.control());
+  });
+  return text;
+}
+
 void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
                 const std::function<void(ResultCache* cache)>& work) {
   if (options.cache.empty()) {

@@ -73,6 +73,10 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
 /// The number of threads that the options ask for.
 [[nodiscard]] int thread_count(const CommonOptions& options);
 
+/// Returns what `work` returns, which gets the threads that the options ask for and a progress bar.
+[[nodiscard]] std::string with_bar(const CommonOptions& options,
+                                   const std::function<std::string(const Control& control)>& work);
+
 /// Calls `work` with the cache that was asked for, or with null. What was damaged or could not be kept is noted:
 /// results are right without it.
 void with_cache(const CommonOptions& options, std::vector<std::string>& notes,

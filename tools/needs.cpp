@@ -40,16 +40,6 @@ SceneNeeds needs_of(const Json& json) {
   return needs;
 }
 
-/// The file's name before what is wrong in it.
-template <class Read>
-auto naming_file(const std::filesystem::path& path, const Read& read) {
-  try {
-    return read();
-  } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message + "; correct the file");
-  }
-}
-
 }  // namespace
 
 SceneNeeds NeedsChoice::needs() const {
@@ -69,12 +59,13 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
     if (range[0] > range[1]) throw BadValue{"--glossy", "is decreasing; pass the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
-  add_option(table, "--needs", On<std::string>([&choice](const std::string& file) {
-               choice.needs_in_file = read_needs(platform::path_of(file));
-               choice.file = file;
-             }),
-             "FILE",
-             "A JSON file that lists what the scene uses (docs/guides/scene_needs.md); other parts are not baked");
+  add_option(
+      table, "--needs", On<std::string>([&choice](const std::string& file) {
+        choice.needs_in_file =
+            read_needs(choice.folder / platform::path_of(file), choice.folder.empty() ? Pipes::read : Pipes::refused);
+        choice.file = file;
+      }),
+      "FILE", "A JSON file that lists what the scene uses (docs/guides/scene_needs.md); other parts are not baked");
   add_option(table, "--no-glossy", &choice.no_glossy, "", "No material reflects: no specular cubemap");
   add_option(table, "--glossy", On<std::vector<double>>(set_range), "MINIMUM,MAXIMUM",
              "The minimum and the maximum roughness of the materials; mips outside this range are not made",
@@ -100,11 +91,12 @@ Json needs_json(const SceneNeeds& needs) {
           {"sun_moves", needs.sun_moves}};
 }
 
-SceneNeeds read_needs(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
-    return needs_of(
-        read_json_file(path, "docs/guides/scene_needs.md describes its contents", kMostJsonBytes, Pipes::read));
-  });
+SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes) {
+  try {
+    return needs_of(read_json_file(path, "docs/guides/scene_needs.md describes its contents", kMostJsonBytes, pipes));
+  } catch (const Flaw& flaw) {
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message + "; correct the file");
+  }
 }
 
 Json plan_json(const Plan& plan) {

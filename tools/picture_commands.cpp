@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -136,14 +137,32 @@ std::string write_output(const OutputOptions& options, const CubemapView& pictur
                                                              : std::string(name(layout)) + ", faces of " + face);
 }
 
-/// What was written, or of standard output what there is to say beside it: on standard error.
-void say(const std::string& text, const OutputOptions& output) {
+/// Throws `Error` (limit_exceeded) if a picture of so many texels cannot be made beside `held` of the input.
+void require_memory(const CommonOptions& common, const OutputOptions& output, std::uint64_t texels,
+                    std::uint64_t held = 0) {
+  constexpr std::uint64_t kTexelBytes = 12;
+  const std::uint64_t bytes = kTexelBytes * texels;
+  const std::uint64_t limit = common.read.memory_limit_bytes;
+  if (kTexelBytes * held + bytes <= limit) return;
+  const std::string input =
+      held > 0 ? " in addition to the " + std::to_string(kTexelBytes * held) + " of the input" : "";
+  throw Error(ErrorCode::limit_exceeded, output.path + ": takes " + std::to_string(bytes) + " bytes at that size" +
+                                             input + ", above the limit of " + std::to_string(limit) +
+                                             "; pass a smaller --size or raise --memory-limit");
+}
+
+/// Does the work, and says what was written, or of standard output what there is to say beside it: on standard error.
+void run_writing(const CommonOptions& common, const OutputOptions& output,
+                 const std::function<std::string(const Control& control)>& work) {
+  const std::string text = with_bar(common, work);
   if (!is_standard_stream(output.path)) {
     print_summary(text);
   } else if (verbosity() != Verbosity::quiet) {
     std::cerr << text << std::flush;
   }
 }
+
+std::uint64_t square(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
 
 // `welkin convert`.
 
@@ -176,22 +195,6 @@ void tone_map(const ConvertOptions& options, const Reduced& reduced, std::span<f
   }
 }
 
-/// The source is still held while the result, of so many texels, is made from it.
-void require_memory(const ConvertOptions& options, const Environment& source, std::uint64_t texels) {
-  constexpr std::uint64_t kTexelBytes = 12;
-  const auto face = static_cast<std::uint64_t>(source.face_size());
-  const std::uint64_t held = kTexelBytes * (face > 0 ? 6 * face * face
-                                                     : static_cast<std::uint64_t>(source.info.width) *
-                                                           static_cast<std::uint64_t>(source.info.height));
-  const std::uint64_t bytes = kTexelBytes * texels;
-  const std::uint64_t limit = options.common.read.memory_limit_bytes;
-  if (held + bytes <= limit) return;
-  throw Error(ErrorCode::limit_exceeded, options.output.path + ": takes " + std::to_string(bytes) +
-                                             " bytes at that size in addition to the " + std::to_string(held) +
-                                             " of the input, above the limit of " + std::to_string(limit) +
-                                             "; pass a smaller --size or raise --memory-limit");
-}
-
 /// Returns all texels of what was read.
 std::span<float> values_of(const Environment& source) {
   const auto face = static_cast<std::size_t>(source.face_size());
@@ -213,8 +216,7 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
         options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
     return write_output(options.output, whole, last);
   }
-  require_memory(options, source,
-                 std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
+  require_memory(options.common, options.output, 6 * square(size), values_of(source).size() / 3);
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
   Cubemap result = to_cubemap(source.view(), size, turn, ResampleFilter::area, middle);
@@ -237,7 +239,8 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
         options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
     return write_output(options.output, whole, last);
   }
-  require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
+  require_memory(options.common, options.output, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                 values_of(source).size() / 3);
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
   LatLongImage result = to_lat_long(source.view(), width, height, turn, ResampleFilter::bilinear, middle);
@@ -257,9 +260,7 @@ void check_input_is_kept(const ConvertOptions& options, const EnvironmentInfo& i
   }
 }
 
-std::string convert(const ConvertOptions& options) {
-  ProgressBar bar;
-  const Control control = bar.control();
+std::string convert(const ConvertOptions& options, const Control& control) {
   const FileInput input = input_of(options.input, options.common.read);
   const EnvironmentInfo info = inspect_environment(input, options.common.read);
   check_output(options.output, wants_cubemap(options.output, info.layout != Layout::lat_long));
@@ -285,12 +286,10 @@ void run_convert(ConvertOptions& options) {
                 out + ": --tone-map is for .png; leave it out for formats that hold radiance");
   }
   if (png && !options.tone_map) options.output.if_clamped = "; --tone-map makes an image for viewing";
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = convert(options); });
-  say(text, options.output);
+  run_writing(options.common, options.output, [&](const Control& control) { return convert(options, control); });
 }
 
-// `welkin testmap`.
+// `welkin testmap` and `welkin sample`.
 
 constexpr int kFaceSize = 512;
 constexpr int kLatLongWidth = 2048;
@@ -303,17 +302,6 @@ struct TestmapOptions {
 
 constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
 
-std::uint64_t square(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
-
-void require_memory_to_draw(const OutputOptions& output, const CommonOptions& common, std::uint64_t texels) {
-  constexpr std::uint64_t kTexelBytes = 12;
-  const std::uint64_t limit = common.read.memory_limit_bytes;
-  if (texels * kTexelBytes <= limit) return;
-  throw Error(ErrorCode::limit_exceeded, output.path + ": takes " + std::to_string(texels * kTexelBytes) +
-                                             " bytes at that size, above the limit of " + std::to_string(limit) +
-                                             "; pass a smaller --size or raise --memory-limit");
-}
-
 /// The surroundings are the same for every engine; it has other names for their directions, and looks them up at other
 /// places of a cubemap.
 TestMapAxes axes_of(Engine engine, bool cubemap) {
@@ -322,25 +310,28 @@ TestMapAxes axes_of(Engine engine, bool cubemap) {
   return axes;
 }
 
-std::string draw_and_write(const TestmapOptions& options) {
+/// `draw`: returns a picture of the size, an edge's or a width.
+template <class Draw>
+std::string draw_and_write(const CommonOptions& common, const OutputOptions& output, bool cubemap, int size,
+                           const Control& control, const Draw& draw) {
+  check_output(output, cubemap);
+  begin_stage("draw");
+  require_memory(common, output, cubemap ? 6 * square(size) : square(size) / 2);
+  return write_output(output, draw(part_of(control, 0.0, kDrawn)).view(), part_of(control, kDrawn, 1.0));
+}
+
+std::string draw_testmap(const TestmapOptions& options, const Control& control) {
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
-  check_output(output, cubemap);
-  ProgressBar bar;
-  begin_stage("draw");
-  const Control control = bar.control();
-  const Control drawing = part_of(control, 0.0, kDrawn);
-  const Control writing = part_of(control, kDrawn, 1.0);
+  const int size = output.size > 0 ? output.size : cubemap ? kFaceSize : kLatLongWidth;
+  const TestMapAxes axes = axes_of(options.turn.to, cubemap);
   if (cubemap) {
-    const int size = output.size > 0 ? output.size : kFaceSize;
-    require_memory_to_draw(output, options.common, 6 * square(size));
-    const Cubemap map = test_map_cubemap(size, drawing, axes_of(options.turn.to, true));
-    return write_output(output, map.view(), writing);
+    return draw_and_write(options.common, output, true, size, control,
+                          [&](const Control& drawing) { return test_map_cubemap(size, drawing, axes); });
   }
-  const int width = output.size > 0 ? output.size : kLatLongWidth;
-  require_memory_to_draw(output, options.common, square(width) / 2);
-  const LatLongImage map = test_map_lat_long(width, lat_long_height(width), drawing, axes_of(options.turn.to, false));
-  return write_output(output, map.view(), writing);
+  return draw_and_write(options.common, output, false, size, control, [&](const Control& drawing) {
+    return test_map_lat_long(size, lat_long_height(size), drawing, axes);
+  });
 }
 
 /// Returns the name. Throws `Error` (file_access) if a file of that name exists.
@@ -350,37 +341,16 @@ std::string new_file(const std::string& name) {
   throw Error(ErrorCode::file_access, name + ": is there already; '-o " + name + "' replaces it, or name another file");
 }
 
-void run_testmap(const TestmapOptions& options) {
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = draw_and_write(options); });
-  say(text, options.output);
-}
-
-// `welkin sample`.
-
-constexpr int kSampleWidth = 1024;
-
 struct SampleOptions {
   CommonOptions common;
   OutputOptions output;
 };
 
-std::string draw_sample(const SampleOptions& options) {
-  const OutputOptions& output = options.output;
-  check_output(output, false);
-  ProgressBar bar;
-  begin_stage("draw");
-  const Control control = bar.control();
-  const int width = output.size > 0 ? output.size : kSampleWidth;
-  require_memory_to_draw(output, options.common, square(width) / 2);
-  const LatLongImage room = sample_room(width, lat_long_height(width), part_of(control, 0.0, kDrawn));
-  return write_output(output, room.view(), part_of(control, kDrawn, 1.0));
-}
-
-void run_sample(const SampleOptions& options) {
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = draw_sample(options); });
-  say(text, options.output);
+std::string draw_sample(const SampleOptions& options, const Control& control) {
+  constexpr int kWidth = 1024;
+  const int width = options.output.size > 0 ? options.output.size : kWidth;
+  return draw_and_write(options.common, options.output, false, width, control,
+                        [&](const Control& drawing) { return sample_room(width, lat_long_height(width), drawing); });
 }
 
 }  // namespace
@@ -432,7 +402,8 @@ Command testmap_command() {
   add_threads_option(table, options->common);
   command.run = [options](const Given& given) {
     if (!given("--output")) options->output.path = new_file("testmap.exr");
-    run_testmap(*options);
+    run_writing(options->common, options->output,
+                [&](const Control& control) { return draw_testmap(*options, control); });
   };
   return command;
 }
@@ -448,7 +419,10 @@ Command sample_command() {
   in_group(table, "Output");
   add_memory_limit_option(table, options->common);
   add_threads_option(table, options->common);
-  command.run = [options](const Given& /*given*/) { run_sample(*options); };
+  command.run = [options](const Given& /*given*/) {
+    run_writing(options->common, options->output,
+                [&](const Control& control) { return draw_sample(*options, control); });
+  };
   return command;
 }
 

@@ -139,16 +139,13 @@ void turn(const glm::dmat3& matrix, ShReport& report) {
   if (report.sun) report.sun->direction = matrix * report.sun->direction;
 }
 
-/// Reads, projects, turns, windows. Shows a progress bar on a terminal. Throws what the library throws.
-ShReport measure_sh(const ShOptions& options) {
+/// Reads, projects, turns, windows. Throws what the library throws.
+ShReport measure_sh(const ShOptions& options, const Control& control) {
   ShReport report;
   report.options = options.projection;
   report.sun_wanted = options.sun.take_out;
-  {
-    ProgressBar bar;
-    const bool cubemap = project_source(options, bar.control(), report);
-    turn(turn_of_light(options.turn, cubemap), report);
-  }
+  const bool cubemap = project_source(options, control, report);
+  turn(turn_of_light(options.turn, cubemap), report);
   complete(report, options);
   return report;
 }
@@ -156,9 +153,9 @@ ShReport measure_sh(const ShOptions& options) {
 void run(ShOptions options) {
   options.clamp.apply(options.projection.pixels);
   if (options.target_size > 0) options.projection.target_size = options.target_size;
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = sh_formatted(measure_sh(options), options.format); });
-  print_result(text);
+  print_result(with_bar(options.common, [&](const Control& control) {
+    return sh_formatted(measure_sh(options, control), options.format);
+  }));
 }
 
 }  // namespace

@@ -453,11 +453,8 @@ void describe_light(const Sky& sky, ShReport& report) {
   report.sun->total_radiance_before = diagnostics.total_radiance + report.sun->irradiance;
 }
 
-/// Makes or loads tables, projects the sky, turns it to the engine's axes, windows. Shows a progress bar on a terminal.
-/// Throws what the library throws.
-ShReport measure_sky(const SkyOptions& options) {
-  ProgressBar bar;
-  const Control control = bar.control();
+/// Makes or loads tables, projects the sky, turns it to the engine's axes, windows. Throws what the library throws.
+ShReport measure_sky(const SkyOptions& options, const Control& control) {
   begin_stage("tables");
   const Sky sky = make_sky(options.sky, control);
   ShReport report;
@@ -484,44 +481,36 @@ ShReport measure_sky(const SkyOptions& options) {
   return report;
 }
 
-std::string sweep(const SkyOptions& options) {
-  ProgressBar bar;
-  return write_sweep(options.sky, options.sweep, bar.control());
-}
-
 /// The sky as a picture, and all else from that.
-std::string bake_sky(const SkyOptions& options) {
+std::string bake_sky(const SkyOptions& options, const Control& control) {
   constexpr double kTables = 0.9;
   BakeCommandOptions bake = options.bake;
   for (const std::optional<std::string>& file : {options.sky.atmosphere.file, options.sky.tables_file}) {
     if (file) bake.also_read.push_back(*file);
   }
-  bake.compute = [&options](const Control& control) {
-    const Sky sky = make_sky(options.sky, part_of(control, 0.0, kTables));
-    return sky_picture(sky, options.picture_height, options.sun_disc, part_of(control, kTables, 1.0));
+  bake.compute = [&options](const Control& computing) {
+    const Sky sky = make_sky(options.sky, part_of(computing, 0.0, kTables));
+    return sky_picture(sky, options.picture_height, options.sun_disc, part_of(computing, kTables, 1.0));
   };
-  return bake_to_folder(bake);
+  return bake_to_folder(bake, control);
 }
 
-std::string answer(const SkyOptions& options) {
+std::string answer(const SkyOptions& options, const Control& control) {
   if (options.print_atmosphere) {
     return json_text(atmosphere_json(chosen_atmosphere(options.sky.atmosphere, options.sky.tables.colour)));
   }
-  if (!options.sweep.path.empty()) return sweep(options);
-  if (options.wants_folder) return bake_sky(options);
-  return sh_formatted(measure_sky(options), options.sh.format);
+  if (!options.sweep.path.empty()) return write_sweep(options.sky, options.sweep, control);
+  if (options.wants_folder) return bake_sky(options, control);
+  return sh_formatted(measure_sky(options, control), options.sh.format);
 }
 
 void run(SkyOptions& options, const Given& given) {
   settle(options, given);
-  std::string text;
-  run_with_threads(options.sh.common.threads, [&] { text = answer(options); });
+  const std::string text =
+      with_bar(options.sh.common, [&](const Control& control) { return answer(options, control); });
   const bool to_files = options.wants_folder || !options.sweep.path.empty();
-  if (to_files && options.sh.format != ShFormat::json && !options.print_atmosphere) {
-    print_summary(text);
-  } else {
-    print_result(text);
-  }
+  to_files&& options.sh.format != ShFormat::json && !options.print_atmosphere ? print_summary(text)
+                                                                              : print_result(text);
 }
 
 }  // namespace

@@ -80,9 +80,6 @@ class WithoutStages {
   WithoutStages& operator=(const WithoutStages&) = delete;
 };
 
-/// Whether there is a process of that number on this machine, whosever it is.
-[[nodiscard]] bool is_running(std::int64_t process) noexcept;
-
 /// The network's name of this machine; "" if it has none.
 [[nodiscard]] std::string host_name();
 

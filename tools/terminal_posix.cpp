@@ -163,10 +163,6 @@ std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::
   return bytes;
 }
 
-bool is_running(std::int64_t process) noexcept {
-  return process > 0 && (kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
-}
-
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";

@@ -192,14 +192,6 @@ std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::
   }
 }
 
-bool is_running(std::int64_t process) noexcept {
-  const HANDLE opened = OpenProcess(SYNCHRONIZE, FALSE, static_cast<DWORD>(process));
-  if (opened == nullptr) return GetLastError() == ERROR_ACCESS_DENIED;
-  const bool runs = WaitForSingleObject(opened, 0) == WAIT_TIMEOUT;
-  CloseHandle(opened);
-  return runs;
-}
-
 std::string host_name() {
   std::array<wchar_t, MAX_COMPUTERNAME_LENGTH + 1> name{};
   auto length = static_cast<DWORD>(name.size());

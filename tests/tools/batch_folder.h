@@ -1,4 +1,4 @@
-// Batches for the tests of `welkin batch`: small pictures, plans, results and reports.
+// Batches for the tests of `welkin batch`: small pictures, plans and results.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -54,33 +54,22 @@ class Batch {
     run_well("merge", "-o " + quoted(path() / "index"));
     return nlohmann::json::parse(file_text(path() / "index" / "index.json"));
   }
-  /// The records of a shard's runs, in the order of their beginning.
-  [[nodiscard]] nlohmann::json report(const std::string& shard = "1-of-1") const {
-    std::vector<nlohmann::json> records;
-    for (const std::string& name : names_in(results() / "reports")) {
-      if (!name.starts_with("shard-" + shard + '-')) continue;
-      std::istringstream lines(file_text(results() / "reports" / name));
-      for (std::string line; std::getline(lines, line);) records.push_back(nlohmann::json::parse(line));
-    }
-    std::ranges::stable_sort(records, {},
-                             [](const auto& record) { return record.at("start").template get<std::string>(); });
-    return records;
-  }
-
   /// The folders of results, by their names.
-  [[nodiscard]] std::vector<std::string> result_names() const {
-    std::vector<std::string> names;
-    for (const std::string& name : names_in(results())) {
-      if (name != "reports" && name != "partial") names.push_back(name);
+  [[nodiscard]] std::vector<std::string> result_names() const { return names_in(results()); }
+  /// All result.json, by the folders' names.
+  [[nodiscard]] std::map<std::string, nlohmann::json> records() const {
+    std::map<std::string, nlohmann::json> found;
+    for (const std::string& name : result_names()) {
+      found[name] = nlohmann::json::parse(file_text(results() / name / "result.json"));
     }
-    return names;
+    return found;
   }
-  /// Of all results, each with its files' bytes.
+  /// The files of all results with their bytes, less result.json, which says when they were made.
   [[nodiscard]] std::map<std::string, std::string> all_files() const {
     std::map<std::string, std::string> files;
     for (const std::string& result : result_names()) {
       for (const std::string& name : names_in(results() / result)) {
-        files[result + '/' + name] = file_text(results() / result / name);
+        if (name != "result.json") files[result + '/' + name] = file_text(results() / result / name);
       }
     }
     return files;

@@ -21,21 +21,24 @@ void write_made_up_plan(const Batch& batch, const std::vector<double>& seconds) 
   nlohmann::json plan = {{"schema", "welkin batch jobs"}, {"version", 1}, {"jobs", nlohmann::json::array()}};
   for (const double each : seconds) {
     plan["jobs"].push_back({{"name", std::to_string(plan["jobs"].size())},
-                            {"input", "nothing.hdr"},
+                            {"input", std::to_string(plan["jobs"].size()) + ".hdr"},
                             {"options", nlohmann::json::array()},
                             {"seconds", each}});
   }
   std::ofstream(batch.jobs()) << plan;
 }
 
-/// The jobs of each shard, by their reports.
+/// The jobs of each shard, by the results that fail.
 std::vector<std::vector<std::size_t>> cut_of(const Batch& batch, int shards) {
   std::vector<std::vector<std::size_t>> cut;
   for (int shard = 1; shard <= shards; ++shard) {
-    const std::string of = std::to_string(shards);
-    static_cast<void>(batch.run("run", "--threads 1 --shard " + std::to_string(shard) + '/' + of));
+    const std::string part = "--shard " + std::to_string(shard) + '/' + std::to_string(shards);
+    static_cast<void>(batch.run("run", "--threads 1 " + part));
     auto& jobs = cut.emplace_back();
-    for (const auto& record : batch.report(std::to_string(shard) + "-of-" + of)) jobs.push_back(record.at("index"));
+    const nlohmann::json status = batch.run_well("status", part, 1);
+    for (const auto& trouble : status.at("troubles")) {
+      jobs.push_back(std::stoul(trouble.at("name").get<std::string>()));
+    }
     std::ranges::sort(jobs);
   }
   return cut;
@@ -148,7 +151,7 @@ TEST_CASE("A list's lines have names and options of their own", "[command][batch
                       << R"({"input": "a.pfm", "name": "matte", "options": ["--needs=needs.json"]})" << '\n';
   const nlohmann::json plan = batch.plan("--list " + quoted(list) + kFewFiles);
   CHECK(names_of_jobs(plan) == std::vector<std::string>{"small", "large", "matte"});
-  CHECK(plan.at("jobs")[2].at("options").back() == "--needs=in/needs.json");
+  CHECK(plan.at("jobs")[2].at("options").back() == "in/needs.json");
   // From anywhere else: what the plan names lies where the plan does.
   const CommandResult run =
       run_program("/usr/bin/env", "-C / " + quoted(WELKIN_COMMAND) + " batch run " + quoted(batch.jobs()) + " --json");
