@@ -12,6 +12,7 @@
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "transform/frame_transform.h"
 #include "welkin/core.h"
 
@@ -40,7 +41,7 @@ void require_exact(const LatLongView& view, const ProjectionOptions& options) {
 TEST_CASE("Cubemaps of any size and content project to double precision's result", "[sh][projection][truth]") {
   for (const Content content :
        {Content::random, Content::smooth, Content::blocks, Content::high_range, Content::one_texel_sun}) {
-    for (const int size : {1, 2, 3, 4, 5, 7, 16, 31, 32, 33, 64, 100, 128, 129, 200}) {
+    for (const int size : some_of(2, {1, 200, 2, 128, 3, 100, 4, 5, 7, 16, 31, 64, 32, 129, 33})) {
       CAPTURE(name(content));
       require_exact(make_cubemap(content, size, 3, 7).view(), {});
     }

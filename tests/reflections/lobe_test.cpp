@@ -7,6 +7,7 @@
 #include "support/random_harmonics.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/reflections.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -254,7 +255,7 @@ glm::dvec3 brute_force(const TestLatLong& image, double alpha, const glm::dvec3&
 
 TEST_CASE("The truth of a uniform environment is its value, however narrow the lobe", "[specular][truth]") {
   const auto directions = some_directions(9);
-  for (const double roughness : {0.01, 0.0316, 0.1, 0.3, 0.7, 1.0}) {
+  for (const double roughness : some_of(2, {0.01, 0.0316, 0.1, 0.3, 1.0, 0.7})) {
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {5, 3}, {64, 32}, {128, 64}}) {
       CAPTURE(roughness, width, height);
       const TestLatLong image = make_lat_long(Content::uniform, width, height, 0);

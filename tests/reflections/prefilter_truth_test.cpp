@@ -6,6 +6,7 @@
 #include "support/catch.h"
 #include "support/pictures.h"
 #include "support/test_environments.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
@@ -263,8 +264,8 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
     const auto edge = static_cast<std::size_t>(size);
     const std::size_t face = edge * edge;
     // In a face, beside a pole, in a corner.
-    for (const std::size_t texel :
-         {5 * edge + 7, 2 * face + edge / 2 * edge + edge / 2 - 1, 4 * face + (edge - 1) * edge + edge - 1}) {
+    for (const std::size_t texel : some_of(
+             2, {5 * edge + 7, 2 * face + edge / 2 * edge + edge / 2 - 1, 4 * face + (edge - 1) * edge + edge - 1})) {
       for (const float light : {1e4F, 1e7F}) {
         if (size == 128 && light < 1e5F) continue;
         CAPTURE(size, texel, light);
@@ -301,7 +302,7 @@ TestLatLong sun_disc_in_the_dark(int column, int row, double radius, float sun, 
 TEST_CASE("The dark beside a sun of any size is blurred to within the default bounds",
           "[specular][prefilter][truth][bright]") {
   for (const double radius : {3.0, 13.0}) {  // 29 and some 530 texels
-    for (const int row : {40, 6}) {
+    for (const int row : some_of(2, {radius < 5.0 ? 40 : 6, radius < 5.0 ? 6 : 40})) {
       CAPTURE(radius, row);
       const TestLatLong source = sun_disc_in_the_dark(30, row, radius, 1e5F, 0.1F);
       const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.2, 0.7, 1.0}});

@@ -9,6 +9,7 @@
 #include "support/random_atmospheres.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/resampling.h"
 #include "welkin/sky.h"
@@ -167,7 +168,7 @@ TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics]
 
 TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not finite", "[sky][harmonics][truth]") {
   RandomAtmospheres random(606);
-  for (int trial = 0; trial < trials(40); ++trial) {
+  for (int trial = 0; trial < trials(15); ++trial) {
     const Atmosphere air = random.next();
     const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
     const double thickness = air.top_radius_m - air.bottom_radius_m;
@@ -235,7 +236,7 @@ TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky]
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
   const SkyProjector projector(view);
   const SkyCurve curve(view);
-  for (const double elevation : {90.0, 45.0, 10.0, 2.0, 0.0, -2.0, -4.0, -6.0}) {
+  for (const double elevation : some_of(3, {90.0, 45.0, 10.0, 2.0, 0.0, -2.0, -6.0, -4.0})) {
     CAPTURE(elevation);
     const glm::dvec3 sun = sun_direction(elevation, 0.0);
     const SphericalHarmonics expected = truth(air, sun);

@@ -28,4 +28,12 @@ inline int trials(int usual) {
 /// Returns the step through a list of cases: `usual`, or 1 where WELKIN_RANDOM_TRIALS is set.
 inline int stride(int usual) { return std::getenv("WELKIN_RANDOM_TRIALS") != nullptr ? 1 : usual; }
 
+/// Returns every `usual`-th case, from the first on; all of them where WELKIN_RANDOM_TRIALS is set.
+template <class Case>
+std::vector<Case> some_of(int usual, std::initializer_list<Case> all) {
+  std::vector<Case> some;
+  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(stride(usual))) some.push_back(all.begin()[i]);
+  return some;
+}
+
 }  // namespace welkin::test

@@ -5,6 +5,7 @@
 #include "support/heap.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "transform/direct_transform.h"
 #include "transform/frame_transform.h"
 #include "transform/ring_fft.h"
@@ -99,7 +100,7 @@ TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][tra
   const std::pair<int, int> sizes[] = {{1, 1},  {2, 1},  {1, 2},   {3, 2},    {2, 3},   {7, 7},    {1, 64},
                                        {64, 1}, {64, 3}, {7, 257}, {257, 64}, {64, 32}, {128, 64}, {257, 2}};
   for (const auto& [width, height] : sizes) {
-    for (const int bands : {1, 2, 3, 33, 64}) {
+    for (const int bands : some_of(3, {2, 1, 3, 64, 33})) {
       CAPTURE(width, height, bands);
       const LatLongImage image = image_of(Content::random, width, height, 5);
       const Coefficients truth = direct_analysis(image, bands);

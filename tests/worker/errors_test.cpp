@@ -93,7 +93,7 @@ void fail_everywhere(int threads, const MakeRequest& make_request, const Result&
   Worker worker(options_with(threads));
   for (const bool for_good : {false, true}) {
     bool failed = true;
-    for (long number = 1; failed; number += kSanitized ? 7 : 1) {
+    for (long number = 1; failed; number += kSanitized ? 7 : stride(3)) {
       INFO("allocation " << number << (for_good ? " and all after it" : "") << ", " << threads << " threads");
       REQUIRE(number < 100'000);
       auto request = make_request();
