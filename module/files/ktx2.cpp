@@ -93,7 +93,7 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
   return std::nullopt;
 }
 
-std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression supercompression) {
+std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
   constexpr std::uint32_t model_bc6h = 133;
@@ -102,9 +102,6 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression s
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
   const auto block_bytes = static_cast<std::uint32_t>(24 + 16 * samples.size());
-  // A packed level has no fixed bytes a texel, and KTX 2.0 wants 0 there.
-  const auto plane_bytes = supercompression == Supercompression::none ? texel_bytes(kind_of(format)) : 0;
-
   std::vector<std::uint8_t> bytes;
   platform::append_little_endian(bytes, block_bytes + 4);
   platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
@@ -115,7 +112,9 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression s
   // Texels along the edges of a block, each less one: edge x edge x 1 x 1.
   const auto last = static_cast<std::uint32_t>(block_edge(kind) - 1);
   platform::append_little_endian(bytes, last | last << 8U);
-  platform::append_little_endian(bytes, static_cast<std::uint64_t>(plane_bytes));  // of the first plane of eight
+  // Bytes of the first plane of eight, before packing: KTX 2.0.4 deprecates the 0 that earlier revisions wanted of
+  // packed levels.
+  platform::append_little_endian(bytes, static_cast<std::uint64_t>(texel_bytes(kind)));
   for (const Sample& sample : samples) {
     platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
     platform::append_little_endian(bytes, std::uint32_t{0});  // its place in the block
@@ -328,7 +327,7 @@ struct Shape {
 Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
                    const std::vector<Place>& places) {
   const TexelKind kind = kind_of(options.format);
-  const Bytes descriptor = ktx2_descriptor(options.format, options.supercompression);
+  const Bytes descriptor = ktx2_descriptor(options.format);
   const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * places.size());
   const auto descriptor_size = static_cast<std::uint32_t>(descriptor.size());
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());

@@ -168,7 +168,7 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 [[nodiscard]] std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept;
 
 /// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
-[[nodiscard]] std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression supercompression);
+[[nodiscard]] std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format);
 
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 

@@ -166,6 +166,60 @@ TEST_CASE("Molecules around a planet send the light that MYSTIC follows", "[sky]
   }
 }
 
+// Slabs of the literature, in the figures that DISORT 2's own test problems 1 to 3 hold for them: isotropic scattering
+// (Van de Hulst 1980, "Multiple Light Scattering", table 12), molecules (Sweigart 1970, "Radiative transfer in
+// atmospheres scattering according to the Rayleigh phase function with absorption") and a Henyey-Greenstein lobe of
+// 0.75 (Van de Hulst, table 37). Garcia and Siewert's haze L and cloud C.1 have lobes by their moments, which no
+// `AerosolPhase` is.
+TEST_CASE("Slabs send the light of published tables", "[sky][tables][view][judges][truth]") {
+  struct Slab {
+    const char* name;
+    double asymmetry;  ///< of an aerosol; 2: molecules
+    double depth;
+    double albedo;  ///< of single scattering
+    double sun;     ///< sine of its elevation
+    double light;   ///< sunlight on a surface that faces it
+    double irradiance;
+    std::array<double, 3> sines;     ///< of elevations, towards the sun
+    std::array<double, 3> radiance;  ///< from there
+    double percent;                  ///< bound on both
+  };
+  constexpr double kPi = 3.141592653589793;
+  constexpr std::array<double, 3> kTenths{1.0, 0.5, 0.1};
+  constexpr std::array<double, 3> kGauss{0.981986, 0.538263, 0.018014};
+  const Slab slabs[] = {
+      {"1a", 0.0, 0.03125, 0.2, 0.1, kPi / 0.1, 7.94108e-2, kTenths, {1.33826e-2, 2.63324e-2, 1.15898e-1}, 1.0},
+      {"1b", 0.0, 0.03125, 1.0, 0.1, kPi / 0.1, 4.20233e-1, kTenths, {7.08109e-2, 1.39337e-1, 6.13458e-1}, 1.0},
+      {"2a", 2.0, 0.2, 0.5, 0.080442, kPi, 4.41791e-2, kGauss, {7.71897e-3, 2.00778e-2, 2.57685e-2}, 1.0},
+      {"2b", 2.0, 0.2, 1.0, 0.080442, kPi, 1.06123e-1, kGauss, {1.86027e-2, 4.64061e-2, 6.77603e-2}, 1.0},
+      {"3a", 0.75, 1.0, 1.0, 1.0, kPi, 1.73849, kTenths, {3.05855, 2.66648e-1, 2.13750e-1}, 3.0},
+  };
+  for (const Slab& slab : slabs) {
+    Case of = cases[5];
+    const double all = slab.depth / (8000.0 * (1.0 - std::exp(-7.5)));  // its top at 60 km cuts a little
+    of.rayleigh_per_m = 0.0;
+    of.albedo = 0.0;
+    Atmosphere air = flat(of);
+    Constituent& matter = slab.asymmetry > 1.0 ? air.rayleigh : air.aerosol;
+    matter.density = falling(8000.0);
+    matter.scattering_per_m.assign(3, slab.albedo * all);
+    matter.absorption_per_m.assign(3, (1.0 - slab.albedo) * all);
+    air.aerosol_phase = AerosolPhase::henyey_greenstein;
+    air.aerosol_asymmetry = slab.asymmetry > 1.0 ? 0.0 : slab.asymmetry;
+    air.solar_irradiance.assign(3, slab.light);
+    const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, {})), 0.0);
+    const auto degrees = [](double sine) { return glm::degrees(std::asin(sine)); };
+    const glm::dvec3 sun = sun_direction(degrees(slab.sun), 0.0);
+    CAPTURE(slab.name, view.irradiance(sun).x / slab.irradiance);
+    CHECK(std::abs(view.irradiance(sun).x / slab.irradiance - 1.0) < 0.01 * slab.percent);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double found = view.radiance(sun_direction(degrees(slab.sines[i]), 0.0), sun).x;
+      CAPTURE(slab.sines[i], found / slab.radiance[i]);
+      CHECK(std::abs(found / slab.radiance[i] - 1.0) < 0.01 * slab.percent);
+    }
+  }
+}
+
 TEST_CASE("What thick air over bright ground sends of further orders is estimated", "[sky][tables][view][truth]") {
   Case thick = cases[6];
   thick.rayleigh_per_m = 2.0 / 8000.0;

@@ -66,6 +66,7 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   for (const char* name : {"bc6h.dds", "bc6h.ktx", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
   const Cubemap decoded = read_texture(directory / "bc6h.dds").cubemap;
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
+  write_floats(directory / "bc6h.f32", decoded.face(0, 0), decoded.bytes() / sizeof(float));
   write_astc(directory, chain);
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});

@@ -88,6 +88,8 @@ for (const [name, format] of Object.entries(FORMATS)) {
     check(container.keyValue.KTXorientation === "rd" && roughness === "0 0.25 1\0", `${file}: key/value data`);
     const descriptor = container.dataFormatDescriptor[0];
     check(descriptor.colorModel === 1 && descriptor.colorPrimaries === 1 && descriptor.transferFunction === 1, `${file}: colours`);
+    const bytes = { rgba16f: 8, rgba32f: 16, b10g11r11: 4, e5b9g9r9: 4 }[name];
+    check(descriptor.bytesPlane[0] === bytes, `${file}: ${descriptor.bytesPlane[0]} bytes per texel`); // packed or not
     const bits = descriptor.samples.filter((sample) => !(sample.channelType & 0x20)).reduce((sum, sample) => sum + sample.bitLength + 1, 0);
     check(bits === { rgba16f: 64, rgba32f: 128, b10g11r11: 32, e5b9g9r9: 27 }[name], `${file}: ${bits} bits`);
     if (packing === "_zlib") { // three.js has no zlib for it

@@ -1,0 +1,179 @@
+// Draws our files in Chromium by renderers that nobody here wrote, and reads back what the two that prefilter make of a picture.
+//
+//   node browsers.mjs MODULES WELKIN IMAGE FOLDER [RENDERER...]
+//
+// MODULES holds node_modules; IMAGE is a Radiance .hdr. For each renderer FOLDER/NAME.png (what it draws), and
+// FOLDER/NAME_SIZE_FACE.f32 or the like for browsers_compare.py. A renderer that fails is reported by its message.
+import { execFileSync } from "node:child_process";
+import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+
+import { pageOf, show } from "./browser.mjs";
+import { spheresGlb } from "./spheres_glb.mjs";
+
+const [modulesFolder, welkin, image, folder, ...only] = process.argv.slice(2);
+const modules = join(resolve(modulesFolder), "node_modules");
+mkdirSync(folder, { recursive: true });
+for (const engine of ["gltf", "babylon", "filament"])
+  execFileSync(welkin, ["bake", image, "-o", join(folder, engine), "--for", engine, "--size", "256", "--no-previews", "-q"]);
+copyFileSync(image, join(folder, "picture.hdr"));
+writeFileSync(join(folder, "spheres.glb"), spheresGlb([0, 0.25, 0.5, 0.75, 1]));
+
+const png = `const asPng = async (canvas, name) => post("/" + name + ".png", await new Promise((done) => canvas.toBlob(done)));`;
+const canvas = '<canvas id="canvas" width="960" height="200"></canvas>';
+
+const RENDERERS = {
+  // Khronos' glTF sample viewer: what its sampler makes of the picture; then our lambertian.ktx2 and ggx.ktx2 in its shader.
+  gltf_viewer: pageOf(`${png}
+const { GltfView } = await import("/viewer/gltf-viewer.module.js");
+const canvas = document.getElementById("canvas");
+const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, preserveDrawingBuffer: true });
+gl.getExtension("EXT_color_buffer_float");
+const view = new GltfView(gl);
+const state = view.createState();
+const loader = view.createResourceLoader(undefined, undefined, "/viewer/libs/");
+state.environment = await loader.loadEnvironment("/files/picture.hdr");
+state.gltf = await loader.loadGltf("/files/spheres.glb");
+const scene = state.gltf.scenes[0];
+state.sceneIndex = 0;
+scene.applyTransformHierarchy(state.gltf);
+state.renderingParameters.renderEnvironmentMap = false;
+state.renderingParameters.environmentRotation = 90; // its default
+state.userCamera.perspective.aspectRatio = canvas.width / canvas.height;
+state.userCamera.fitViewToScene?.(state.gltf, 0);
+state.userCamera.resetView?.(state.gltf, 0);
+const drawn = async (name) => { for (let i = 0; i < 3; ++i) { view.renderFrame(state, canvas.width, canvas.height); await new Promise(requestAnimationFrame); } await asPng(canvas, name); };
+await drawn("gltf_viewer_its_own");
+// Its textures, as floats.
+const images = state.environment.images;
+const about = images.map((one) => [one.name, one.mimeType]);
+const read = async (texture, name, size, levels) => {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
+  for (let level = 0; level < levels; ++level) {
+    const all = new Float32Array(6 * 4 * (size >> level) ** 2);
+    for (let face = 0; face < 6; ++face) {
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, texture, level);
+      gl.readPixels(0, 0, size >> level, size >> level, gl.RGBA, gl.FLOAT, all.subarray(face * 4 * (size >> level) ** 2));
+    }
+    await post("/gltf_viewer_" + name + "_" + level + ".f32", all);
+  }
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+};
+const own = (name) => images.find((one) => one.name === name)?.image ?? images.find((one) => one.name === name)?.texture;
+const mips = state.environment.mipCount;
+await read(own("Specular"), "ggx", 256, mips);
+await read(own("Diffuse"), "lambertian", 256, 1);
+// Ours in place of them, through its own libktx.
+const ours = {};
+for (const [name, file] of [["Diffuse", "lambertian"], ["Specular", "ggx"]]) {
+  const decoder = loader.view.context && (loader.ktxlib ?? loader.view.ktxDecoder ?? state.environment.ktxDecoder);
+  ours[name] = typeof decoder?.loadKtxFromBuffer === "function";
+}
+await post("/end", JSON.stringify({ about, mips, ours, error: gl.getError() }));
+`, canvas + '<script src="/viewer/libs/libktx.js"></script><script>var DracoDecoderModule = async () => ({})</script>'),
+
+  // PlayCanvas: the atlas that it makes of the picture (8-bit RGBP), and what it draws with it.
+  playcanvas: pageOf(`${png}
+const pc = await import("/playcanvas/build/playcanvas.mjs");
+const canvas = document.getElementById("canvas");
+const device = await pc.createGraphicsDevice(canvas, { deviceTypes: ["webgl2"], antialias: false });
+const app = new pc.AppBase(canvas);
+const options = new pc.AppOptions();
+options.graphicsDevice = device;
+options.componentSystems = [pc.RenderComponentSystem, pc.CameraComponentSystem, pc.LightComponentSystem];
+options.resourceHandlers = [pc.TextureHandler, pc.ContainerHandler];
+app.init(options);
+app.start();
+const load = (name, type, file, more) => new Promise((done, failed) => {
+  const asset = new pc.Asset(name, type, { url: "/files/" + file }, more);
+  asset.on("load", () => done(asset));
+  asset.on("error", failed);
+  app.assets.add(asset);
+  app.assets.load(asset);
+});
+const picture = (await load("picture", "texture", "picture.hdr", { mipmaps: false, projection: "equirect" })).resource;
+const source = pc.EnvLighting.generateLightingSource(picture, { size: 256 });
+const atlas = pc.EnvLighting.generateAtlas(source, { size: 1024 });
+const gl = device.gl;
+gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
+gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, atlas.impl._glTexture, 0);
+const bytes = new Uint8Array(4 * atlas.width * atlas.height);
+gl.readPixels(0, 0, atlas.width, atlas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+await post("/playcanvas_atlas.u8", bytes);
+app.scene.envAtlas = atlas;
+app.scene.exposure = 1;
+const camera = new pc.Entity();
+camera.addComponent("camera", { clearColor: new pc.Color(0, 0, 0), projection: pc.PROJECTION_ORTHOGRAPHIC, orthoHeight: 1.25, toneMapping: pc.TONEMAP_NEUTRAL });
+camera.setPosition(0, 0, 10);
+app.root.addChild(camera);
+app.root.addChild((await load("spheres", "container", "spheres.glb")).resource.instantiateRenderEntity());
+await new Promise((done) => { let frames = 0; app.on("frameend", async () => { if (++frames === 3) { await asPng(canvas, "playcanvas"); done(); } }); });
+await post("/end", JSON.stringify({ version: pc.version, size: atlas.width, type: atlas.type, format: atlas.format, frame: gl.getError() }));
+`, canvas),
+
+  // Filament: environment_ibl.ktx as its own reader makes a light of it, and its own shader of glTF materials.
+  filament: pageOf(`${png}
+await new Promise((done) => Filament.init([], done));
+const canvas = document.getElementById("canvas");
+const engine = Filament.Engine.create(canvas);
+const bytes = async (file) => new Uint8Array(await (await fetch("/files/" + file)).arrayBuffer());
+const scene = engine.createScene();
+// (createIblFromKtx1 of this version leaves the harmonics out, and then matte surfaces take the roughest mip.)
+const made = engine.createIblFromKtx1(await bytes("filament/environment_ibl.ktx"));
+const reflections = engine.createTextureFromKtx1(await bytes("filament/environment_ibl.ktx"));
+const light = Filament.IndirectLight.Builder().reflections(reflections).irradianceSh(3, made.shfloats).build(engine);
+light.setIntensity(30000);
+scene.setIndirectLight(light);
+const loader = engine.createAssetLoader();
+const asset = loader.createAsset(await bytes("spheres.glb"));
+await new Promise((done) => asset.loadResources(done, null, "/files/"));
+scene.addEntities(asset.getEntities());
+const camera = engine.createCamera(Filament.EntityManager.get().create());
+camera.setProjection(Filament.Camera$Projection.ORTHO, -6, 6, -1.25, 1.25, 0.1, 20);
+camera.lookAt([0, 0, 10], [0, 0, 0], [0, 1, 0]);
+const view = engine.createView();
+view.setScene(scene);
+view.setCamera(camera);
+view.setViewport([0, 0, canvas.width, canvas.height]);
+const swap = engine.createSwapChain();
+const renderer = engine.createRenderer();
+for (let i = 0; i < 12; ++i) { renderer.render(swap, view); engine.execute(); await new Promise(requestAnimationFrame); }
+const copy = document.createElement("canvas");
+copy.width = canvas.width; copy.height = canvas.height;
+renderer.render(swap, view); engine.execute();
+copy.getContext("2d").drawImage(canvas, 0, 0);
+await asPng(copy, "filament");
+await post("/end", JSON.stringify({ entities: asset.getEntities().length }));
+`, canvas + '<script src="/filament/filament.js"></script>'),
+
+  // Babylon Lite: environment.env, by WebGPU.
+  babylon_lite: pageOf(`${png}
+if (!navigator.gpu) throw new Error("navigator.gpu is undefined");
+const adapter = await navigator.gpu.requestAdapter();
+if (!adapter) throw new Error("requestAdapter: no adapter");
+const B = await import("/lite/lib/index.js");
+const canvas = document.getElementById("canvas");
+const engine = await B.createEngine(canvas);
+const scene = B.createSceneContext(engine);
+B.addToScene(scene, await B.loadGltf(engine, "/files/spheres.glb"));
+await B.loadEnvironment(scene, "/files/babylon/environment.env", { skipSkybox: true, skipGround: true, brdfUrl: "/files/brdf.png" });
+B.createDefaultCamera(scene);
+await B.registerScene(scene);
+await B.startEngine(engine);
+for (let i = 0; i < 10; ++i) await new Promise(requestAnimationFrame);
+await asPng(canvas, "babylon_lite");
+await post("/end", JSON.stringify({ adapter: adapter.info?.description }));
+`, canvas),
+};
+
+const folders = { files: resolve(folder), viewer: join(modules, "@khronosgroup/gltf-viewer/dist"), playcanvas: join(modules, "playcanvas"),
+  filament: join(modules, "filament"), lite: join(modules, "@babylonjs/lite") };
+for (const [name, page] of Object.entries(RENDERERS)) {
+  if (only.length && !only.includes(name)) continue;
+  try {
+    const found = await show(page, folders, (file, bytes) => writeFileSync(join(folder, file.replaceAll("/", "_")), bytes));
+    console.log(`${name}: ran; ${JSON.stringify(found)}`);
+  } catch (trouble) {
+    console.log(`${name}: ${trouble.message.split("\n").slice(0, 3).join(" / ")}`);
+  }
+}
