@@ -35,6 +35,11 @@ struct alignas(64) EncodedBlocks {
     }
     errors[lane] = error;
   }
+  void get(std::size_t lane, std::uint8_t* block) const noexcept {
+    for (std::size_t k = 0; k < 16; ++k) {
+      block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(words[k / 4][lane]) >> (8 * (k % 4)));
+    }
+  }
 };
 
 /// Modes 11 to 14. `refine`: the line is fitted once more to the indices that came of its first ends.

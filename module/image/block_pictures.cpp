@@ -162,11 +162,7 @@ class TileEncoder {
 
   void keep(int block, std::size_t lane) {
     scratch_.errors[static_cast<std::size_t>(block)] = scratch_.encoded.errors[lane];
-    std::uint8_t* to = bytes_of(block);
-    for (const auto& word : scratch_.encoded.words) {
-      const auto bits = static_cast<std::uint32_t>(word[lane]);
-      for (unsigned k = 0; k < 4; ++k) *to++ = static_cast<std::uint8_t>(bits >> (8 * k));
-    }
+    scratch_.encoded.get(lane, bytes_of(block));
   }
 
   void encode_two_lines() {
