@@ -67,11 +67,11 @@ std::vector<Sample> samples_of(TexelFormat format) {
     case TexelFormat::rgba32f: return float_samples(32);
     case TexelFormat::b10g11r11: return packed_float_samples();
     case TexelFormat::e5b9g9r9: return shared_exponent_samples();
-    case TexelFormat::bc6h_ufloat: return block_samples(false);
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::uastc_hdr_4x4: return block_samples(false);
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr:
-    case TexelFormat::uastc_hdr_4x4: return block_samples(true);
+    case TexelFormat::astc_6x6_hdr: return block_samples(true);
   }
   return {};
 }
