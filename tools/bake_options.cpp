@@ -120,10 +120,12 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                            {"bc6h", TexelFormat::bc6h_ufloat},
                            {"bc6h-signed", TexelFormat::bc6h_sfloat},
                            {"astc4x4", TexelFormat::astc_4x4_hdr},
-                           {"astc6x6", TexelFormat::astc_6x6_hdr}},
+                           {"astc6x6", TexelFormat::astc_6x6_hdr},
+                           {"uastc-hdr", TexelFormat::uastc_hdr_4x4}},
                           "The texel format of .ktx2 files, with 8 (default), 16, 4 or 4 bytes per texel; or blocks of "
-                          "BC6H or ASTC with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR hold half floats, or "
-                          "floats with rgba32f; DDS also bc6h; KTX all but ASTC. Irradiance is never compressed");
+                          "BC6H, ASTC or UASTC HDR (for the web) with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR "
+                          "hold half floats, or "
+                          "floats with rgba32f; DDS also bc6h; KTX all but ASTC and UASTC HDR. Irradiance is never compressed");
   formats.target =
       On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
         store(word);
@@ -133,7 +135,7 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   table.push_back(
       choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
                          {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
-                         "Search effort of the BC6H encoder; default normal"));
+                         "Search effort of the BC6H and UASTC HDR encoders; default normal"));
   table.push_back(choice<AstcEffort>("--astc-effort", options.texture.astc_effort,
                                      {{"fastest", AstcEffort::fastest},
                                       {"fast", AstcEffort::fast},

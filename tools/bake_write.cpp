@@ -61,7 +61,8 @@ std::string range_of(TexelFormat format) {
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
     case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: return "below 0 or above 65504 clamped: ASTC ends there";
+    case TexelFormat::astc_6x6_hdr:
+    case TexelFormat::uastc_hdr_4x4: return "below 0 or above 65504 clamped: ASTC ends there";
     case TexelFormat::e5b9g9r9: break;
   }
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";

@@ -67,6 +67,7 @@ const char* name(TexelFormat format) noexcept {
     case TexelFormat::bc6h_sfloat: return "bc6h-signed";
     case TexelFormat::astc_4x4_hdr: return "astc4x4";
     case TexelFormat::astc_6x6_hdr: return "astc6x6";
+    case TexelFormat::uastc_hdr_4x4: return "uastc-hdr";
     case TexelFormat::e5b9g9r9: break;
   }
   return "e5b9g9r9";
@@ -77,7 +78,8 @@ bool is_bc6h(TexelFormat format) noexcept {
 }
 
 bool is_in_blocks(TexelFormat format) noexcept {
-  return is_bc6h(format) || format == TexelFormat::astc_4x4_hdr || format == TexelFormat::astc_6x6_hdr;
+  return is_bc6h(format) || format == TexelFormat::astc_4x4_hdr || format == TexelFormat::astc_6x6_hdr ||
+         format == TexelFormat::uastc_hdr_4x4;
 }
 
 const char* name(Content content) noexcept {

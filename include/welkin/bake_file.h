@@ -175,7 +175,7 @@ struct TextureOptions {
   /// OpenEXR's own. DDS has no metadata; they are dropped.
   std::map<std::string, std::string> metadata{};
 
-  Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< for the BC6H formats (KTX2, KTX, DDS)
+  Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< for BC6H (KTX2, KTX, DDS) and UASTC HDR (KTX2)
   AstcEffort astc_effort = AstcEffort::medium;  ///< for the ASTC formats (KTX2)
 };
 

@@ -109,13 +109,14 @@ static_assert(WELKIN_TEXEL_BC6H_UFLOAT == static_cast<int>(TexelFormat::bc6h_ufl
 static_assert(WELKIN_TEXEL_BC6H_SFLOAT == static_cast<int>(TexelFormat::bc6h_sfloat));
 static_assert(WELKIN_TEXEL_ASTC_4X4_HDR == static_cast<int>(TexelFormat::astc_4x4_hdr));
 static_assert(WELKIN_TEXEL_ASTC_6X6_HDR == static_cast<int>(TexelFormat::astc_6x6_hdr));
+static_assert(WELKIN_TEXEL_UASTC_HDR_4X4 == static_cast<int>(TexelFormat::uastc_hdr_4x4));
 static_assert(WELKIN_SUPERCOMPRESSION_ZLIB == static_cast<int>(Supercompression::zlib));
 static_assert(WELKIN_SUPERCOMPRESSION_ZSTD == static_cast<int>(Supercompression::zstd));
 
 TextureOptions texture_options(const welkin_texture_options* options) {
   const auto given = read_options(options, "options");
   TextureOptions wanted;
-  wanted.format = enumerator("format", given.format, TexelFormat::astc_6x6_hdr);
+  wanted.format = enumerator("format", given.format, TexelFormat::uastc_hdr_4x4);
   wanted.supercompression = enumerator("supercompression", given.supercompression, Supercompression::zstd);
   require_enumerator("effort", given.effort, WELKIN_EFFORT_SLOW);
   constexpr std::array bc6h{Bc6hEffort::normal, Bc6hEffort::fast, Bc6hEffort::fast, Bc6hEffort::normal,

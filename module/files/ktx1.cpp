@@ -148,7 +148,8 @@ GlFormat gl_format(TexelFormat format) {
     case TexelFormat::bc6h_ufloat: return {0, 1, 0, kBc6hUnsigned, kRgb};
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: break;  // ASTC is refused before
+    case TexelFormat::astc_6x6_hdr:
+    case TexelFormat::uastc_hdr_4x4: break;  // they are refused before
   }
   return {0, 1, 0, kBc6hSigned, kRgb};
 }

@@ -67,7 +67,8 @@ std::vector<Sample> samples_of(TexelFormat format) {
     case TexelFormat::rgba32f: return float_samples(32);
     case TexelFormat::b10g11r11: return packed_float_samples();
     case TexelFormat::e5b9g9r9: return shared_exponent_samples();
-    case TexelFormat::bc6h_ufloat: return block_samples(false);
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::uastc_hdr_4x4: return block_samples(false);
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
     case TexelFormat::astc_6x6_hdr: return block_samples(true);
@@ -98,6 +99,7 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
   constexpr std::uint32_t model_bc6h = 133;
   constexpr std::uint32_t model_astc = 162;
+  constexpr std::uint32_t model_uastc_hdr = 167;  // by which loaders know that it can be turned into BC6H
   constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
@@ -107,7 +109,10 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
   platform::append_little_endian(bytes, version | block_bytes << 16U);
   const TexelKind kind = kind_of(format);
-  const std::uint32_t model = is_astc(kind) ? model_astc : is_compressed(kind) ? model_bc6h : model_rgbsda;
+  const std::uint32_t model = kind == TexelKind::uastc_hdr_4x4 ? model_uastc_hdr
+                              : is_astc(kind)                  ? model_astc
+                              : is_compressed(kind)            ? model_bc6h
+                                                               : model_rgbsda;
   platform::append_little_endian(bytes, model | primaries_srgb << 8U | transfer_linear << 16U);
   // Texels along the edges of a block, each less one: edge x edge x 1 x 1.
   const auto last = static_cast<std::uint32_t>(block_edge(kind) - 1);

@@ -36,6 +36,7 @@ constexpr std::array kKinds{
     KindTraits{"bc6h sfloat", 16, image::kBlockEdge, 1, 144, 96, std::nullopt},
     KindTraits{"astc 4x4 hdr", 16, 4, 1, 1000066000, 0, std::nullopt},
     KindTraits{"astc 6x6 hdr", 16, 6, 1, 1000066004, 0, std::nullopt},
+    KindTraits{"uastc hdr 4x4", 16, 4, 1, 1000066000, 0, std::nullopt},
     KindTraits{"rgba8", 4, 1, 1, 37, 28, PixelFormat::rgba8},
     KindTraits{"rgba8 srgb", 4, 1, 1, 43, 29, PixelFormat::srgba8},
     KindTraits{"rgb16f", 6, 1, 2, 90, 0, PixelFormat::rgb16f},

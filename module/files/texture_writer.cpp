@@ -10,6 +10,7 @@
 #include "files/textures.h"
 #include "files/write_environment.h"
 #include "image/bc6h_encoder.h"
+#include "image/uastc_hdr_encoder.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
@@ -63,12 +64,12 @@ void check_options(const std::filesystem::path& path, const Container& container
     throw platform::file_error(ErrorCode::invalid_argument, path, message);
   };
   // A number from elsewhere that was cast.
-  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::astc_6x6_hdr ||
+  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::uastc_hdr_4x4 ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
     refuse("cannot be written in an unknown format or supercompression; pass one of the enumerators");
   }
   const TexelKind kind = kind_of(options.format);
-  if (is_astc(kind) && !container.astc) {
+  if ((is_astc(kind) || kind == TexelKind::uastc_hdr_4x4) && !container.astc) {
     refuse("cannot hold blocks of ASTC; pass rgba16f or rgba32f, or write .ktx2");
   }
   if (is_compressed(kind) && !container.bc6h) {
@@ -107,6 +108,12 @@ BlockLevels in_blocks(std::span<const std::vector<LatLongView>> levels, const Te
   const Control control = jobs::part_of(whole, 0.0, 0.9);
   const TexelKind kind = kind_of(options.format);
   if (is_astc(kind)) return encode_astc(levels, kind, options.astc_effort, control);
+  if (kind == TexelKind::uastc_hdr_4x4) {
+    image::EncodedLevels encoded = image::encode_uastc_hdr_pictures(levels, options.bc6h_effort, control);
+    BlockLevels blocks{{}, encoded.values_clamped};
+    for (image::EncodedLevels::Level& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
+    return blocks;
+  }
   image::Bc6hPictureLevels encoded =
       image::encode_bc6h_pictures(levels, {options.bc6h_effort, kind == TexelKind::bc6h_sfloat}, control);
   BlockLevels blocks{{}, encoded.values_clamped};

@@ -80,6 +80,7 @@ enum class TexelKind {
   bc6h_sfloat,
   astc_4x4_hdr,
   astc_6x6_hdr,
+  uastc_hdr_4x4,  ///< read as astc_4x4_hdr, which it is
   rgba8,
   rgba8_srgb,
   rgb16f,
@@ -89,7 +90,7 @@ enum class TexelKind {
 };
 static_assert(static_cast<int>(TexelKind::rgba16f) == static_cast<int>(TexelFormat::rgba16f));
 static_assert(static_cast<int>(TexelKind::bc6h_ufloat) == static_cast<int>(TexelFormat::bc6h_ufloat));
-static_assert(static_cast<int>(TexelKind::astc_6x6_hdr) == static_cast<int>(TexelFormat::astc_6x6_hdr));
+static_assert(static_cast<int>(TexelKind::uastc_hdr_4x4) == static_cast<int>(TexelFormat::uastc_hdr_4x4));
 
 [[nodiscard]] constexpr TexelKind kind_of(TexelFormat format) noexcept { return static_cast<TexelKind>(format); }
 

@@ -260,7 +260,7 @@ class Balancer {
   ChannelSums off_{};  ///< what the level has too much of
   Wanted wanted_{};
   BlockGroup group_{};
-  SingleLineBlocks single_{};
+  EncodedBlocks single_{};
   TwoLineBlocks pair_{};
   EndTrials trials_{};
 };

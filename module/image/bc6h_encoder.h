@@ -21,9 +21,6 @@ struct Bc6hPictureLevels {
   std::uint64_t values_clamped = 0;
 };
 
-/// A cubemap's faces, each as a picture.
-[[nodiscard]] std::vector<LatLongView> pictures_of(const CubemapView& view);
-
 /// Encodes the pictures of each level, which have the same size within a level. Otherwise as `encode_bc6h`. Throws
 /// `Error`: invalid_argument (the effort), cancelled.
 [[nodiscard]] Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels,

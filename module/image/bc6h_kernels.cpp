@@ -225,7 +225,7 @@ WELKIN_INLINE void single_lanes(const BlockLanes& block, bool refine, std::int32
   best.error.store_aligned(errors);
 }
 
-void single_lines(const BlockGroup& group, bool is_signed, bool refine, SingleLineBlocks& blocks) {
+void single_lines(const BlockGroup& group, bool is_signed, bool refine, EncodedBlocks& blocks) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     const BlockLanes block{group.values[0] + lane, group.weights[0] + lane};
     if (is_signed) {

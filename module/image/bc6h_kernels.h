@@ -24,14 +24,26 @@ using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
 /// magnitudes, each times its texel's given weight.
 using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped, float (*light)[simd::kLanes]);
 
-/// Finished blocks with one line, modes 11 to 14.
-struct alignas(64) SingleLineBlocks {
+/// Finished blocks.
+struct alignas(64) EncodedBlocks {
   std::int32_t words[4][simd::kLanes];  ///< of a block, the lowest bits first
   float errors[simd::kLanes];           ///< sums of squares, in units of the halves' last bits
+
+  void set(std::size_t lane, const std::uint8_t* block, float error) noexcept {
+    for (std::size_t k = 0; k < 4; ++k, block += 4) {
+      words[k][lane] = static_cast<std::int32_t>(block[0] | block[1] << 8 | block[2] << 16 | std::uint32_t{block[3]} << 24);
+    }
+    errors[lane] = error;
+  }
+  void get(std::size_t lane, std::uint8_t* block) const noexcept {
+    for (std::size_t k = 0; k < 16; ++k) {
+      block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(words[k / 4][lane]) >> (8 * (k % 4)));
+    }
+  }
 };
 
-/// `refine`: the line is fitted once more to the indices that came of its first ends.
-using EncodeSingleLines = void (*)(const BlockGroup& group, bool is_signed, bool refine, SingleLineBlocks& blocks);
+/// Modes 11 to 14. `refine`: the line is fitted once more to the indices that came of its first ends.
+using EncodeSingleLines = void (*)(const BlockGroup& group, bool is_signed, bool refine, EncodedBlocks& blocks);
 
 /// The numbers of blocks with two lines, modes 1 to 10, as `Bc6hFields` has them (ends with all their bits).
 struct alignas(64) TwoLineBlocks {

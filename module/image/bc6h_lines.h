@@ -46,6 +46,8 @@ struct AllTexels {
     return value(0);
   }
   [[nodiscard]] WELKIN_INLINE Lanes largest_index(int texel) const { return Lanes(texel == 0 ? anchor_limit : steps); }
+  /// What the decoder makes of an index, in 64ths.
+  static WELKIN_INLINE Lanes weight_of(Lanes index) { return truncated(index * Lanes(4.25F) + Lanes(0.5F)); }
 };
 // NOLINTEND(readability-convert-member-functions-to-static)
 
@@ -150,9 +152,7 @@ WELKIN_INLINE Lanes index_at(const BlockLanes& block, const Texels& texels, cons
 /// What the decoder makes of an index, 0 to 1: whole 64ths.
 template <class Texels>
 WELKIN_INLINE Lanes along(Lanes index) {
-  const Lanes weight =
-      Texels::steps > 7.0F ? truncated(index * Lanes(4.25F) + Lanes(0.5F)) : truncated(index * Lanes(9.25F));
-  return weight * Lanes(1.0F / 64.0F);
+  return Texels::weight_of(index) * Lanes(1.0F / 64.0F);
 }
 
 /// The ends whose line is nearest to the texels if they keep the indices that the projection gives them. With s along

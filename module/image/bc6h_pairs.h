@@ -83,7 +83,8 @@ WELKIN_INLINE void moments_of(const BlockLanes& block, const Centre& centre, int
   moments[9] = moments[3] * b;
 }
 
-WELKIN_INLINE void rank_partitions(const BlockLanes& block, int places, Ranking& ranking) {
+/// `allowed`: bit k is set for a partition that may be taken.
+WELKIN_INLINE void rank_partitions(const BlockLanes& block, std::uint32_t allowed, int places, Ranking& ranking) {
   const Centre centre = centre_of(block, AllTexels());
   Lanes moments[kTexels][kMoments];
   Lanes all[kMoments];
@@ -94,6 +95,7 @@ WELKIN_INLINE void rank_partitions(const BlockLanes& block, int places, Ranking&
   }
   for (int k = 0; k < places; ++k) ranking.scores[k] = ranking.partitions[k] = Lanes(kBig);
   for (int partition = 0; partition < kBc6hPartitions; ++partition) {
+    if ((allowed >> partition & 1U) == 0) continue;
     Lanes side[kMoments];
     Lanes other[kMoments];
     for (int m = 0; m < kMoments; ++m) side[m] = Lanes(0.0F);
@@ -141,6 +143,7 @@ struct SideTexels {
   static constexpr float anchor_limit = kAnchorLimit;
   const Sides& sides;
 
+  static WELKIN_INLINE Lanes weight_of(Lanes index) { return truncated(index * Lanes(9.25F)); }
   [[nodiscard]] WELKIN_INLINE Lanes share(int texel, Lanes weight) const {
     return is_second ? weight * sides.second[texel] : weight - weight * sides.second[texel];
   }
@@ -308,7 +311,7 @@ template <bool is_signed>
 WELKIN_INLINE void encode_pair(const BlockLanes& block, int tried, int lane, TwoLineBlocks& blocks) {
   const Lanes largest(31743.0F);
   Ranking ranking;
-  rank_partitions(block, tried, ranking);
+  rank_partitions(block, ~0U, tried, ranking);
   Lanes(kBig).store_aligned(blocks.errors + lane);
   for (int rank = 0; rank < tried; ++rank) {
     const Sides sides(ranking.partitions[rank]);

@@ -51,7 +51,8 @@ std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t co
     case TexelFormat::bc6h_ufloat:
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: break;  // texels that lie in no row
+    case TexelFormat::astc_6x6_hdr:
+    case TexelFormat::uastc_hdr_4x4: break;  // texels that lie in no row
   }
   return 0;
 }
@@ -134,7 +135,8 @@ std::uint64_t bytes_of_texel(TexelFormat format) noexcept {
     case TexelFormat::bc6h_ufloat:
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: break;
+    case TexelFormat::astc_6x6_hdr:
+    case TexelFormat::uastc_hdr_4x4: break;
   }
   return 0;
 }

@@ -40,7 +40,8 @@ double step(TexelFormat format, double value, double largest_of_texel) {
     case TexelFormat::bc6h_ufloat:
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: break;  // not texel by texel
+    case TexelFormat::astc_6x6_hdr:
+    case TexelFormat::uastc_hdr_4x4: break;  // not texel by texel
   }
   return 0.0;
 }

@@ -212,14 +212,14 @@ TEST_CASE("BC6H kernels give the same blocks on every instruction set, and their
   const Cubemap noise = noisy_chain(64, 1, 4);
   for (const bool is_signed : {false, true}) {
     for (const Cubemap* const picture : {&chain, &noise}) {
-      image::SingleLineBlocks first_single{};
+      image::EncodedBlocks first_single{};
       image::TwoLineBlocks first_pair{};
       image::EndTrials first_trials{};
       for (const InstructionSet set : available_instruction_sets()) {
         CAPTURE(is_signed, name(set));
         const image::Bc6hKernels& kernels = image::bc6h_kernels(set);
         const auto group = group_of(*picture, 32, kernels, is_signed);
-        image::SingleLineBlocks single{};
+        image::EncodedBlocks single{};
         image::TwoLineBlocks pair{};
         kernels.single_lines(*group, is_signed, true, single);
         kernels.two_lines(*group, is_signed, 4, pair);

@@ -68,6 +68,10 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   write_floats(directory / "bc6h.f32", decoded.face(0, 0), decoded.bytes() / sizeof(float));
   write_astc(directory, chain);
+  for (const auto& [packing, name] : {std::pair{Supercompression::none, "uastc_hdr.ktx2"},
+                                      std::pair{Supercompression::zstd, "uastc_hdr_zstd.ktx2"}}) {
+    write_texture(directory / name, chain.views(), {.format = TexelFormat::uastc_hdr_4x4, .supercompression = packing});
+  }
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
   }

@@ -196,6 +196,37 @@ for (const [name, number, edge, format] of [
   }
 }
 
+// UASTC HDR: Basis Universal's transcoder, which three.js's KTX2Loader asks where a GPU has no ASTC, makes BC6H of every
+// block; the halves that it makes are those that were written, as far as blocks hold them.
+{
+  const home = `${resolve(modules)}/node_modules/three/examples/jsm/libs/basis/basis_transcoder`;
+  const { BASIS } = new Function(`${readFileSync(`${home}.js`, "utf8")}; return { BASIS };`)();
+  const basis = await BASIS({ wasmBinary: readFileSync(`${home}.wasm`) });
+  basis.initializeBasis();
+  const BC6H = 22, RGBA_HALF = 25; // basist::transcoder_texture_format
+  for (const name of ["uastc_hdr.ktx2", "uastc_hdr_zstd.ktx2"]) {
+    const file = new basis.KTX2File(bytesOf(name));
+    check(file.isValid() && file.isHDR() && file.getFaces() === 6 && file.getLevels() === levels.length, `${name} in Basis Universal`);
+    file.startTranscoding();
+    for (const [level, { rgb, size }] of levels.entries()) {
+      for (let face = 0; face < 6; ++face) {
+        const made = (format) => {
+          const bytes = new Uint8Array(file.getImageTranscodedSizeInBytes(level, 0, face, format));
+          check(file.transcodeImage(bytes, level, 0, face, format, 0, -1, -1), `${name} level ${level}, face ${face}: format ${format}`);
+          return bytes;
+        };
+        check(made(BC6H).length === 16 * Math.ceil(size / 4) ** 2, `${name} level ${level}: blocks of BC6H`);
+        const halves = new Uint16Array(made(RGBA_HALF).buffer);
+        same(rgbOf(halves, fromHalf), rgb.subarray(3 * size * size * face, 3 * size * size * (face + 1)), 0.25, `${name} level ${level}, face ${face}`);
+      }
+    }
+    file.close();
+    file.delete();
+  }
+  const [{ colorModel, samples: [sample] }] = ktx.read(bytesOf("uastc_hdr.ktx2")).dataFormatDescriptor;
+  check(colorModel === 167 && sample.channelType === 0x80, "uastc_hdr.ktx2: descriptor"); // as Basis Universal 2.5 has it
+}
+
 const { DDSTools } = await load("@babylonjs/core/Misc/dds.pure.js");
 for (const name of ["rgba16f", "rgba32f"]) {
   const data = bytesOf(`${name}.dds`);

@@ -8,6 +8,7 @@
 
 #include "files/row_source.h"
 #include "image/bc6h_encoder.h"
+#include "image/uastc_hdr_encoder.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -27,6 +28,11 @@ std::vector<LatLongView> pictures_of(const CubemapView& /*view*/) { refuse("an e
 Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/,
                                        const Bc6hOptions& /*options*/, const Control& /*control*/) {
   refuse("an encoder of BC6H");
+}
+
+EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> /*levels*/, Bc6hEffort /*effort*/,
+                                        const Control& /*control*/) {
+  refuse("an encoder of UASTC HDR");
 }
 
 }  // namespace image

@@ -1,0 +1,267 @@
+#include "image/block_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "image/bc6h.h"
+#include "image/bc6h_balance.h"
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "platform/standard_library.h"
+
+namespace welkin::image {
+namespace {
+
+using simd::kLanes;
+
+/// Of a tile: enough that the lanes of blocks with two lines are mostly full, and few enough for a second-level cache.
+constexpr int kTileBlocks = 512;
+constexpr int kTileGroups = kTileBlocks / kLanes;
+
+/// Sums of squares above which a block with one line is tried with two, too: about 0.7 % rms.
+constexpr float kEnoughSquares = 4600.0F;
+
+/// Blocks of one level that are encoded together.
+struct Tile {
+  std::size_t level;
+  int first_block;  ///< counted over all pictures
+  int blocks;
+};
+
+struct Place {
+  int picture, row, column;  ///< the first texel's
+};
+
+/// What one worker needs.
+struct Scratch {
+  std::array<BlockGroup, kTileGroups> groups;
+  BlockGroup hard;  ///< blocks that one line is not enough for
+  EncodedBlocks encoded;
+  std::array<float, kTileBlocks> errors;
+  std::array<int, kTileBlocks> list;
+  std::array<std::array<float, 48>, kLanes> texels;
+  std::array<const float*, std::size_t{4} * kLanes> rows;
+};
+
+struct TileResult {
+  double squares = 0.0;  ///< in units of the halves' last bits
+  std::uint64_t clamped = 0;
+};
+
+/// One tile's work.
+class TileEncoder {
+ public:
+  /// `blocks`, `lights`: of the level.
+  TileEncoder(const std::vector<LatLongView>& pictures, const Tile& tile, const BlockFormat& format, Scratch& scratch,
+              std::uint8_t* blocks, BlockLight* lights)
+      : pictures_(pictures),
+        tile_(tile),
+        format_(format),
+        scratch_(scratch),
+        kernels_(bc6h_kernels()),
+        width_(pictures.front().width),
+        height_(pictures.front().height),
+        blocks_(blocks),
+        lights_(lights) {}
+
+  TileResult encode() {
+    for (int first = 0; first < tile_.blocks; first += kLanes) encode_single_lines(first);
+    if (format_.effort != Bc6hEffort::fast) encode_two_lines();
+    for (int block = 0; block < tile_.blocks; ++block) {
+      result_.squares += static_cast<double>(scratch_.errors[static_cast<std::size_t>(block)]);
+    }
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] Place place_of(int block) const {
+    const int number = tile_.first_block + block;
+    const int across = blocks_across(width_);
+    const int down = blocks_across(height_);
+    return {number / (across * down), number / across % down * kBlockEdge, number % across * kBlockEdge};
+  }
+
+  [[nodiscard]] bool reaches_beyond(const Place& place) const {
+    return place.row + kBlockEdge > height_ || place.column + kBlockEdge > width_;
+  }
+
+  [[nodiscard]] std::uint8_t* bytes_of(int block) const {
+    return blocks_ + kBlockBytes * static_cast<std::size_t>(tile_.first_block + block);
+  }
+
+  /// Rows of a lane's block: in the picture where it has floats, else copied.
+  void set_rows(const Place& place, std::size_t lane) {
+    const LatLongView& view = pictures_[static_cast<std::size_t>(place.picture)];
+    const bool in_place = !reaches_beyond(place) && view.format == PixelFormat::rgb32f;
+    for (int row = 0; row < kBlockEdge; ++row) {
+      const int line = std::min(place.row + row, height_ - 1);
+      const float*& to = scratch_.rows[4 * lane + static_cast<std::size_t>(row)];
+      if (in_place) {
+        to = static_cast<const float*>(row_of(view, line)) + std::ptrdiff_t{3} * place.column;
+        continue;
+      }
+      float* const copy = scratch_.texels[lane].data() + std::ptrdiff_t{12} * row;
+      read_block_row(view, line, place.column, copy);
+      to = copy;
+    }
+  }
+
+  /// Texels of a block that lie in the picture.
+  template <class Visit>
+  void for_each_inner(const Place& place, const Visit& visit) const {
+    for (int row = 0; row < std::min(kBlockEdge, height_ - place.row); ++row) {
+      for (int column = 0; column < std::min(kBlockEdge, width_ - place.column); ++column) {
+        visit(static_cast<std::size_t>(kBlockEdge * row + column));
+      }
+    }
+  }
+
+  void set_weights(const Place& place, std::size_t lane, BlockGroup& group) const {
+    const bool beyond = reaches_beyond(place);
+    for (auto& weights : group.weights) weights[lane] = beyond ? kPaddingWeight : 1.0F;
+    if (beyond) for_each_inner(place, [&](std::size_t texel) { group.weights[texel][lane] = 1.0F; });
+  }
+
+  /// What is repeated beyond the edge is not counted again.
+  void count_clamped(const Place& place, std::size_t lane, std::int32_t of_block) {
+    if (!reaches_beyond(place)) {
+      result_.clamped += static_cast<std::uint64_t>(of_block);
+      return;
+    }
+    const float least = format_.is_signed ? -kLargestHalf : 0.0F;
+    for_each_inner(place, [&](std::size_t texel) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value = scratch_.texels[lane][3 * texel + c];
+        if (!(value >= least && value <= kLargestHalf)) ++result_.clamped;
+      }
+    });
+  }
+
+  void encode_single_lines(int first) {
+    BlockGroup& group = scratch_.groups[static_cast<std::size_t>(first / kLanes)];
+    const int count = std::min(kLanes, tile_.blocks - first);
+    for (int lane = 0; lane < kLanes; ++lane) {  // lanes without a block repeat the last one
+      const Place place = place_of(first + std::min(lane, count - 1));
+      set_rows(place, static_cast<std::size_t>(lane));
+      set_weights(place, static_cast<std::size_t>(lane), group);
+    }
+    kernels_.load(scratch_.rows.data(), group);
+    std::array<std::int32_t, kLanes> clamped{};
+    alignas(64) float light[3][kLanes];
+    kernels_.prepare(group, format_.is_signed, clamped.data(), light);
+    format_.encode_single_lines(group, format_, scratch_.encoded);
+    for (int lane = 0; lane < count; ++lane) {
+      const auto at = static_cast<std::size_t>(lane);
+      count_clamped(place_of(first + lane), at, clamped[at]);
+      lights_[tile_.first_block + first + lane] = {light[0][at], light[1][at], light[2][at]};
+      keep(first + lane, at);
+    }
+  }
+
+  void keep(int block, std::size_t lane) {
+    scratch_.errors[static_cast<std::size_t>(block)] = scratch_.encoded.errors[lane];
+    scratch_.encoded.get(lane, bytes_of(block));
+  }
+
+  void encode_two_lines() {
+    std::size_t count = 0;
+    for (int block = 0; block < tile_.blocks; ++block) {
+      if (scratch_.errors[static_cast<std::size_t>(block)] > kEnoughSquares) scratch_.list[count++] = block;
+    }
+    for (std::size_t first = 0; first < count; first += kLanes) {
+      const std::size_t here = std::min<std::size_t>(kLanes, count - first);
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        copy_block(scratch_.list[first + std::min(lane, here - 1)], lane);
+      format_.encode_two_lines(scratch_.hard, format_, scratch_.encoded);
+      for (std::size_t lane = 0; lane < here; ++lane) {
+        const int block = scratch_.list[first + lane];
+        if (scratch_.encoded.errors[lane] < scratch_.errors[static_cast<std::size_t>(block)]) keep(block, lane);
+      }
+    }
+  }
+
+  void copy_block(int block, std::size_t lane) {
+    const BlockGroup& group = scratch_.groups[static_cast<std::size_t>(block / kLanes)];
+    const auto from = static_cast<std::size_t>(block % kLanes);
+    for (std::size_t k = 0; k < std::size(group.values); ++k) scratch_.hard.values[k][lane] = group.values[k][from];
+    for (std::size_t k = 0; k < std::size(group.weights); ++k) scratch_.hard.weights[k][lane] = group.weights[k][from];
+  }
+
+  const std::vector<LatLongView>& pictures_;
+  const Tile& tile_;
+  const BlockFormat& format_;
+  Scratch& scratch_;
+  const Bc6hKernels& kernels_;
+  int width_;
+  int height_;
+  std::uint8_t* blocks_;
+  BlockLight* lights_;
+  TileResult result_;
+};
+
+std::size_t blocks_of(const std::vector<LatLongView>& pictures) {
+  return pictures.size() * block_bytes(pictures.front().width, pictures.front().height) / kBlockBytes;
+}
+
+std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels) {
+  std::vector<Tile> tiles;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    const auto blocks = static_cast<int>(blocks_of(levels[level]));
+    for (int first = 0; first < blocks; first += kTileBlocks) {
+      tiles.push_back({level, first, std::min(kTileBlocks, blocks - first)});
+    }
+  }
+  return tiles;
+}
+
+}  // namespace
+
+EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
+                              const Control& control) {
+  if (format.effort < Bc6hEffort::fast || format.effort > Bc6hEffort::slow) {
+    throw Error(ErrorCode::invalid_argument, "the effort for blocks is not one of the enumerators; pass one of them");
+  }
+  EncodedLevels encoded;
+  for (const std::vector<LatLongView>& pictures : levels) {
+    const std::size_t blocks = blocks_of(pictures);
+    encoded.levels.push_back(
+        {std::vector<std::uint8_t>(blocks * kBlockBytes), std::vector<BlockLight>(blocks), 0.0});
+  }
+  const std::vector<Tile> tiles = tiles_of(levels);
+  std::vector<TileResult> results(tiles.size());
+  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
+  const std::size_t workers = jobs::worker_count(placement);
+  const auto scratch = platform::make_unique_for_overwrite<Scratch[]>(workers);
+  jobs::run_tiles(tiles.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+    const std::size_t level = tiles[tile].level;
+    EncodedLevels::Level& to = encoded.levels[level];
+    results[tile] =
+        TileEncoder(levels[level], tiles[tile], format, scratch[worker], to.blocks.data(), to.lights.data()).encode();
+  });
+  for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+    encoded.levels[tiles[tile].level].squares += results[tile].squares;
+    encoded.values_clamped += results[tile].clamped;
+  }
+  return encoded;
+}
+
+std::vector<LatLongView> pictures_of(const CubemapView& view) {
+  std::vector<LatLongView> pictures;
+  pictures.reserve(view.faces.size());
+  for (const void* const face : view.faces) {
+    pictures.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
+  }
+  return pictures;
+}
+
+std::size_t block_bytes(int width, int height) noexcept {
+  return kBlockBytes * static_cast<std::size_t>(blocks_across(width)) * static_cast<std::size_t>(blocks_across(height));
+}
+
+std::int64_t texels_of(const std::vector<LatLongView>& pictures) noexcept {
+  return static_cast<std::int64_t>(pictures.size()) * pictures.front().width * pictures.front().height;
+}
+
+}  // namespace welkin::image

@@ -1,0 +1,54 @@
+// Pictures in blocks of 4 x 4 texels, the faces of cubemaps among them: which blocks are encoded together, and where they
+// go. BC6H and UASTC HDR are formats of such blocks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "image/bc6h_kernels.h"
+#include "image/block_light.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+
+namespace welkin::image {
+
+/// A format, and how its blocks are encoded.
+struct BlockFormat {
+  Bc6hEffort effort;
+  bool is_signed;
+  /// One line for each block. Called with what `PrepareBlocks` makes; may change the values of the group.
+  void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
+  /// Two lines, for blocks that one was not enough for: the group as the function above left it.
+  void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
+
+  /// How many partitions of a block are encoded.
+  [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMostPartitionsTried : 1; }
+};
+
+/// Levels in blocks, and what was measured on the way.
+struct EncodedLevels {
+  struct Level {
+    std::vector<std::uint8_t> blocks;  ///< of one picture after the other, rows of blocks from the top
+    std::vector<BlockLight> lights;    ///< of the given texels of each block
+    double squares = 0.0;              ///< the sum of squared errors, in units of the halves' last bits
+  };
+  std::vector<Level> levels;
+  std::uint64_t values_clamped = 0;
+};
+
+/// Encodes the pictures of each level, which have the same size within a level. Throws `Error`: invalid_argument (the
+/// effort), cancelled; `std::bad_alloc`.
+[[nodiscard]] EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
+                                            const Control& control);
+
+/// A cubemap's faces, each as a picture.
+[[nodiscard]] std::vector<LatLongView> pictures_of(const CubemapView& view);
+
+/// Bytes of a picture in blocks.
+[[nodiscard]] std::size_t block_bytes(int width, int height) noexcept;
+
+[[nodiscard]] std::int64_t texels_of(const std::vector<LatLongView>& pictures) noexcept;
+
+}  // namespace welkin::image

@@ -1,0 +1,436 @@
+#include "image/uastc_hdr.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstddef>
+#include <utility>
+
+#include "image/bc6h_partitions.h"
+
+namespace welkin::image {
+namespace {
+
+constexpr int kLargestEnd = 3967;  ///< the last one whose half is finite
+
+// ---- Integers of 192 and 40 levels (bounded integer sequence encoding)
+
+/// Levels of a byte: `bits` plain ones below a digit of base 3 or 5.
+struct Levels {
+  int count;
+  int bits;
+  int base;
+};
+constexpr Levels kSingleLevels{192, 6, 3};
+constexpr Levels kPairLevels{40, 3, 5};
+
+/// The byte that a number below `levels.count` stands for (the specification's table "Color endpoint unquantization").
+constexpr int byte_of(int number, const Levels& levels) {
+  const auto bit = [&](int k) { return number >> k & 1; };
+  const int digit = number >> levels.bits;
+  const int a = bit(0) != 0 ? 0x1FF : 0;
+  const int b = levels.base == 3 ? bit(5) << 8 | bit(4) << 7 | bit(3) << 6 | bit(2) << 5 | bit(1) << 4 | bit(5)
+                                 : bit(2) << 8 | bit(1) << 7 | bit(2) << 2 | bit(1) << 1 | bit(2);
+  const int c = levels.base == 3 ? 5 : 26;
+  const int t = (digit * c + b) ^ a;
+  return (a & 0x80) | t >> 2;
+}
+
+/// For each byte and each count of upper bits that must stay, the nearest byte that a number stands for; and the
+/// numbers of those bytes.
+struct LevelTable {
+  static constexpr int kMostKept = 4;
+  std::array<std::array<std::uint8_t, 256>, kMostKept + 1> nearest{};
+  std::array<std::uint8_t, 256> number{};
+
+  constexpr explicit LevelTable(const Levels& levels) {
+    std::array<bool, 256> stored{};
+    for (int n = 0; n < levels.count; ++n) {
+      const auto byte = static_cast<std::size_t>(byte_of(n, levels));
+      stored[byte] = true;
+      number[byte] = static_cast<std::uint8_t>(n);
+    }
+    for (int kept = 0; kept <= kMostKept; ++kept) {
+      for (int byte = 0; byte < 256; ++byte) {
+        const int first = byte & (0xFF00 >> kept);
+        const int last = byte | (0xFF >> kept);
+        int off = 0;
+        const auto serves = [&](int k) { return k >= first && k <= last && stored[static_cast<std::size_t>(k)]; };
+        while (!serves(byte - off) && !serves(byte + off)) ++off;
+        nearest[static_cast<std::size_t>(kept)][static_cast<std::size_t>(byte)] =
+            static_cast<std::uint8_t>(serves(byte - off) ? byte - off : byte + off);
+      }
+    }
+  }
+};
+constexpr LevelTable kSingleTable(kSingleLevels);
+constexpr LevelTable kPairTable(kPairLevels);
+
+const LevelTable& table_of(UastcLines lines) noexcept {
+  return lines == UastcLines::single ? kSingleTable : kPairTable;
+}
+
+// ---- A line's six bytes
+
+// Of the channel that is brightest at the high end, and the two others:
+//   high = (a, a - b0, a - b1), low = (a - c, a - b0 - c - d0, a - b1 - c - d1), all times 2^shift.
+// Bytes 0 to 5 have the lower bits of a, c, b0, b1, d0, d1. What else they hold is said by the mode.
+enum Number : std::uint8_t { kA, kC, kB0, kB1, kD0, kD1 };
+
+struct NumberBit {
+  Number number;
+  std::uint8_t bit;
+};
+
+/// How the mode shares out the bits.
+struct EndMode {
+  int shift;
+  std::array<int, 4> bits;         ///< of a, c, b and d
+  std::size_t extras;              ///< how many of those below it has
+  std::array<NumberBit, 6> extra;  ///< in bit 6 of bytes 2 to 5, then bit 5 of 4 and 5
+};
+constexpr std::array<EndMode, 8> kEndModes{{
+    {3, {9, 6, 7, 7}, 2, {{{kB0, 6}, {kB1, 6}}}},
+    {3, {9, 6, 8, 6}, 4, {{{kB0, 6}, {kB1, 6}, {kB0, 7}, {kB1, 7}}}},
+    {2, {10, 7, 6, 7}, 2, {{{kA, 9}, {kC, 6}}}},
+    {2, {10, 7, 7, 6}, 4, {{{kB0, 6}, {kB1, 6}, {kA, 9}, {kC, 6}}}},
+    {1, {11, 6, 8, 5}, 6, {{{kB0, 6}, {kB1, 6}, {kB0, 7}, {kB1, 7}, {kA, 9}, {kA, 10}}}},
+    {1, {11, 8, 6, 6}, 4, {{{kA, 9}, {kA, 10}, {kC, 7}, {kC, 6}}}},
+    {0, {12, 7, 7, 5}, 6, {{{kB0, 6}, {kB1, 6}, {kA, 11}, {kC, 6}, {kA, 9}, {kA, 10}}}},
+    {0, {12, 7, 6, 6}, 4, {{{kA, 9}, {kA, 10}, {kA, 11}, {kC, 6}}}},
+}};
+using Numbers = std::array<std::int32_t, 6>;
+
+/// Ends with the brightest channel first.
+using FloatEnds = std::array<std::array<float, 3>, 2>;
+
+template <class Ends>
+void exchange_channel(Ends& ends, std::size_t brightest) noexcept {
+  for (auto& end : ends) std::swap(end[0], end[brightest]);
+}
+
+/// Of a number between -65536 and 65536.
+std::int32_t nearest(float value) noexcept { return static_cast<std::int32_t>(value + 65536.5F) - 65536; }
+
+/// What the numbers mean, in their own unit.
+UastcEnds ends_of(const Numbers& n) noexcept {
+  return {{{n[kA] - n[kC], n[kA] - n[kB0] - n[kC] - n[kD0], n[kA] - n[kB1] - n[kC] - n[kD1]},
+           {n[kA], n[kA] - n[kB0], n[kA] - n[kB1]}}};
+}
+
+bool fits(const Numbers& n, const EndMode& mode) noexcept {
+  const auto below = [](std::int32_t number, int bits) { return number >= 0 && number < 1 << bits; };
+  const auto within = [](std::int32_t number, int bits) {
+    return number >= -(1 << (bits - 1)) && number < 1 << (bits - 1);
+  };
+  return below(n[kA], mode.bits[0]) && below(n[kC], mode.bits[1]) && below(n[kB0], mode.bits[2]) &&
+         below(n[kB1], mode.bits[2]) && within(n[kD0], mode.bits[3]) && within(n[kD1], mode.bits[3]);
+}
+
+/// How many lower bits of a number its own byte has.
+int bits_in_byte(Number number, const EndMode& mode) noexcept {
+  return number == kA ? 8 : number >= kD0 ? mode.bits[3] : 6;
+}
+
+/// The byte that has the lower bits of that number.
+std::int32_t byte_of(Number number, const Numbers& n, std::size_t mode, std::size_t brightest) noexcept {
+  const EndMode& here = kEndModes[mode];
+  const auto extra = [&](std::size_t k) {
+    return k < here.extras ? n[here.extra[k].number] >> here.extra[k].bit & 1 : 0;
+  };
+  const auto bit_of = [](std::size_t value, int bit) { return static_cast<std::int32_t>(value >> bit & 1); };
+  const std::int32_t lower = n[number] & ((1 << bits_in_byte(number, here)) - 1);
+  switch (number) {
+    case kA: return lower;
+    case kC: return lower | (n[kA] >> 8 & 1) << 6 | bit_of(mode, 0) << 7;
+    case kB0: return lower | extra(0) << 6 | bit_of(mode, 1) << 7;
+    case kB1: return lower | extra(1) << 6 | bit_of(mode, 2) << 7;
+    case kD0: return lower | extra(2) << 6 | extra(4) << 5 | bit_of(brightest, 0) << 7;
+    case kD1: break;
+  }
+  return lower | extra(3) << 6 | extra(5) << 5 | bit_of(brightest, 1) << 7;
+}
+
+/// The line whose numbers are stored by one of the modes, one number after the other: each makes up for what the ones
+/// before it were rounded by. Its byte keeps the bits that others have, and a sign.
+UastcLine stored_by(std::size_t mode, std::size_t brightest, Numbers n, const FloatEnds& wanted,
+                    const LevelTable& levels) noexcept {
+  const EndMode& here = kEndModes[mode];
+  const float unit = 1.0F / static_cast<float>(1 << here.shift);
+  UastcLine line{};
+  const auto store = [&](Number number, float exact) {
+    const int bits = bits_in_byte(number, here);
+    const int whole = number >= kD0 ? bits - 1 : bits;  // the sign's bit is not rounded
+    const std::int32_t mask = (1 << whole) - 1;
+    const std::int32_t limit = number == kA ? kLargestEnd >> here.shift : n[number] | mask;
+    n[number] = std::clamp(nearest(exact), n[number] & ~mask, std::min(n[number] | mask, limit));
+    const auto byte = static_cast<std::size_t>(byte_of(number, n, mode, brightest));
+    line.bytes[number] = levels.nearest[static_cast<std::size_t>(8 - whole)][byte];
+    n[number] = (n[number] & ~mask) | (line.bytes[number] & mask);
+  };
+  const auto& [low, high] = wanted;
+  const auto as_float = [&](Number number) { return static_cast<float>(n[number]); };
+  store(kA, high[0] * unit);
+  store(kC, as_float(kA) - low[0] * unit);
+  store(kB0, as_float(kA) - high[1] * unit);
+  store(kB1, as_float(kA) - high[2] * unit);
+  store(kD0, as_float(kA) - as_float(kB0) - as_float(kC) - low[1] * unit);
+  store(kD1, as_float(kA) - as_float(kB1) - as_float(kC) - low[2] * unit);
+  line.ends = ends_of(n);
+  for (auto& end : line.ends) {
+    for (std::int32_t& number : end) number = std::clamp(number * (1 << here.shift), 0, 4095);
+  }
+  exchange_channel(line.ends, brightest);
+  return line;
+}
+
+/// The most exact mode that can hold the ends, if there is one. `kEndModes.size()`: none. Two modes each share a unit.
+std::size_t mode_for(const FloatEnds& wanted, Numbers& n) noexcept {
+  for (std::size_t mode = kEndModes.size(); mode > 0; mode -= 2) {
+    const float unit = 1.0F / static_cast<float>(1 << kEndModes[mode - 1].shift);
+    const auto& [low, high] = wanted;
+    n[kA] = nearest(high[0] * unit);
+    n[kC] = n[kA] - nearest(low[0] * unit);
+    n[kB0] = n[kA] - nearest(high[1] * unit);
+    n[kB1] = n[kA] - nearest(high[2] * unit);
+    n[kD0] = n[kA] - n[kB0] - n[kC] - nearest(low[1] * unit);
+    n[kD1] = n[kA] - n[kB1] - n[kC] - nearest(low[2] * unit);
+    for (const std::size_t here : {mode - 1, mode - 2}) {
+      if (fits(n, kEndModes[here])) return here;
+    }
+  }
+  return kEndModes.size();
+}
+
+/// Without differences: the upper 8 bits of red and green, 7 of blue.
+UastcLine stored_plainly(const FloatEnds& wanted, const LevelTable& levels) noexcept {
+  UastcLine line{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int32_t step = c == 2 ? 32 : 16;
+    const std::int32_t mark = c == 2 ? 0x80 : 0;
+    for (std::size_t end = 0; end < 2; ++end) {
+      std::int32_t number = std::min(nearest(wanted[end][c] / static_cast<float>(step)), kLargestEnd / step);
+      const auto& to = levels.nearest[c == 2 ? 1 : 0];
+      const auto stored = [&] { return std::int32_t{to[static_cast<std::size_t>(number | mark)]}; };
+      while ((stored() & ~mark) * step > kLargestEnd) --number;
+      line.bytes[2 * c + end] = static_cast<std::uint8_t>(stored());
+      line.ends[end][c] = (stored() & ~mark) * step;
+    }
+  }
+  return line;
+}
+
+bool is_finite(const UastcEnds& ends) noexcept {
+  for (const auto& end : ends) {
+    for (const std::int32_t number : end) {
+      if (number > kLargestEnd) return false;
+    }
+  }
+  return true;
+}
+
+// ---- Blocks
+
+/// Bits of a block, from below; and those of indices, from its last bit down.
+class BlockBits {
+ public:
+  /// `value` may have more bits.
+  void put(std::uint32_t value, int bits) noexcept {
+    const std::uint64_t kept = value & ((std::uint64_t{1} << bits) - 1);
+    words_[0] |= place_ < 64 ? kept << place_ : 0;
+    if (place_ + bits > 64) words_[1] |= place_ < 64 ? kept >> (64 - place_) : kept << (place_ - 64);
+    place_ += bits;
+  }
+  void put_indices(const std::array<std::uint8_t, kBlockTexels>& indices, int bits) noexcept {
+    std::uint64_t stream = 0;
+    for (std::size_t k = kBlockTexels; k-- > 0;) stream = stream << bits | indices[k];
+    // The stream's bits in the opposite order.
+    constexpr std::array<std::uint64_t, 6> halves{0x5555555555555555U, 0x3333333333333333U, 0x0F0F0F0F0F0F0F0FU,
+                                                  0x00FF00FF00FF00FFU, 0x0000FFFF0000FFFFU, 0x00000000FFFFFFFFU};
+    for (std::size_t k = 0; k < halves.size(); ++k) {
+      stream = (stream & halves[k]) << (1U << k) | (stream >> (1U << k) & halves[k]);
+    }
+    words_[1] |= stream;
+  }
+  void store(std::uint8_t* block) const noexcept {
+    for (std::size_t k = 0; k < kBlockBytes; ++k) {
+      block[k] = static_cast<std::uint8_t>(words_[k / 8] >> (8 * (k % 8)));
+    }
+  }
+
+ private:
+  std::array<std::uint64_t, 2> words_{};
+  int place_ = 0;
+};
+
+/// Five digits of base 3 in 8 bits: for the digits d0 + 3 d1 + ... the smallest number that is decoded to them.
+constexpr std::array<std::uint8_t, 243> kTrits = [] {
+  std::array<std::uint8_t, 243> table{};
+  for (int n = 255; n >= 0; --n) {
+    int c = n & 0x1F;
+    int t4 = n >> 7;
+    int t3 = n >> 5 & 3;
+    if ((n >> 2 & 7) == 7) {
+      c = (n >> 5) << 2 | (n & 3);
+      t4 = t3 = 2;
+    } else if (t3 == 3) {
+      t3 = t4;
+      t4 = 2;
+    }
+    int t2 = 2;
+    int t1 = 2;
+    int t0 = c & 3;
+    if ((c & 3) == 3) {
+      t1 = c >> 4;
+      t0 = (c >> 3 & 1) << 1 | (c >> 2 & 1 & ~(c >> 3));
+    } else if ((c >> 2 & 3) != 3) {
+      t2 = c >> 4;
+      t1 = c >> 2 & 3;
+      t0 = (c >> 1 & 1) << 1 | (c & 1 & ~(c >> 1));
+    }
+    table[static_cast<std::size_t>(t0 + 3 * (t1 + 3 * (t2 + 3 * (t3 + 3 * t4))))] = static_cast<std::uint8_t>(n);
+  }
+  return table;
+}();
+
+/// Three digits of base 5 in 7 bits, likewise.
+constexpr std::array<std::uint8_t, 125> kQuints = [] {
+  std::array<std::uint8_t, 125> table{};
+  for (int n = 127; n >= 0; --n) {
+    int q0 = 4;
+    int q1 = 4;
+    int q2 = 4;
+    if ((n >> 1 & 3) == 3 && (n >> 5 & 3) == 0) {
+      const int not_first = ~n & 1;
+      q2 = (n & 1) << 2 | (n >> 4 & not_first) << 1 | (n >> 3 & not_first);
+    } else {
+      int c = n & 0x1F;
+      if ((n >> 1 & 3) == 3) {
+        c = (n >> 3 & 3) << 3 | (~(n >> 5) & 3) << 1 | (n & 1);
+      } else {
+        q2 = n >> 5 & 3;
+      }
+      if ((c & 7) == 5) {
+        q0 = c >> 3;
+      } else {
+        q1 = c >> 3;
+        q0 = c & 7;
+      }
+    }
+    table[static_cast<std::size_t>(q0 + 5 * (q1 + 5 * q2))] = static_cast<std::uint8_t>(n);
+  }
+  return table;
+}();
+
+/// Numbers of 192 levels in groups of five, whose digits' bits lie between the plain ones.
+void put_trits(BlockBits& to, const std::uint8_t* numbers, std::size_t count) noexcept {
+  std::size_t digits = 0;
+  for (std::size_t k = count; k-- > 0;) digits = 3 * digits + static_cast<std::size_t>(numbers[k] >> kSingleLevels.bits);
+  const std::uint32_t code = kTrits[digits];
+  constexpr std::array<std::array<int, 2>, 5> parts{{{0, 2}, {2, 2}, {4, 1}, {5, 2}, {7, 1}}};
+  for (std::size_t k = 0; k < count; ++k) {
+    to.put(numbers[k] & 0x3FU, kSingleLevels.bits);
+    to.put(code >> parts[k][0], parts[k][1]);
+  }
+}
+
+/// Numbers of 40 levels in groups of three.
+void put_quints(BlockBits& to, const std::uint8_t* numbers) noexcept {
+  std::size_t digits = 0;
+  for (std::size_t k = 3; k-- > 0;) digits = 5 * digits + static_cast<std::size_t>(numbers[k] >> kPairLevels.bits);
+  const std::uint32_t code = kQuints[digits];
+  constexpr std::array<std::array<int, 2>, 3> parts{{{0, 3}, {3, 2}, {5, 2}}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    to.put(numbers[k] & 7U, kPairLevels.bits);
+    to.put(code >> parts[k][0], parts[k][1]);
+  }
+}
+
+/// ASTC's seeds of BC6H's partitions. Negative: its first line is BC6H's second. 0: it has none.
+constexpr std::array<std::int16_t, kBc6hPartitions> kSeeds{
+    28,  20, -16,  29,   -91, 9,   -107, -72,  149, -204, 50,   -114, -496, -17, 78,   -39,
+    0,   -252, -828, 43, 156, 116, -210, -476, 273, -684, 359,  0,    0,    -246, 0,   0};
+
+constexpr std::uint32_t kFormat = 11;  ///< of the ends
+
+}  // namespace
+
+const std::uint32_t kUastcPartitions = [] {
+  std::uint32_t all = 0;
+  for (std::size_t k = 0; k < kSeeds.size(); ++k) all |= kSeeds[k] != 0 ? 1U << k : 0U;
+  return all;
+}();
+
+UastcLine store_uastc_line(const FloatEnds& wanted, UastcLines lines) noexcept {
+  const LevelTable& levels = table_of(lines);
+  FloatEnds ends = wanted;
+  for (auto& end : ends) {
+    for (float& number : end) number = std::clamp(number, 0.0F, static_cast<float>(kLargestEnd));
+  }
+  const auto sum = [](const std::array<float, 3>& end) { return end[0] + end[1] + end[2]; };
+  if (sum(ends[0]) > sum(ends[1])) std::swap(ends[0], ends[1]);
+  for (int order = 0; order < 2; ++order) {
+    const auto& high = ends[1];
+    const std::size_t brightest = high[0] >= high[1] && high[0] >= high[2] ? 0 : high[1] >= high[2] ? 1 : 2;
+    FloatEnds turned = ends;
+    exchange_channel(turned, brightest);
+    Numbers numbers{};
+    const std::size_t mode = mode_for(turned, numbers);
+    if (mode < kEndModes.size()) {
+      const UastcLine line = stored_by(mode, brightest, numbers, turned, levels);
+      if (is_finite(line.ends)) return line;
+    }
+    std::swap(ends[0], ends[1]);
+  }
+  return stored_plainly(ends, levels);
+}
+
+void pack_uastc_single(const UastcLine& line, const std::array<std::uint8_t, kBlockTexels>& indices,
+                       std::uint8_t* block) noexcept {
+  constexpr std::uint32_t sixteen_steps = 0x242;  // block mode: 4 x 4 indices of 4 bits
+  BlockBits bits;
+  bits.put(sixteen_steps, 11);
+  bits.put(0, 2);  // one partition
+  bits.put(kFormat, 4);
+  std::array<std::uint8_t, 6> numbers{};
+  for (std::size_t k = 0; k < 6; ++k) numbers[k] = kSingleTable.number[line.bytes[k]];
+  put_trits(bits, numbers.data(), 5);
+  put_trits(bits, numbers.data() + 5, 1);
+  bits.put_indices(indices, 4);
+  bits.store(block);
+}
+
+void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
+                     const std::array<std::uint8_t, kBlockTexels>& indices, std::uint8_t* block) noexcept {
+  constexpr std::uint32_t four_steps = 0x42;  // block mode: 4 x 4 indices of 2 bits
+  const std::int16_t seed = kSeeds[static_cast<std::size_t>(partition)];
+  BlockBits bits;
+  bits.put(four_steps, 11);
+  bits.put(1, 2);  // two partitions
+  bits.put(static_cast<std::uint32_t>(std::abs(seed)), 10);
+  bits.put(kFormat << 2, 6);  // the same for both
+  std::array<std::uint8_t, 12> numbers{};
+  for (std::size_t k = 0; k < 12; ++k) {
+    numbers[k] = kPairTable.number[lines[seed < 0 ? 1 - k / 6 : k / 6].bytes[k % 6]];
+  }
+  for (std::size_t k = 0; k < 12; k += 3) put_quints(bits, numbers.data() + k);
+  bits.put_indices(indices, 2);
+  bits.store(block);
+}
+
+void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept {
+  BlockBits bits;
+  bits.put(0xFFC, 12);  // of halves
+  bits.put(~0U, 32);    // and for the whole texture
+  bits.put(~0U, 20);
+  for (const std::uint16_t half : halves) bits.put(half, 16);
+  bits.put(0x3C00, 16);
+  bits.store(block);
+}
+
+std::uint16_t half_of_logarithm(std::int32_t logarithm) noexcept {
+  const std::int32_t m = logarithm & 0x7FF;
+  const std::int32_t mantissa = m < 512 ? 3 * m : m >= 1536 ? 5 * m - 2048 : 4 * m - 512;
+  return static_cast<std::uint16_t>(std::min((logarithm >> 11 << 10) + (mantissa >> 3), 0x7BFF));
+}
+
+}  // namespace welkin::image

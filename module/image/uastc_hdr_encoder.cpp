@@ -1,0 +1,332 @@
+#include "image/uastc_hdr_encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "image/bc6h.h"
+#include "image/bc6h_balance.h"
+#include "image/pixels.h"
+#include "image/uastc_hdr.h"
+#include "image/uastc_hdr_kernels.h"
+#include "jobs/tiles.h"
+
+namespace welkin::image {
+namespace {
+
+using simd::kLanes;
+
+/// Halves' bits of a block, texel by texel, as it will be decoded.
+using BlockHalves = std::array<std::uint16_t, 3 * kBlockTexels>;
+
+/// 16 blocks: their lines as they are fitted and stored, and the texels' indices.
+class Lines {
+ public:
+  /// One line for each block, or two by these partitions.
+  explicit Lines(const float* partitions = nullptr) noexcept : partitions_(partitions) {}
+
+  /// Fits the lines, the first time along the texels' spread and then to the indices found before.
+  void turn(const BlockGroup& group) {
+    const UastcHdrKernels& kernels = uastc_hdr_kernels();
+    const BlockLines* const before = turns_++ == 0 ? nullptr : &meant_;
+    if (partitions_ == nullptr) {
+      kernels.fit_single(group, before, fitted_);
+      store();
+      kernels.index_single(group, meant_, found_);
+    } else {
+      kernels.fit_pairs(group, partitions_, before, fitted_);
+      store();
+      kernels.index_pairs(group, partitions_, meant_, found_);
+    }
+  }
+
+  [[nodiscard]] float error(std::size_t lane) const noexcept { return found_.errors[lane]; }
+
+  void pack(std::size_t lane, std::uint8_t* block) const noexcept {
+    if (partitions_ == nullptr) {
+      pack_uastc_single(stored_[0][lane], indices(lane), block);
+    } else {
+      pack_uastc_pair({stored_[0][lane], stored_[1][lane]}, partition(lane), indices(lane), block);
+    }
+  }
+
+  /// As ASTC's decoder has them, with 16 bits between the ends.
+  [[nodiscard]] BlockHalves halves(std::size_t lane) const noexcept {
+    constexpr std::array<std::int32_t, 16> single{0, 4, 8, 12, 17, 21, 25, 29, 35, 39, 43, 47, 52, 56, 60, 64};
+    constexpr std::array<std::int32_t, 4> pair{0, 21, 43, 64};
+    BlockHalves result{};
+    for (std::size_t k = 0; k < kBlockTexels; ++k) {
+      const auto index = static_cast<std::size_t>(found_.indices[k][lane]);
+      const std::int32_t weight = partitions_ == nullptr ? single[index] : pair[index];
+      const bool second = partitions_ != nullptr && (bc6h_second_line(partition(lane)) >> k & 1) != 0;
+      const auto& [low, high] = stored_[second ? 1 : 0][lane].ends;
+      for (std::size_t c = 0; c < 3; ++c) {
+        result[3 * k + c] = half_of_logarithm((low[c] * 16 * (64 - weight) + high[c] * 16 * weight + 32) >> 6);
+      }
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] int partition(std::size_t lane) const noexcept { return static_cast<int>(partitions_[lane]); }
+
+  [[nodiscard]] std::array<std::uint8_t, kBlockTexels> indices(std::size_t lane) const noexcept {
+    std::array<std::uint8_t, kBlockTexels> result{};
+    for (std::size_t k = 0; k < kBlockTexels; ++k) result[k] = static_cast<std::uint8_t>(found_.indices[k][lane]);
+    return result;
+  }
+
+  /// Stores the fitted ends, and what they mean as logarithms.
+  void store() noexcept {
+    const UastcLines kind = partitions_ == nullptr ? UastcLines::single : UastcLines::pair;
+    for (std::size_t line = 0; line < (partitions_ == nullptr ? 1 : 2); ++line) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        std::array<std::array<float, 3>, 2> ends{};
+        for (std::size_t k = 0; k < 6; ++k) ends[k / 3][k % 3] = fitted_.ends[line][k / 3][k % 3][lane] / 16.0F;
+        const UastcLine& here = stored_[line][lane] = store_uastc_line(ends, kind);
+        for (std::size_t k = 0; k < 6; ++k) {
+          meant_.ends[line][k / 3][k % 3][lane] = static_cast<float>(here.ends[k / 3][k % 3] * 16);
+        }
+      }
+    }
+  }
+
+  const float* partitions_;
+  int turns_ = 0;
+  BlockLines fitted_;
+  BlockLines meant_;
+  std::array<std::array<UastcLine, kLanes>, 2> stored_;
+  BlockIndices found_;
+};
+
+/// Of a block of equal texels, from their logarithms.
+BlockHalves flat_halves(const BlockGroup& group, std::size_t lane) {
+  BlockHalves halves{};
+  for (std::size_t k = 0; k < halves.size(); ++k) {
+    halves[k] = half_of_logarithm(static_cast<std::int32_t>(group.values[k % 3][lane]));
+  }
+  return halves;
+}
+
+/// What the blocks in `EncodedBlocks` are decoded to, if somebody asks.
+using AllHalves = std::array<BlockHalves, kLanes>;
+
+void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {
+  std::array<std::int32_t, kLanes> flat;
+  uastc_hdr_kernels().take_logarithms(group, flat.data());
+  Lines lines;
+  std::array<std::uint8_t, kBlockBytes> block;
+  for (int turn = 0; turn < (effort == Bc6hEffort::fast ? 1 : 2); ++turn) {
+    lines.turn(group);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (flat[lane] != 0 || (turn > 0 && !(lines.error(lane) < to.errors[lane]))) continue;
+      lines.pack(lane, block.data());
+      to.set(lane, block.data(), lines.error(lane));
+      if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
+    }
+  }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (flat[lane] == 0) continue;
+    const BlockHalves all = flat_halves(group, lane);
+    pack_uastc_flat({all[0], all[1], all[2]}, block.data());
+    to.set(lane, block.data(), 0.0F);
+    if (halves != nullptr) (*halves)[lane] = all;
+  }
+}
+
+/// Blocks that are better than those in `to` take their place.
+void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to, AllHalves* halves) {
+  alignas(64) float partitions[kMostPartitionsTried][kLanes];
+  uastc_hdr_kernels().rank_partitions(group, kUastcPartitions, tried, partitions);
+  std::array<std::uint8_t, kBlockBytes> block;
+  for (int rank = 0; rank < tried; ++rank) {
+    Lines lines(partitions[rank]);
+    for (int turn = 0; turn < 2; ++turn) {
+      lines.turn(group);
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        if (!(lines.error(lane) < to.errors[lane])) continue;
+        lines.pack(lane, block.data());
+        to.set(lane, block.data(), lines.error(lane));
+        if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
+      }
+    }
+  }
+}
+
+BlockFormat format_with(Bc6hEffort effort) {
+  return {effort, false,
+          [](BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
+            encode_single_lines(group, format.effort, to, nullptr);
+          },
+          [](const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
+            std::fill_n(to.errors, kLanes, 1.0e30F);
+            improve_by_two_lines(group, format.partitions_tried(), to, nullptr);
+          }};
+}
+
+/// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: 16 times at once, with
+/// their texels scaled by a little. Of these it takes what leaves the mean best (block_light.h).
+class Balancer {
+ public:
+  Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
+      : pictures_(pictures), format_(format), level_(level), total_(total_light(level.lights)) {
+    for (const auto& [share, block] : brightest_blocks(level.lights, total_)) {
+      brightest_.push_back({share, block, tried(block, {1.0, 1.0, 1.0}, 0.0)[0]});
+      off_ = sum(off_, brightest_.back().now.light);
+    }
+  }
+
+  void run() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (Bright& bright : brightest_) {
+        if (excess(off_) <= 0.0) return;
+        if (sweep == 0 || bright.share >= kLargeShare) improve(bright, sweep);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSweeps = 4;
+  /// A total error of the means of this size costs as much as a mean squared relative error of 1.
+  static constexpr double kWorth = 0.01;
+  static constexpr std::size_t kValues = 3 * kBlockTexels;
+
+  struct Trial {
+    std::array<std::uint8_t, kBlockBytes> block;
+    double squares;     ///< of relative errors
+    ChannelSums light;  ///< too much
+  };
+  using Trials = std::array<Trial, kLanes>;
+
+  struct Bright {
+    double share;
+    std::size_t block;
+    Trial now;
+  };
+
+  /// A block's texels; those beyond the picture's edge repeat it.
+  struct Given {
+    std::array<float, kValues> values;
+    std::array<bool, kBlockTexels> inside;
+  };
+
+  static ChannelSums sum(const ChannelSums& a, const ChannelSums& b, double sign = 1.0) {
+    return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
+  }
+
+  [[nodiscard]] double excess(const ChannelSums& off) const {
+    double all = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) all += excess_of_mean(off[c], total_[c]);
+    return all;
+  }
+
+  [[nodiscard]] Given given(std::size_t block) const {
+    const LatLongView& first = pictures_.front();
+    const auto across = static_cast<std::size_t>(blocks_across(first.width));
+    const std::size_t each = across * static_cast<std::size_t>(blocks_across(first.height));
+    const LatLongView& view = pictures_[block / each];
+    const int top = static_cast<int>(block % each / across) * kBlockEdge;
+    const int left = static_cast<int>(block % each % across) * kBlockEdge;
+    Given given{};
+    for (int row = 0; row < kBlockEdge; ++row) {
+      read_block_row(view, std::min(top + row, view.height - 1), left, given.values.data() + std::ptrdiff_t{12} * row);
+      for (int column = 0; column < kBlockEdge; ++column) {
+        given.inside[static_cast<std::size_t>(kBlockEdge * row + column)] =
+            top + row < view.height && left + column < view.width;
+      }
+    }
+    for (float& value : given.values) value = value > 0.0F ? std::min(value, kLargestHalf) : 0.0F;  // NaN is 0
+    return given;
+  }
+
+  /// The block as it is, and 15 times with its channels scaled by `scale`, give or take `spread`.
+  [[nodiscard]] Trials tried(std::size_t block, const ChannelSums& scale, double spread) {
+    const Given texels = given(block);
+    BlockGroup group;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      std::array<float, 3> factors{1.0F, 1.0F, 1.0F};
+      for (std::size_t c = 0; c < 3 && lane > 0; ++c) {
+        state_ = 1664525U * state_ + 1013904223U;
+        const double part = 2.0 * static_cast<double>(state_ >> 16U) / 65535.0 - 1.0;
+        factors[c] = static_cast<float>(scale[c] * (1.0 + spread * part));
+      }
+      for (std::size_t k = 0; k < kValues; ++k) {
+        group.values[k][lane] = std::min(texels.values[k] * factors[k % 3], kLargestHalf);
+      }
+      for (std::size_t k = 0; k < kBlockTexels; ++k) group.weights[k][lane] = texels.inside[k] ? 1.0F : kPaddingWeight;
+    }
+    std::array<std::int32_t, kLanes> clamped;
+    alignas(64) float light[3][kLanes];
+    bc6h_kernels().prepare(group, false, clamped.data(), light);
+    EncodedBlocks encoded;
+    AllHalves halves;
+    encode_single_lines(group, format_.effort, encoded, &halves);
+    if (format_.effort != Bc6hEffort::fast) {
+      improve_by_two_lines(group, format_.partitions_tried(), encoded, &halves);
+    }
+    Trials trials;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      trials[lane] = measured(texels, halves[lane]);
+      encoded.get(lane, trials[lane].block.data());
+    }
+    return trials;
+  }
+
+  static Trial measured(const Given& texels, const BlockHalves& halves) {
+    Trial trial{{}, 0.0, {}};
+    for (std::size_t k = 0; k < kValues; ++k) {
+      if (!texels.inside[k / 3]) continue;
+      const auto value = static_cast<double>(texels.values[k]);
+      const double off = static_cast<double>(float_from_half(halves[k])) - value;
+      trial.light[k % 3] += off;
+      trial.squares += off * off / std::max(value * value, 0x1p-28);
+    }
+    return trial;
+  }
+
+  void improve(Bright& bright, int sweep) {
+    const ChannelSums rest = sum(off_, bright.now.light, -1.0);
+    ChannelSums scale{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto whole = static_cast<double>(level_.lights[bright.block][c]);
+      scale[c] = whole > 0.0 ? std::clamp(1.0 - off_[c] / whole, 0.9, 1.1) : 1.0;
+    }
+    const double values = 3.0 * static_cast<double>(texels_of(pictures_));
+    const auto cost = [&](const Trial& trial) {
+      return excess(sum(rest, trial.light)) + trial.squares / (kWorth * values);
+    };
+    const Trial* best = &bright.now;
+    const Trials trials = tried(bright.block, scale, sweep % 2 == 0 ? 0.02 : 0.08);
+    for (const Trial& trial : trials) {
+      if (cost(trial) < cost(*best) && excess(sum(rest, trial.light)) < excess(off_)) best = &trial;
+    }
+    bright.now = *best;
+    off_ = sum(rest, bright.now.light);
+    std::copy_n(bright.now.block.data(), kBlockBytes, level_.blocks.data() + kBlockBytes * bright.block);
+  }
+
+  const std::vector<LatLongView>& pictures_;
+  const BlockFormat& format_;
+  EncodedLevels::Level& level_;
+  ChannelSums total_;
+  std::uint32_t state_ = 1;  ///< of the numbers that trials are scaled by
+  std::vector<Bright> brightest_;
+  ChannelSums off_{};  ///< what the level has too much of
+};
+
+}  // namespace
+
+EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
+                                        const Control& control) {
+  const BlockFormat format = format_with(effort);
+  EncodedLevels encoded = encode_pictures(levels, format, jobs::part_of(control, 0.0, 0.98));
+  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
+  jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
+                  [&](std::size_t level, std::size_t /*worker*/) {
+                    Balancer(levels[level], format, encoded.levels[level]).run();
+                  });
+  return encoded;
+}
+
+}  // namespace welkin::image

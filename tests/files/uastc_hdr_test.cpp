@@ -1,0 +1,216 @@
+// KTX2 textures in blocks of UASTC HDR.
+#include "image/uastc_hdr.h"
+
+#include "image/pixels.h"
+#include "image/uastc_hdr_encoder.h"
+#include "image/uastc_hdr_kernels.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/pictures.h"
+#include "support/test_environments.h"
+#include "welkin/bake_file.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+
+// Promises: blocks are HDR ASTC, and of those only what Basis Universal's transcoders turn into BC6H; the bytes do not
+// depend on the instruction set nor on the number of threads; errors and means of real pictures' chains and of made-up
+// ones stay within their bounds. tests/textures asks three.js and its transcoder, whether they read them.
+
+namespace {
+
+constexpr std::array kEfforts{Bc6hEffort::fast, Bc6hEffort::normal, Bc6hEffort::slow};
+
+std::vector<std::byte> written(const Cubemap& chain, Bc6hEffort effort = Bc6hEffort::normal) {
+  TextureOptions options;
+  options.format = TexelFormat::uastc_hdr_4x4;
+  options.bc6h_effort = effort;
+  std::vector<std::byte> bytes;
+  write_texture({bytes, "sky.ktx2"}, chain.views(), options);
+  return bytes;
+}
+
+Cubemap read_back(const std::vector<std::byte>& bytes) { return read_texture({bytes, "sky.ktx2"}).cubemap; }
+
+double rms_error(const Cubemap& found, const Cubemap& chain) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const std::span<const float> wanted = level_values(chain, level);
+    const std::span<const float> here = level_values(found, level);
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const auto value = static_cast<double>(std::clamp(wanted[k], 0.0F, 65504.0F));
+      const double off = (static_cast<double>(here[k]) - value) / std::max(value, 0x1p-14);
+      sum += off * off;
+      count += 1.0;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+/// A block's first bits, counted from the lowest.
+std::uint32_t bits(const std::uint8_t* block, int first, int count) {
+  std::uint32_t value = 0;
+  for (int k = 0; k < count; ++k) value |= (block[(first + k) / 8] >> ((first + k) % 8) & 1U) << k;
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("one colour is exact in UASTC HDR at every size", "[codec][textures][astc][uastc]") {
+  for (const int size : {1, 2, 3, 7, 64}) {
+    Cubemap chain(size, full_chain_levels(size));
+    for (const float value : {0.0F, 0x1p-24F, 0.3F, 1.0F, 65504.0F}) {
+      CAPTURE(size, value);
+      chain = changed(chain, [&](float) { return value; });
+      const float half = image::float_from_half(image::half_from_float(value));
+      CHECK(all_values(read_back(written(chain)), chain, [&](float a, float) { return a == half; }));
+    }
+  }
+}
+
+TEST_CASE("ends of lines in UASTC HDR are stored near to what was wanted", "[image][uastc]") {
+  std::mt19937 random(5);
+  const auto number = [&](double least, double most) {
+    return static_cast<float>(std::uniform_real_distribution<double>(least, most)(random));
+  };
+  double largest = 0.0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    // A line of at most four octaves, and colours within one: what most blocks have.
+    std::array<std::array<float, 3>, 2> ends{};
+    const float middle = number(600.0, 3300.0);
+    const float reach = number(0.0, 250.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float colour = number(-60.0, 60.0);
+      ends[0][c] = middle + colour - reach;
+      ends[1][c] = middle + colour + reach + number(-20.0, 20.0);
+    }
+    const image::UastcLine line = image::store_uastc_line(ends, image::UastcLines::single);
+    // Low and high may be exchanged.
+    double off = 0.0;
+    double other = 0.0;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const auto stored = static_cast<double>(line.ends[k / 3][k % 3]);
+      off = std::max(off, std::abs(stored - static_cast<double>(ends[k / 3][k % 3])));
+      other = std::max(other, std::abs(stored - static_cast<double>(ends[1 - k / 3][k % 3])));
+    }
+    largest = std::max(largest, std::min(off, other));
+  }
+  CAPTURE(largest);
+  CHECK(largest < 16.0);  // an eighth of an octave; the mean is far less
+}
+
+TEST_CASE("UASTC HDR has the kinds of blocks that transcoders know, with ASTC's 27 of BC6H's partitions",
+          "[codec][textures][uastc]") {
+  CHECK(std::popcount(image::kUastcPartitions) == 27);
+  const Cubemap chain = noisy_chain(32, 6, 3);
+  std::vector<std::vector<LatLongView>> levels;
+  for (const CubemapView& view : chain.views()) levels.push_back(image::pictures_of(view));
+  const image::EncodedLevels encoded = image::encode_uastc_hdr_pictures(levels, Bc6hEffort::slow, {});
+  std::set<std::uint32_t> seeds;
+  int singles = 0;
+  for (const image::EncodedLevels::Level& level : encoded.levels) {
+    for (std::size_t at = 0; at < level.blocks.size(); at += image::kBlockBytes) {
+      const std::uint8_t* const block = level.blocks.data() + at;
+      if (bits(block, 0, 12) == 0xFFC) continue;  // one colour
+      const bool pair = bits(block, 11, 2) == 1;
+      REQUIRE(bits(block, 0, 11) == (pair ? 0x42U : 0x242U));
+      REQUIRE((pair ? bits(block, 23, 6) : bits(block, 13, 4)) == (pair ? 44U : 11U));
+      if (pair) seeds.insert(bits(block, 13, 10));
+      singles += pair ? 0 : 1;
+    }
+  }
+  CHECK(singles > 0);
+  CHECK(seeds.size() > 20);
+}
+
+TEST_CASE("UASTC HDR's kernels give the same lines and indices on every instruction set", "[image][uastc]") {
+  const Cubemap chain = build_mips(make_cubemap(Content::high_range, 16, 3, 5).view());
+  image::BlockLines first_fitted{};
+  image::BlockIndices first_found{};
+  for (const InstructionSet set : available_instruction_sets()) {
+    CAPTURE(name(set));
+    const image::Bc6hKernels& blocks = image::bc6h_kernels(set);
+    const image::UastcHdrKernels& kernels = image::uastc_hdr_kernels(set);
+    const auto group = std::make_unique<image::BlockGroup>();
+    std::vector<const float*> rows;
+    for (int block = 0; block < 16; ++block) {
+      for (int k = 0; k < 4; ++k) rows.push_back(chain.face(0, 1) + 3 * (16 * (block / 4 * 4 + k) + block % 4 * 4));
+    }
+    blocks.load(rows.data(), *group);
+    for (auto& weights : group->weights) std::fill(std::begin(weights), std::end(weights), 1.0F);
+    std::array<std::int32_t, 16> numbers{};
+    alignas(64) float light[3][16];
+    blocks.prepare(*group, false, numbers.data(), light);
+    kernels.take_logarithms(*group, numbers.data());
+    alignas(64) float partitions[4][16];
+    kernels.rank_partitions(*group, image::kUastcPartitions, 4, partitions);
+    image::BlockLines fitted{};
+    image::BlockIndices found{};
+    kernels.fit_pairs(*group, partitions[0], nullptr, fitted);
+    kernels.index_pairs(*group, partitions[0], fitted, found);
+    if (set == available_instruction_sets().front()) {
+      first_fitted = fitted;
+      first_found = found;
+    }
+    CHECK(std::memcmp(&fitted, &first_fitted, sizeof fitted) == 0);
+    CHECK(std::memcmp(&found, &first_found, sizeof found) == 0);
+  }
+}
+
+TEST_CASE("UASTC HDR clamps what halves cannot hold, and counts it", "[codec][textures][uastc]") {
+  Cubemap chain = changed(Cubemap(5, 1), [](float) { return 1.0F; });
+  chain.face(0, 0)[0] = -1.0F;
+  chain.face(0, 1)[1] = std::numeric_limits<float>::quiet_NaN();
+  chain.face(0, 2)[3 * 24 + 2] = std::numeric_limits<float>::infinity();
+  TextureOptions options;
+  options.format = TexelFormat::uastc_hdr_4x4;
+  std::vector<std::byte> bytes;
+  CHECK(write_texture({bytes, "sky.ktx2"}, chain.views(), options).values_clamped == 3);
+}
+
+TEST_CASE("UASTC HDR comes back within its errors, more effort with less", "[codec][textures][astc][uastc]") {
+  const Cubemap sky = build_mips(make_cubemap(Content::high_range, 256, 3, 5).view());
+  const Cubemap chain = prefilter_specular(sky.view(0), {.size = 128, .mips = 8}).cubemap;
+  double last = 0.16;  // the picture is noise
+  for (const Bc6hEffort effort : kEfforts) {
+    const double error = rms_error(read_back(written(chain, effort)), chain);
+    CAPTURE(static_cast<int>(effort), error);
+    CHECK(error < last);
+    last = error;
+  }
+  CHECK(written(chain) == written(chain));
+}
+
+TEST_CASE("UASTC HDR keeps the mean of each channel where a sun has most of the light",
+          "[codec][textures][astc][uastc]") {
+  const Cubemap chain = sun_chain(128);
+  for (const Bc6hEffort effort : kEfforts) {
+    const Cubemap decoded = read_back(written(chain, effort));
+    for (int level = 0; level < 4; ++level) {  // down to 16 texels
+      CAPTURE(static_cast<int>(effort), level);
+      CHECK(largest_bias(decoded, chain, level) < 0.01);
+    }
+  }
+}
+
+TEST_CASE("UASTC HDR errors and biases of real pictures' chains stay within their bounds",
+          "[codec][textures][astc][uastc][pictures][slow]") {
+  if (!shared_pictures_are_here()) return;
+  for (const char* const file : {"lebombo_1k.hdr", "studio_small_03_1k.hdr", "venice_sunset_1k.hdr"}) {
+    CAPTURE(file);
+    PrefilterOptions options;
+    options.size = 128;
+    options.mips = 8;
+    const Environment picture = read_environment(kPictures / "env" / file);
+    const Cubemap chain = prefilter_specular(picture.lat_long(), options).cubemap;
+    const Cubemap decoded = read_back(written(chain));
+    CHECK(rms_error(decoded, chain) < 0.04);
+    for (int level = 0; level < 4; ++level) CHECK(largest_bias(decoded, chain, level) < 0.004);
+  }
+}
+
+}  // namespace welkin::test
