@@ -123,8 +123,8 @@ struct MipRecord {
   /// (stored mips, and chains without a spectral mip).
   std::optional<double> error_between = std::nullopt;
   /// Mean of the texels, weighted by solid angle. Convolution preserves energy, so the mean is nearly the same on every
-  /// mip. It differs where a convolved lamp is narrower than the texels, because a texel holds the value at its centre:
-  /// by up to 180 % on mip 1 of a chain of 32, if the source is a cubemap of 64 with a lamp of one texel.
+  /// mip. It differs where a lamp and its lobe are narrower than a texel, which holds the value at its centre: for a
+  /// cubemap of 64 with a lamp of one texel, by up to 180 % on mip 1 of a chain of 32. A clamp of `pixels` limits that.
   dvec3 mean{};
   double milliseconds = 0.0;  ///< wall time
 };

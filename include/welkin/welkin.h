@@ -615,8 +615,7 @@ WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memor
 WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
                                                 int32_t without_ground, welkin_sky_view** view);
 
-/* Computes radiance from `count` directions, without the sun's disc. `directions` has x, y, z per direction; `rgb`
- * receives r, g, b per direction. */
+/* Computes radiance without the sun's disc from `count` directions (x, y, z each); `rgb` receives r, g, b of each. */
 WELKIN_API welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float* directions, size_t count,
                                                   const double* sun, float* rgb);
 

@@ -1,7 +1,7 @@
 // Baking off the main thread: requests are posted to a worker, and results are polled or delivered by callback.
 //
 //   welkin::Worker worker;                                     // own threads, at a lower priority than the engine's
-//   auto job = worker.post(welkin::Project{std::move(image)}, {.key = "probe 7"});
+//   auto job = worker.post(welkin::Project{std::move(image)});
 //   ...                                                        // later, once per frame
 //   if (auto light = job.try_take()) use(light->radiance);     // never waits; returns the result once
 //

@@ -21,6 +21,7 @@ PROGRAM = """
 #include <span>
 #include <string>
 #include <vector>
+#include <glm/glm.hpp>
 #include <welkin/bake.h>
 #include <welkin/bake_file.h>
 #include <welkin/engines.h>
@@ -54,7 +55,7 @@ PAGES = {
     "docs/tutorials/cpp_engine.md": ("const welkin::CubemapView& view", (1,)),
     "docs/guides/runtime_probes.md": (
         "std::ptrdiff_t row_stride_bytes, welkin::SphericalHarmonics radiance, std::shared_ptr<Slot> slot,"
-        "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 2, 5)),
+        "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 3, 6, 8)),
     "docs/guides/worker.md": (
         "welkin::Cubemap image, double sun, std::vector<Probe> probes", ()),
     "docs/guides/install.md": (
