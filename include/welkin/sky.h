@@ -272,6 +272,15 @@ struct SkyTables {
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                        const Control& control = {});
 
+/// Returns tables of a sky between others in which one property differs, such as the ground's albedo or the amount of
+/// haze: a polynomial through `tables` at `places`, evaluated at `place`. Transmittance is that of `atmosphere`,
+/// exactly. Cost: 5 ms of CPU time for compact tables, 35 ms for full ones. Root mean square error by compact tables of
+/// the Earth at three places: 6e-4 between grounds (albedo 0.6 by 0, 0.4 and 0.8), 6e-3 between hazes (1.4 times as
+/// much by 0.5, 1 and 2). `tables` must have the same options, and atmospheres of the same size, wavelengths and
+/// constituents. Throws `Error` (invalid_argument), also for places that are equal.
+[[nodiscard]] SkyTables interpolate_sky(const Atmosphere& atmosphere, std::span<const SkyTables> tables,
+                                        std::span<const double> places, double place, const Control& control = {});
+
 // ---- The sky seen from one altitude, in any direction and for any sun
 
 /// Options of `SkyView`.

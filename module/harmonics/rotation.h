@@ -32,13 +32,13 @@ class BandRotation {
   static constexpr int kWidest = 2 * kMaximumBands - 1;
   using Matrix = std::array<double, static_cast<std::size_t>(kWidest) * kWidest>;
 
-  [[nodiscard]] const Matrix& here() const noexcept { return matrices_[band_ % 2]; }
+  [[nodiscard]] const Matrix& here() const noexcept { return matrices_[static_cast<unsigned>(band_) % 2U]; }
   [[nodiscard]] static std::size_t index(int l, int m, int n) noexcept {
     return static_cast<std::size_t>((m + l) * (2 * l + 1) + n + l);
   }
   [[nodiscard]] double linear(int m, int n) const noexcept { return linear_[m + 1][n + 1]; }
   [[nodiscard]] double before(int m, int n) const noexcept {
-    return matrices_[(band_ + 1) % 2][index(band_ - 1, m, n)];
+    return matrices_[static_cast<unsigned>(band_ + 1) % 2U][index(band_ - 1, m, n)];
   }
   [[nodiscard]] double product(int i, int m, int n) const noexcept;
   [[nodiscard]] double entry(int m, int n) const noexcept;

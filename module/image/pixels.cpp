@@ -40,8 +40,7 @@ EightBitTable make_table(const Curve& curve) {
   return table;
 }
 
-// One load for several bytes: with a load for each and one from the table the loop waits for loads (on Zen 3 rgb took
-// 1.2 times, rgba 1.6 times as long).
+// One load for several bytes: with one for each rgb takes 1.2 times, rgba 1.6 times as long (Zen 3).
 void decode_eight_bit_rgb(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
   const std::ptrdiff_t numbers = std::ptrdiff_t{3} * count;
@@ -57,9 +56,7 @@ void decode_eight_bit_rgba(const EightBitTable& table, const void* texels, int c
   const auto* from = static_cast<const std::uint8_t*>(texels);
   for (int i = 0; i < count; ++i, from += 4, rgb += 3) {
     const auto word = platform::read_little_endian<std::uint32_t>(from);
-    rgb[0] = table[word & 0xFFU];
-    rgb[1] = table[(word >> 8U) & 0xFFU];
-    rgb[2] = table[(word >> 16U) & 0xFFU];
+    for (unsigned c = 0; c < 3; ++c) rgb[c] = table[(word >> (8U * c)) & 0xFFU];
   }
 }
 

@@ -91,6 +91,19 @@ class Precomputation {
     result_.options = options;
   }
 
+  /// Transmittance, and all else between tables.
+  SkyTables between(std::span<const SkyTables> tables, std::span<const double> weights) {
+    transmittance();
+    mix(tables, weights, &SkyTables::scattering);
+    mix(tables, weights, &SkyTables::single_mie);
+    mix(tables, weights, &SkyTables::irradiance);
+    for (const SkyTables& table : tables) {
+      result_.orders = std::max(result_.orders, table.orders);
+      result_.last_change = std::max(result_.last_change, table.last_change);
+    }
+    return std::move(result_);
+  }
+
   SkyTables run() {
     transmittance();
     timed("sun paths", "lengths to the sun, of no wavelength", [&] {
@@ -123,6 +136,7 @@ class Precomputation {
     result_.passes.push_back({name, PassAction::run, reason, time.count()});
   }
 
+  void mix(std::span<const SkyTables> tables, std::span<const double> weights, std::vector<float> SkyTables::*floats);
   void transmittance();
   void compute(std::size_t group, double from, double to);
   void scatter(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
@@ -151,6 +165,23 @@ class Precomputation {
   std::vector<double> irradiance_;
   SkyTables result_;
 };
+
+void Precomputation::mix(std::span<const SkyTables> tables, std::span<const double> weights,
+                         std::vector<float> SkyTables::*floats) {
+  constexpr std::size_t kTile = 16'384;
+  std::vector<float>& mixed = result_.*floats;
+  mixed.resize((tables.front().*floats).size());
+  jobs::run_tiles((mixed.size() + kTile - 1) / kTile, jobs::Placement::arena,
+                  jobs::worker_count(jobs::Placement::arena), {}, [&](std::size_t tile, std::size_t) {
+                    for (std::size_t i = tile * kTile; i < std::min(mixed.size(), (tile + 1) * kTile); ++i) {
+                      double sum = 0.0;
+                      for (std::size_t k = 0; k < tables.size(); ++k) {
+                        sum += weights[k] * static_cast<double>((tables[k].*floats)[i]);
+                      }
+                      mixed[i] = stored(sum);
+                    }
+                  });
+}
 
 void Precomputation::transmittance() {
   const std::size_t zeniths = index(options_.transmittance_zeniths);
@@ -380,6 +411,22 @@ void Precomputation::clip() {
   for (float& value : result_.single_mie) value = stored(static_cast<double>(value));
 }
 
+/// Of the polynomial through values at places (Lagrange).
+std::vector<double> polynomial_weights(std::span<const double> places, double place) {
+  std::vector<double> weights;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    double weight = 1.0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (i != k) weight *= (place - places[i]) / (places[k] - places[i]);
+    }
+    if (!std::isfinite(weight)) {
+      throw Error(ErrorCode::invalid_argument, "places of tables must be finite, and no two of them the same");
+    }
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
 }  // namespace
 
 SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control) {
@@ -393,6 +440,31 @@ SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& op
   jobs::throw_if_cancelled(control);
   static_cast<void>(sky::solver_kernels());  // a process's first choice of them allocates: not inside a tile
   return Precomputation(atmosphere, options, control).run();
+}
+
+SkyTables interpolate_sky(const Atmosphere& atmosphere, std::span<const SkyTables> tables,
+                          std::span<const double> places, double place, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  if (tables.empty() || places.size() != tables.size()) {
+    throw Error(ErrorCode::invalid_argument, "interpolate_sky got " + std::to_string(tables.size()) + " tables and " +
+                                                 std::to_string(places.size()) +
+                                                 " places; pass a place for each table");
+  }
+  const SkyTableOptions& options = tables.front().options;
+  static_cast<void>(sky_table_bytes(atmosphere, options));  // checks both
+  for (const SkyTables& table : tables) {
+    const Atmosphere& air = table.atmosphere;
+    if (!(table.options == options) || air.bottom_radius_m != atmosphere.bottom_radius_m ||
+        air.top_radius_m != atmosphere.top_radius_m || air.wavelengths_nm != atmosphere.wavelengths_nm ||
+        table.single_mie.size() != sky::single_mie_floats(atmosphere, options)) {
+      throw Error(ErrorCode::invalid_argument,
+                  "interpolate_sky needs tables with the same options, and of atmospheres with the same radii, "
+                  "wavelengths and constituents");
+    }
+  }
+  const std::vector<double> weights = polynomial_weights(places, place);
+  jobs::throw_if_cancelled(control);
+  return Precomputation(atmosphere, options, control).between(tables, weights);
 }
 
 }  // namespace welkin

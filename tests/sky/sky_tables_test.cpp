@@ -412,4 +412,40 @@ TEST_CASE("Lengths along the rays of tables stay where only ground or haze chang
   CHECK(lengths(clear, 100.0) == first);
 }
 
+TEST_CASE("Tables between grounds and hazes are near those that are computed", "[sky]") {
+  SkyTableOptions options = small_options();
+  options.orders = 4;
+  const auto hazy = [](double amount) {
+    Atmosphere air = earth_bruneton();
+    for (double& value : air.aerosol.scattering_per_m) value *= amount;
+    return air;
+  };
+  const auto over = [](double albedo) { return with_ground_albedo(earth_bruneton(), albedo); };
+  const auto error = [&](const auto& atmosphere, const std::vector<double>& places, double place) {
+    std::vector<SkyTables> tables;
+    for (const double one : places) tables.push_back(precompute_sky(atmosphere(one), options));
+    const SkyTables between = interpolate_sky(atmosphere(place), tables, places, place);
+    const SkyTables computed = precompute_sky(atmosphere(place), options);
+    CHECK(between.transmittance == computed.transmittance);
+    CHECK(interpolate_sky(atmosphere(places[1]), tables, places, places[1]).scattering == tables[1].scattering);
+    double off = 0.0;
+    double all = 0.0;
+    for (std::size_t i = 0; i < computed.scattering.size(); ++i) {
+      const double difference =
+          static_cast<double>(between.scattering[i]) - static_cast<double>(computed.scattering[i]);
+      off += difference * difference;
+      all += static_cast<double>(computed.scattering[i]) * static_cast<double>(computed.scattering[i]);
+    }
+    return std::sqrt(off / all);
+  };
+  const double ground = error(over, {0.0, 0.4, 0.8}, 0.6);
+  const double haze = error(hazy, {0.5, 1.0, 2.0}, 1.4);
+  CAPTURE(ground, haze);
+  CHECK(ground < 6e-4);
+  CHECK(haze < 1e-3);
+  const std::vector<SkyTables> one(2, precompute_sky(over(0.0), options));
+  CHECK_THROWS_AS(interpolate_sky(over(0.1), one, std::vector{0.0, 0.0}, 0.1), Error);
+  CHECK_THROWS_AS(interpolate_sky(over(0.1), one, std::vector{0.0}, 0.1), Error);
+}
+
 }  // namespace welkin::test
