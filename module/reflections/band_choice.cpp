@@ -26,7 +26,8 @@ constexpr double kLeastKinkBands = 20.0;  // fewer hide checkers of few texels f
 constexpr double kMostKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
-// What rings of height h lose falls like h^4.
+// What rings of height h lose falls like h^4. A step that fails for a few rings takes a second transform: rings of
+// tighter bounds than the default's grow with the cube root.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
 constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
 constexpr double kLeastRingsOfAlpha = 3.4;
@@ -79,9 +80,16 @@ int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept {
 
 int bands_for_dark(const ErrorBounds& bounds) noexcept { return whole_bands(kOfDark * bands_of_kink(bounds)); }
 
+int first_bands_for_dark(const ErrorBounds& bounds) noexcept {
+  return std::min(bands_for_dark(bounds), static_cast<int>(kKinkBands));
+}
+
 double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
-  const double of_alpha = std::max({kRingsOfMaximum * fourth_root(1e-2 / bounds.maximum),
-                                    kRingsOfRms * fourth_root(1e-3 / bounds.rms), kLeastRingsOfAlpha});
+  const auto times = [](double tighter) {
+    return tighter > 1.0 ? math::exponential(math::logarithm(tighter) / 3.0) : fourth_root(tighter);
+  };
+  const double of_alpha = std::max(
+      {kRingsOfMaximum * times(1e-2 / bounds.maximum), kRingsOfRms * times(1e-3 / bounds.rms), kLeastRingsOfAlpha});
   const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
   return std::max(kLeastRings / fourth_root(looser), of_alpha / alpha);
 }
@@ -103,10 +111,6 @@ BandChoice tapered_lobe(double alpha, int bands) {
   BandChoice choice{lobe_spectrum(alpha, bands)};
   for (int l = 0; l < bands; ++l) choice.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
   return choice;
-}
-
-BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most) {
-  return tapered_lobe(alpha, std::min(most, bands_within(alpha, bounds)));
 }
 
 }  // namespace welkin::reflections

@@ -55,11 +55,11 @@ struct BandChoice {
 /// Returns the factors of so many bands.
 [[nodiscard]] BandChoice tapered_lobe(double alpha, int bands);
 
-/// Returns the factors of at most `most` bands.
-[[nodiscard]] BandChoice choose_bands(double alpha, const ErrorBounds& bounds, int most);
-
 /// Returns the bands that wide lobes take for a picture with dark parts.
 [[nodiscard]] int bands_for_dark(const ErrorBounds& bounds) noexcept;
+
+/// Returns those of them to begin with, which most pictures with dark parts do with.
+[[nodiscard]] int first_bands_for_dark(const ErrorBounds& bounds) noexcept;
 
 /// Returns 1 up to the last fifth of the bands, then half a cosine down to 0. Without it every light would ring over
 /// the whole sphere.

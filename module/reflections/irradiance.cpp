@@ -26,7 +26,7 @@ void add_irradiance(PrefilterPlan& plan, int size, const ErrorBounds& bounds) {
   mip.alpha = kLambertAlpha;
   mip.lobe = std::make_shared<const Lobe>(kLambertAlpha);
   mip.method = MipMethod::spectral;
-  mip.bands = choose_bands(kLambertAlpha, bounds, transforms::kMaximumSpectrumBands);
+  mip.bands = tapered_lobe(kLambertAlpha, first_bands_within(kLambertAlpha, bounds));
   plan.irradiance_bounds = bounds;
 }
 
@@ -45,7 +45,7 @@ PrefilterPlan plan_irradiance(int size, double rms_error) {
   plan.bounds = bounds_of(rms_error);
   add_irradiance(plan, size, plan.bounds);
   if (rms_error < kLeastByHarmonics) return plan;
-  plan.bands = std::max(plan.irradiance->bands.bands(), bands_for_dark(plan.bounds));
+  plan.bands = std::max(plan.irradiance->bands.bands(), first_bands_for_dark(plan.bounds));
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.light_alpha = kMatteLightAlpha;
   plan.may_integrate = true;
@@ -54,7 +54,7 @@ PrefilterPlan plan_irradiance(int size, double rms_error) {
 
 bool share_harmonics(PrefilterPlan& chain, int size, double rms_error) {
   const ErrorBounds bounds = bounds_of(rms_error);
-  const bool fine = chain.lights.of == LightsOf::ggx && chain.bands >= bands_for_dark(bounds) &&
+  const bool fine = chain.lights.of == LightsOf::ggx && chain.bands >= first_bands_for_dark(bounds) &&
                     chain.bounds.rms <= bounds.rms && chain.reach >= reach_for(bounds.rms, bounds.maximum);
   if (!fine || rms_error < kLeastByHarmonics) return false;
   add_irradiance(chain, size, bounds);

@@ -33,6 +33,12 @@ double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
+/// Returns the same of the widest, a cubemap's about the middle of a face, for GGX lobes. The constants of other lobes
+/// are fitted to `edge_of`.
+double widest_edge_of(const PictureShape& shape, LightsOf of) {
+  return shape.cubemap && of == LightsOf::ggx ? 2.0 / shape.columns : edge_of(shape);
+}
+
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
 bool is_coarse(const PictureShape& shape, LightsOf of) {
   constexpr double kMostCut = 0.11;  // radians
@@ -44,10 +50,13 @@ int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texe
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
-  const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
-  const int needed = parts_of(2.0 * lobes.least_alpha);  // five points along an edge suffice
+  const auto parts_of = [](double whole, double part) {
+    return std::max(1, static_cast<int>(std::ceil(whole / part)));
+  };
+  const int needed =
+      parts_of(widest_edge_of(shape, lobes.of), 2.0 * lobes.least_alpha);  // five points along an edge suffice
   if (is_coarse(shape, lobes.of)) return needed;
-  const int wanted = parts_of(std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
+  const int wanted = parts_of(edge, std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
   const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
   return std::max(needed, std::min({wanted, most, 16}));
 }
@@ -100,8 +109,8 @@ class LightTree {
         most_cut_radius_(most_cut_radius),
         use_(lobes.of) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(edge, lobes.least_alpha, reach, lobes.of);
-    lights.edge_ = edge;
+    smooth_ = smooth_points(widest_edge_of(shape, lobes.of), lobes.least_alpha, reach, lobes.of);
+    lights.edge_ = widest_edge_of(shape, lobes.of);
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
     places_.reserve(texels.size());
@@ -266,7 +275,7 @@ class LightTree {
                    light * (glm::outerProduct(direction, direction) +
                             (glm::outerProduct(along, along) + glm::outerProduct(down, down)) / 3.0)});
     }
-    if (!within) count_cut(parts, lights_.edge_ / parts_);
+    if (!within) count_cut(parts, edge_of(shape_) / parts_);
     return moments;
   }
 
@@ -478,7 +487,8 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
-  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +
+  const double widest = widest_edge_of(shape, lobes.of) / cuts_of(shape, lobes, texels);
+  return leaves * LightTree::bytes_of_leaf(smooth_points(widest, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +
          cut * sizeof(CutLight) + cutting;
 }
 

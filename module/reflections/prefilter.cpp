@@ -222,8 +222,8 @@ class LobeChain {
                                   const Control& control);
   using Levels = std::vector<std::optional<std::size_t>>;  ///< of spectral mips; none: the irradiance
   [[nodiscard]] Levels run_rings(const std::vector<BrightTexel>& texels, const Levels& levels, const Control& control);
-  [[nodiscard]] bool settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
-                                  const std::vector<BrightTexel>& texels) const;
+  [[nodiscard]] static bool settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
+                                         const std::vector<BrightTexel>& texels);
   void blur(const Target& target, std::span<const double> zonal, const transforms::GridSize& grid_size,
             bool not_negative, const transforms::Spectrum& spectrum, const Control& control);
   void blur(const Target& target, const MipPlan& mip, const transforms::Spectrum& spectrum, const Control& control) {
@@ -425,16 +425,16 @@ bool LobeChain::shows_dark(const Target& target, const MipPlan& mip, const Contr
   return kOfTruncated * truncated_afar(mip, energies_) <= target.bounds.maximum * least;
 }
 
-/// Chooses the bands of a GGX lobe that harmonics alone make. Returns whether the spectrum has as many as the picture's
-/// energies take.
+/// Chooses the bands of a GGX lobe that harmonics alone make: a quarter more as long as the picture's energies take
+/// more. Returns whether `most` are enough.
 bool LobeChain::settle_bands(const Target& target, MipPlan& mip, const SpectralSource& source, int most,
-                             const std::vector<BrightTexel>& texels) const {
-  for (int k = spectral_.tightenings + 1; !keeps_rms_error(mip, target.bounds.rms, source, texels); ++k) {
-    if (mip.bands.bands() >= most) return false;
-    mip.bands = k > kMostTightenings ? tapered_lobe(mip.alpha, most)
-                                     : choose_bands(mip.alpha, target.bounds.tightened(k), most);
+                             const std::vector<BrightTexel>& texels) {
+  for (int bands = first_bands_within(mip.alpha, target.bounds);;
+       bands += (bands / 4 + kBandStep - 1) / kBandStep * kBandStep) {
+    mip.bands = tapered_lobe(mip.alpha, std::min(bands, most));
+    if (keeps_rms_error(mip, target.bounds.rms, source, texels)) return true;
+    if (bands >= most) return false;
   }
-  return mip.bands.bands() <= most;
 }
 
 /// Returns false where a next step is to make the mip.
@@ -443,11 +443,16 @@ bool LobeChain::spectral_mip(const Target& target, MipPlan mip, const std::vecto
   const Stopwatch watch;
   const bool near = mip.near.face > 0;
   const bool ggx = mip.alpha > 0.0;
+  const bool first = spectral_.tightenings == 0;
   if (near) mip = with_far_part(std::move(mip));
+  const int most = first ? spectrum.bands() : std::min(spectrum.bands(), mip.bands.bands());
   const bool does = !ggx || (near ? keeps_rms_error(mip, target.bounds.rms, source_on(rows), texels)
-                                  : settle_bands(target, mip, source_on(rows), spectrum.bands(), texels));
+                                  : settle_bands(target, mip, source_on(rows), most, texels));
   if (!does && !last_step()) return false;
-  const int of_dark = ggx && spectral_.tightenings == 0 ? bands_for_dark(target.bounds) : 0;
+  int of_dark = 0;
+  if (ggx && first) of_dark = bands_for_dark(target.bounds);
+  if (ggx && !first && !near)
+    of_dark = std::min(most, bands_for_dark(target.bounds.tightened(spectral_.tightenings - 1)));
   blur(target, mip, spectrum, jobs::part_of(control, 0.0, 0.7));
   if (near) add_near_sums(target, mip, {control.stop, {}});
   if (mip.bands.bands() < of_dark && !shows_dark(target, mip, control)) {

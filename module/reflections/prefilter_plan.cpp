@@ -349,7 +349,7 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
     if (mip.method == MipMethod::spectral) {
       mip.bands = tapered_lobe(mip.alpha,
                                std::min(transforms::kMaximumSpectrumBands, first_bands_within(mip.alpha, plan.bounds)));
-      take_in(mip, std::max(mip.bands.bands(), bands_for_dark(plan.bounds)), plan);
+      take_in(mip, std::max(mip.bands.bands(), first_bands_for_dark(plan.bounds)), plan);
     }
     if (mip.method == MipMethod::narrow) plan.narrow_size = std::max(plan.narrow_size, mip.size);
     plan.mips.push_back(std::move(mip));
