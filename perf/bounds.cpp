@@ -3,6 +3,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/prefilter.h"
+#include "transform/spectrum.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -30,20 +31,22 @@ Subject chain_of(const Environment& picture, bool cubemap, const std::string& na
           }};
 }
 
-/// What a bake does of each face alone: all that could be kept of a face that did not change.
+/// What a bake does of each face alone, and the transform, which is linear in them: all that could be kept of a face
+/// that did not change.
 Subject faces_of(const Environment& picture, PrefilterOptions options) {
   const auto source =
       std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
-  return {"of it face by face, with harmonics, from half floats", [=](double bound) mutable {
+  return {"of it linear in the faces, from half floats", [=](double bound) mutable {
             options.rms_error = bound;
             const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, options.size);
             const projection::SanitizedSource clean(source->view(), {}, {});
             const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
-            static_cast<void>(reflections::halved_faces(reflections::rows_without(bright, clean),
-                                                        plan.face_for_cubemap(options.size), {}));
+            const auto coarse = reflections::halved_faces(reflections::rows_without(bright, clean),
+                                                          plan.face_for_cubemap(options.size), {});
+            const auto rings = reflections::rings_of_cubemap(coarse.rows, plan.rows_for_cubemap(), {});
+            static_cast<void>(transforms::analyse(rings.view, plan.bands, {}, transforms::SourceRows::fewer));
             Cubemap sharp(options.size, 1);
             reflections::fill_level(clean, sharp, 0, {});
-            static_cast<void>(project(source->view()));
           }};
 }
 
@@ -80,9 +83,12 @@ std::vector<Subject> subjects_of(const Environment& picture) {
     subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size), {.size = size}));
   }
   subjects.push_back(chain_of(picture, false, "lat-long to 256, 5 mips", {.size = 256, .mips = 5}));
-  subjects.push_back(
-      chain_of(picture, true, "cube 64, Charlie, 3 mips", {.size = 64, .mips = 3, .lobe = LobeFamily::charlie}));
-  subjects.push_back(chain_of(picture, true, "cube 64, Lambert", {.size = 64, .lobe = LobeFamily::lambert}));
+  for (const bool cubemap : {true, false}) {
+    const std::string from = cubemap ? "cube 64" : "lat-long to 64";
+    subjects.push_back(
+        chain_of(picture, cubemap, from + ", Charlie, 3 mips", {.size = 64, .mips = 3, .lobe = LobeFamily::charlie}));
+    subjects.push_back(chain_of(picture, cubemap, from + ", Lambert", {.size = 64, .lobe = LobeFamily::lambert}));
+  }
   subjects.push_back(irradiance_of(picture, 64));
   subjects.push_back(probes_of(picture, 3));
   subjects.push_back(probes_of(picture, 5));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -130,8 +129,8 @@ void halve_rows(const HalvingTable& table, int size, const float* const* from, i
     HalvedRow run{
         .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .room = own};
     for (; weighed < shares.first + shares.count; ++weighed) {
-      std::transform(from[weighed], from[weighed] + floats, table.angles(weighed),
-                     room + std::ptrdiff_t{floats} * (weighed - begin), std::multiplies<>());
+      ring_kernels().weigh_light(from[weighed], table.angles(weighed), floats,
+                                 room + std::ptrdiff_t{floats} * (weighed - begin));
     }
     for (int k = 0; k < shares.count; ++k) {
       run.light[k] = room + std::ptrdiff_t{floats} * (shares.first + k - begin);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -150,19 +152,49 @@ double error_between(const MipPair& mips, const LookupFormula& formula, std::spa
 
 namespace {
 
-/// Returns energies of the lights alone for l < kBands: each light spread over the cell of a lat-long that it lies in.
+glm::dvec3 direction_of(const BrightTexel& light, const PictureShape& shape) {
+  const double column = light.column + 0.5;
+  return shape.cubemap
+             ? image::face_direction(shape.columns, light.row / shape.columns, column, light.row % shape.columns + 0.5)
+             : image::lat_long_direction(shape.columns, shape.rows, column, light.row + 0.5);
+}
+
+/// Adds the energies of two points together for l < bands: by the addition theorem (2 l + 1) / 4 pi times the product
+/// of their light times P_l of the cosine between them.
+void add_pair(double light, double cosine, std::vector<double>& energies) {
+  double last = 0.0;
+  double legendre = 1.0;
+  for (std::size_t l = 0; l < energies.size(); ++l) {
+    const auto twice = static_cast<double>(2 * l + 1);
+    energies[l] += twice / (4.0 * std::numbers::pi) * light * legendre;
+    const double before = std::exchange(last, legendre);
+    legendre = (twice * cosine * last - static_cast<double>(l) * before) / static_cast<double>(l + 1);
+  }
+}
+
+/// Returns energies of the lights alone for l < bands. Many are spread over the cells of a lat-long that they lie in.
 std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, const PictureShape& shape, int bands,
                                        const Control& control) {
+  constexpr std::size_t kFew = 40;  ///< whose pairs take less time than a transform
+  if (lights.size() <= kFew) {
+    std::vector<double> energies(static_cast<std::size_t>(bands));
+    for (const BrightTexel& one : lights) {
+      const glm::dvec3 direction = direction_of(one, shape);
+      const glm::dvec3 light = one.steradians * glm::dvec3(one.excess[0], one.excess[1], one.excess[2]);
+      for (const BrightTexel* other = lights.data(); other <= &one; ++other) {
+        const double both = (other == &one ? 1.0 : 2.0) * other->steradians;
+        add_pair(both * glm::dot(light, glm::dvec3(other->excess[0], other->excess[1], other->excess[2])),
+                 glm::dot(direction, direction_of(*other, shape)), energies);
+      }
+    }
+    return energies;
+  }
   const int rows = 2 * bands;
   const int columns = 2 * rows;
   platform::AlignedBuffer<float> cells(static_cast<std::size_t>(3 * rows * columns));
   std::fill_n(cells.data(), cells.size(), 0.0F);
   for (const BrightTexel& light : lights) {
-    const double column = light.column + 0.5;
-    const glm::dvec3 direction =
-        shape.cubemap
-            ? image::face_direction(shape.columns, light.row / shape.columns, column, light.row % shape.columns + 0.5)
-            : image::lat_long_direction(shape.columns, shape.rows, column, light.row + 0.5);
+    const glm::dvec3 direction = direction_of(light, shape);
     const double turns = math::turns_of(direction.x, direction.z) + 0.5;
     const double height = 0.5 - math::arc_sine(std::clamp(direction.y, -1.0, 1.0)) / std::numbers::pi;
     const int row = std::clamp(static_cast<int>(height * rows), 0, rows - 1);

@@ -454,29 +454,28 @@ double rms_of_level(const Cubemap& chain, int level, int samples) {
   const int size = chain.level_size(level);
   const int step = (size + samples - 1) / samples;
   const auto angles = image::FaceSolidAngles::get(size);
-  constexpr std::size_t kSums = 12;  // four texels side by side: one addition after the other would take the time
-  std::array<double, kSums> squares{};
+  std::array<double, 12> squares{};  // four texels side by side: one addition after the other would take the time
   double whole = 0.0;
   const auto seen = static_cast<std::size_t>((size - step / 2 + step - 1) / step);
-  const std::size_t padded = (3 * seen + kSums - 1) / kSums * kSums;
-  std::vector<double> steradians(padded);  // of a row's texels, for each channel
-  std::vector<float> texels(padded);
+  std::vector<double> steradians((3 * seen + 11) / 12 * 12);  // of a row's texels, for each channel
+  std::vector<float> texels(steradians.size());
   for (int row = step / 2; row < size; row += step) {
     for (std::size_t k = 0; k < seen; ++k) {
       const double own = angles->at(row, step / 2 + static_cast<int>(k) * step);
-      for (std::size_t c = 0; c < 3; ++c) steradians[3 * k + c] = own;
+      std::fill_n(&steradians[3 * k], 3, own);
       whole += 6.0 * own;
     }
     for (int face = 0; face < 6; ++face) {
-      const float* const rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
-      for (std::size_t k = 0; k < seen; ++k)
-        std::copy_n(rgb + 3 * k * static_cast<std::size_t>(step), 3, &texels[3 * k]);
-      std::array<double, kSums> sums = squares;
-      for (std::size_t first = 0; first < padded; first += kSums) {
-        for (std::size_t k = 0; k < kSums; ++k) {
-          const auto value = static_cast<double>(texels[first + k]);
-          sums[k] += steradians[first + k] * (value * value);
-        }
+      const float* rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
+      if (step > 1 || texels.size() > 3 * seen) {
+        for (std::size_t k = 0; k < 3 * seen; ++k) texels[k] = rgb[k / 3 * 3 * static_cast<std::size_t>(step) + k % 3];
+        rgb = texels.data();
+      }
+      std::array<double, 12> sums = squares;
+      for (std::size_t first = 0; first < steradians.size(); first += sums.size()) {
+        for (std::size_t k = 0; k < sums.size(); ++k)
+          sums[k] +=
+              steradians[first + k] * (static_cast<double>(rgb[first + k]) * static_cast<double>(rgb[first + k]));
       }
       squares = sums;
     }

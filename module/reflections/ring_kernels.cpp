@@ -39,6 +39,13 @@ void sum_ring_taps(const RingRun& run, const RingPlacesInMemory& places) {
   }
 }
 
+void weigh_light(const float* radiance, const float* steradians, int count, float* light) {
+  int k = 0;
+  for (; k + kWidth <= count; k += kWidth)
+    (Lanes::load_unaligned(radiance + k) * Lanes::load_unaligned(steradians + k)).store_unaligned(light + k);
+  for (; k < count; ++k) light[k] = radiance[k] * steradians[k];
+}
+
 void halve_row(const HalvedRow& row, float* rgb) {
   constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
@@ -87,6 +94,7 @@ void halve_row(const HalvedRow& row, float* rgb) {
 
 const RingKernels ring_kernels_table = {
     .sum_ring_taps = sum_ring_taps,
+    .weigh_light = weigh_light,
     .halve_row = halve_row,
 };
 

@@ -47,6 +47,9 @@ inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
 
+/// light[k] = radiance[k] steradians[k].
+using WeighLight = void (*)(const float* radiance, const float* steradians, int count, float* light);
+
 /// Rows of a face's light that give to one row of a face of half as many texels.
 struct HalvedRow {
   static constexpr int kMostRows = 9;
@@ -66,6 +69,7 @@ using HalveRow = void (*)(const HalvedRow& row, float* rgb);
 
 struct RingKernels {
   SumRingTaps sum_ring_taps;
+  WeighLight weigh_light;
   HalveRow halve_row;
 };
 WELKIN_KERNEL_TABLES(RingKernels, ring_kernels)
