@@ -9,7 +9,6 @@
 #include <iostream>
 #include <memory>
 #include <new>
-#include <sstream>
 #include <system_error>
 
 #include "tools/help.h"
@@ -137,7 +136,7 @@ void add_option(CLI::App& command, const Option& option) {
 void add_options(CLI::App& command, const Options& table) {
   for (const Option& option : table) add_option(command, option);
   for (const Option& option : table) {
-    const std::string name = option.names.substr(0, option.names.find(','));
+    const std::string name = names_of(option).front();
     for (const std::string& other : option.needs) command.get_option(name)->needs(command.get_option(other));
     for (const std::string& other : option.excludes) command.get_option(name)->excludes(command.get_option(other));
   }
@@ -292,12 +291,12 @@ void in_group(Options& options, const std::string& group) {
   }
 }
 
+std::vector<std::string> names_of(const Option& option) { return CLI::detail::split(option.names, ','); }
+
 Option& option(Options& options, const std::string& name) {
   for (Option& one : options) {
-    std::istringstream names(one.names);
-    for (std::string each; std::getline(names, each, ',');) {
-      if (each == name) return one;
-    }
+    const std::vector<std::string> names = names_of(one);
+    if (std::ranges::find(names, name) != names.end()) return one;
   }
   throw std::logic_error("there is no option " + name);
 }
@@ -313,9 +312,9 @@ bool has_value(const Option& option) noexcept {
 GivenOptions Given::of(const Options& table) const {
   GivenOptions given;
   for (const Option& option : table) {
-    const std::string name = option.names.substr(option.names.rfind(',') + 1);
+    const std::string name = names_of(option).back();
     const std::vector<std::string> values = values_(name);
-    if (!values.empty()) given.emplace_back(name, has_value(option) ? CLI::detail::join(values, ",") : "");
+    if (!values.empty()) given.emplace_back(name, has_value(option) ? joined(values, ",") : "");
   }
   return given;
 }
@@ -379,7 +378,8 @@ namespace {
 /// Returns whether the word is an option of any command that takes the next word as its value.
 bool awaits_value(const Program& program, const std::string& word) {
   const auto takes_it = [&word](const Option& option) {
-    return has_value(option) && (',' + option.names + ',').find(',' + word + ',') != std::string::npos;
+    const std::vector<std::string> names = names_of(option);
+    return has_value(option) && std::ranges::find(names, word) != names.end();
   };
   return std::ranges::any_of(program.commands,
                              [&](const Command& command) { return std::ranges::any_of(command.options, takes_it); });

@@ -137,8 +137,11 @@ using GivenOptions = std::vector<std::pair<std::string, std::string>>;
 /// `Error` (invalid_argument).
 GivenOptions read_options(const Options& table, const std::vector<std::string>& words);
 
-/// Returns whether the option of that name takes a value.
+/// Returns whether the option takes a value.
 [[nodiscard]] bool has_value(const Option& option) noexcept;
+
+/// Returns "-o" and "--output" of "-o,--output".
+[[nodiscard]] std::vector<std::string> names_of(const Option& option);
 
 /// A subcommand.
 struct Command {

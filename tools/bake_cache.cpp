@@ -23,7 +23,7 @@
 namespace welkin::tool {
 namespace {
 
-constexpr std::uint64_t kMostIndexBytes = std::uint64_t{1} << 20U;
+constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{1} << 20U;
 constexpr const char* kTimes = "\n  \"times\": ";  // the last member of a manifest: all that differs from run to run
 
 std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
@@ -76,8 +76,8 @@ IndexedFile indexed_file(const Json& value, const std::string& where) {
       value, where,
       {text("name", file.about.name), text("format", file.about.format), number("bytes", bytes), text("hash", hash)});
   const std::optional<ContentHash> found = hash_in(hash);
-  constexpr double kMost = 1e12;
-  if (!is_plain_name(file.about.name) || !found || !(bytes >= 0.0 && bytes <= kMost)) throw Flaw{where};
+  constexpr double kMax = 1e12;
+  if (!is_plain_name(file.about.name) || !found || !(bytes >= 0.0 && bytes <= kMax)) throw Flaw{where};
   file.about.bytes = static_cast<std::uint64_t>(bytes);
   file.hash = *found;
   return file;
@@ -143,7 +143,7 @@ BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(o
 std::optional<KeptBake> BakeFolderCache::find() {
   if (!cache_) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
-  const auto bytes = cache_->find_bytes(key_, kMostIndexBytes);
+  const auto bytes = cache_->find_bytes(key_, kMaxIndexBytes);
   if (!bytes) return std::nullopt;
   try {
     const Index index = index_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});

@@ -15,10 +15,10 @@ namespace {
 constexpr int kLargestFace = 8192;
 constexpr int kLargestIrradiance = 4096;
 constexpr int kLargestTable = 4096;
-constexpr int kMostMips = 14;  // of the largest face
+constexpr int kMaxMips = 14;  // of the largest face
 constexpr int kSmallestSphere = 8;
 constexpr int kLargestSphere = 1024;
-constexpr double kMostStops = 60.0;
+constexpr double kMaxStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
                                                   Container::pfm,  Container::env, Container::ktx};
@@ -88,8 +88,8 @@ void choose_mips(const std::string& word, BakeCommandOptions& options) {
   options.all_mips = word == "all";
   if (options.all_mips) return;
   const std::optional<int> mips = whole_number_in(word);
-  if (!mips || *mips < 1 || *mips > kMostMips) {
-    throw BadValue{"--mips", word + " is neither a number from 1 to " + std::to_string(kMostMips) + " nor all"};
+  if (!mips || *mips < 1 || *mips > kMaxMips) {
+    throw BadValue{"--mips", word + " is neither a number from 1 to " + std::to_string(kMaxMips) + " nor all"};
   }
   options.specular.mips = *mips;
 }
@@ -155,7 +155,7 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--exposure", &options.exposure_stops, "EV",
              "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
              "lit surroundings becomes 0.36, and the manifest states the value",
-             {.bounds = finite_between(-kMostStops, kMostStops), .excludes = {"--no-previews"}});
+             {.bounds = finite_between(-kMaxStops, kMaxStops), .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -293,9 +293,8 @@ RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
 std::string roughness_words(const BakeCommandOptions& options) {
   const std::vector<double>& table = options.roughness.table;
   if (table.empty()) return name(schedule_of(options));
-  std::string text;
-  for (const double value : table) text += (text.empty() ? "" : ",") + significant(value);
-  return text;
+  return listed(
+      table, [](double value) { return significant(value); }, ",");
 }
 
 void add_result_options(Options& table, BakeCommandOptions& options) {
@@ -435,9 +434,9 @@ int mips_wanted(const BakeCommandOptions& options) {
   const int size = options.specular.size;
   const int mips = mips_of_chain(schedule_of(options), size);
   // three.js's last mip is the diffuse light too, which four texels would blur. Its own chain also ends at 8.
-  constexpr int kLeastMips = 5;
+  constexpr int kMinMips = 5;
   const int to_eight = size >= 8 ? full_chain_levels(size / 8) : 1;
-  return options.turn.to == Engine::three ? std::min(mips, std::max(kLeastMips, to_eight)) : mips;
+  return options.turn.to == Engine::three ? std::min(mips, std::max(kMinMips, to_eight)) : mips;
 }
 
 bool fits_lookups(const BakeCommandOptions& options) {

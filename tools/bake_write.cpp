@@ -39,11 +39,7 @@ struct Job {
   const SphericalHarmonics* radiance = nullptr;  ///< in Welkin's axes; none: there are no harmonics
 };
 
-std::string numbers_text(const std::vector<double>& values) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + all_digits(value);
-  return text;
-}
+std::string numbers_text(const std::vector<double>& values) { return listed(values, all_digits, " "); }
 
 Json details_of(const Subject& cubemap, const Job& job) {
   Json details = {{"size", cubemap.mips.front().size}, {"mips", cubemap.mips.size()}};

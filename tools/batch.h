@@ -75,7 +75,7 @@ struct Shard {
   int number = 1;
   int count = 1;
 };
-inline constexpr int kMostShards = 1'000'000;
+inline constexpr int kMaxShards = 1'000'000;
 
 /// Returns the jobs of each shard, costliest first. In the order of cost every job goes to the shard that has least to
 /// do by then; of several to the one with the fewest jobs, and of those to the first. It follows from the plan alone.

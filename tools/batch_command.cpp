@@ -45,7 +45,7 @@ Shard shard_in(const std::string& text) {
     shard.number = whole_number_in(text.substr(0, slash)).value_or(0);
     shard.count = whole_number_in(text.substr(slash + 1)).value_or(0);
   }
-  if (slash == std::string::npos || shard.number < 1 || shard.number > shard.count || shard.count > kMostShards) {
+  if (slash == std::string::npos || shard.number < 1 || shard.number > shard.count || shard.count > kMaxShards) {
     throw Error(ErrorCode::invalid_argument,
                 "--shard: " + text + " is out of range; pass I/N with I from 1 to N, such as 3/16 for the third of 16");
   }

@@ -23,10 +23,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "welkin batch jobs";
 constexpr int kVersion = 1;
-constexpr std::size_t kMostJobs = 10'000'000;
-constexpr std::uintmax_t kMostPlanBytes = std::uintmax_t{1} << 32U;
-constexpr double kMostSeconds = 1e9;
-constexpr double kMostBytes = 1e15;
+constexpr std::size_t kMaxJobs = 10'000'000;
+constexpr std::uintmax_t kMaxPlanBytes = std::uintmax_t{1} << 32U;
+constexpr double kMaxSeconds = 1e9;
+constexpr double kMaxBytes = 1e15;
 
 // ---- Options
 
@@ -330,7 +330,7 @@ class Planner {
 // ---- The file
 
 std::uint64_t bytes_in(double value, const std::string& where) {
-  if (!(value >= 0.0 && value <= kMostBytes)) throw Flaw{where + " has an impossible number of bytes"};
+  if (!(value >= 0.0 && value <= kMaxBytes)) throw Flaw{where + " has an impossible number of bytes"};
   return static_cast<std::uint64_t>(value);
 }
 
@@ -345,7 +345,7 @@ BatchJob job_in(const Json& value, const std::string& where) {
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
   refuse_nul(job.name, where + ".name");
   refuse_nul(job.input, where + ".input");
-  if (!(job.seconds >= 0.0 && job.seconds <= kMostSeconds)) throw Flaw{where + ".seconds is impossible"};
+  if (!(job.seconds >= 0.0 && job.seconds <= kMaxSeconds)) throw Flaw{where + ".seconds is impossible"};
   job.size = bytes_in(size, where);
   job.memory = bytes_in(memory, where);
   return job;
@@ -374,7 +374,7 @@ std::vector<BatchJob> jobs_in(const Json& json) {
     jobs.push_back(job_in(value, where));
     if (!names.insert(jobs.back().name).second) throw Flaw{where + ".name occurs twice"};
   };
-  read_list(*list, "jobs", add, kMostJobs);
+  read_list(*list, "jobs", add, kMaxJobs);
   return jobs;
 }
 
@@ -446,7 +446,7 @@ void write_batch_plan(const BatchPlan& plan) {
 BatchPlan read_batch_plan(const fs::path& file) {
   try {
     BatchPlan plan = plan_at(file);
-    plan.jobs = jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMostPlanBytes));
+    plan.jobs = jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMaxPlanBytes));
     return plan;
   } catch (const Flaw& flaw) {
     throw Error(ErrorCode::corrupt_file,

@@ -50,12 +50,12 @@ Member hash(const char* name, ContentHash& target) {
 }
 
 ResultFile file_in(const Json& value, const std::string& where) {
-  constexpr double kMost = 1e15;
+  constexpr double kMax = 1e15;
   ResultFile file;
   double bytes = -1.0;
   read_object(value, where, {text("name", file.name), number("bytes", bytes), hash("hash", file.hash)});
   const bool is_ours = file.name == kManifestName || is_plain_name(file.name);
-  if (!is_ours || !(bytes >= 0.0 && bytes <= kMost)) throw Flaw{where};
+  if (!is_ours || !(bytes >= 0.0 && bytes <= kMax)) throw Flaw{where};
   file.bytes = static_cast<std::uint64_t>(bytes);
   return file;
 }
@@ -127,9 +127,7 @@ std::string differing(const ResultFiles& listed, const ResultFiles& found) {
       if (std::ranges::find(*others, file) == others->end()) names.insert(file.name);
     }
   }
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return joined({names.begin(), names.end()});
 }
 
 void write_result(const fs::path& folder, const JobResult& result) {

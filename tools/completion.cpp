@@ -1,27 +1,16 @@
 #include <algorithm>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "tools/arguments.h"
 #include "tools/help.h"
+#include "tools/text.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {
 
-std::vector<std::string> names_of(const Option& option) {
-  std::istringstream text(option.names);
-  std::vector<std::string> names;
-  for (std::string name; std::getline(text, name, ',');) names.push_back(name);
-  return names;
-}
-
 bool is_place(const Option& option) { return !option.names.starts_with('-'); }
-
-bool takes_value(const Option& option) {
-  return !std::holds_alternative<bool*>(option.target) && !std::holds_alternative<OnFlag>(option.target);
-}
 
 /// What every command takes besides its table.
 const Options& shared_options() {
@@ -40,12 +29,6 @@ Options all_options(const Command& command) {
   return options;
 }
 
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 std::string replaced(std::string text, std::string_view what, std::string_view with) {
   for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
     text.replace(at, what.size(), with);
@@ -54,9 +37,8 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
 }
 
 std::string command_names(const Program& program) {
-  std::vector<std::string> names;
-  for (const Command& command : program.commands) names.push_back(command.name);
-  return joined(names, " ");
+  return listed(
+      program.commands, [](const Command& command) { return command.name; }, " ");
 }
 
 std::string bash_command(const Command& command) {
@@ -70,7 +52,7 @@ std::string bash_command(const Command& command) {
     }
     const std::vector<std::string> names = names_of(option);
     options.insert(options.end(), names.begin(), names.end());
-    if (!takes_value(option)) continue;
+    if (!has_value(option)) continue;
     values += "        " + joined(names, "|") + ") words=\"" + joined(option.words, " ") + "\" ;;\n";
   }
   if (!values.empty()) text += "      case \"$previous\" in\n" + values + "        *) words=\"$\" ;;\n      esac\n";
@@ -118,7 +100,7 @@ std::string zsh_text(const std::string& text) {
 }
 
 std::string zsh_value(const Option& option) {
-  if (!takes_value(option)) return "";
+  if (!has_value(option)) return "";
   const std::string what = zsh_text(option.type.empty() ? option.names : option.words.empty() ? option.type : "word");
   return ":" + what + ":" + (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")");
 }
@@ -185,7 +167,7 @@ std::string roff_option(const Option& option) {
   text = replaced(text, "\\efB", "\\fB");
   // A line may be broken after each word: together they can be longer than one.
   const std::string words = replaced(roff(option.type), "|", "|\\:");
-  if (takes_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
+  if (has_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
   return text + '\n' + roff(option.text) + ".\n";
 }
 

@@ -123,8 +123,8 @@ class TableFolder {
 std::vector<std::string> names_to_write(const ImportanceCommandOptions& options) {
   std::vector<std::string> names = {kTableName, "function.npy", "row_cdf.npy", "column_cdf.npy"};
   if (options.alias) names.insert(names.end(), {"alias_rows.npy", "alias_columns.npy"});
-  constexpr int kMostLevels = 17;  // of 65536 texels
-  for (int level = 0; options.pyramid && level < kMostLevels; ++level) {
+  constexpr int kMaxLevels = 17;  // of 65536 texels
+  for (int level = 0; options.pyramid && level < kMaxLevels; ++level) {
     names.push_back("pyramid_" + std::to_string(level) + ".npy");
   }
   return names;

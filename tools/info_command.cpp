@@ -88,18 +88,8 @@ std::string info_json(const InfoReport& report) {
 std::string line(std::string_view label, const std::string& text) { return "  " + pad_right(label, 12) + text + '\n'; }
 
 std::string channels_text(const EnvironmentInfo& file) {
-  std::string text;
-  for (const ChannelInfo& channel : file.channels) {
-    if (!text.empty()) text += ", ";
-    text += printable(channel.name) + ' ' + name(channel.type);
-  }
-  return text;
-}
-
-std::string list_text(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + printable(name);
-  return text;
+  return listed(file.channels,
+                [](const ChannelInfo& channel) { return printable(channel.name) + ' ' + name(channel.type); });
 }
 
 std::string levels_text(const EnvironmentInfo& file) {
@@ -112,8 +102,8 @@ std::string levels_text(const EnvironmentInfo& file) {
 std::string further_lines(const EnvironmentInfo& file) {
   std::string text;
   if (file.levels.size() > 1) text += line("mip levels", levels_text(file));
-  if (!file.parts.empty()) text += line("parts", list_text(file.parts) + " (--part)");
-  if (!file.layers.empty()) text += line("layers", list_text(file.layers) + " (--layer)");
+  if (!file.parts.empty()) text += line("parts", listed(file.parts, printable) + " (--part)");
+  if (!file.layers.empty()) text += line("layers", listed(file.layers, printable) + " (--layer)");
   if (file.layout == Layout::six_files) {
     for (const std::filesystem::path& face : file.faces) text += line("", printable(platform::utf8(face.filename())));
   }

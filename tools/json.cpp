@@ -99,8 +99,8 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint, 
     text.resize(before + static_cast<std::size_t>(stream.gcount()));
     if (text.size() <= most) continue;
     fail(ErrorCode::limit_exceeded,
-         "has more than " + (most == kMostJsonBytes ? std::string("a megabyte; sound ones have some kilobytes")
-                                                    : std::to_string(most) + " bytes, which no sound one has"));
+         "has more than " + (most == kMaxJsonBytes ? std::string("a megabyte; sound ones have some kilobytes")
+                                                   : std::to_string(most) + " bytes, which no sound one has"));
   }
   return text;
 }

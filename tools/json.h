@@ -110,12 +110,12 @@ struct Member {
 void read_object(const Json& object, const std::string& where, const std::vector<Member>& members);
 
 /// Of most lists; what sense more elements would make, others know.
-inline constexpr std::size_t kMostElements = 4096;
+inline constexpr std::size_t kMaxElements = 4096;
 
 /// Throws `Flaw`, also for more than `most` elements.
 void read_list(const Json& list, const std::string& where,
                const std::function<void(const Json& element, const std::string& where)>& read,
-               std::size_t most = kMostElements);
+               std::size_t most = kMaxElements);
 
 // Members of a kind. What reads them throws `Flaw` for a value of another.
 [[nodiscard]] Member number(const char* name, double& target);
@@ -127,7 +127,7 @@ void read_list(const Json& list, const std::string& where,
 /// Nests no deeper than 8. Throws `Flaw` for what is no JSON.
 [[nodiscard]] Json parse_json(const std::string& text);
 
-inline constexpr std::uintmax_t kMostJsonBytes = std::uintmax_t{1} << 20U;
+inline constexpr std::uintmax_t kMaxJsonBytes = std::uintmax_t{1} << 20U;
 
 /// Whether a file may be a pipe, which is read once. A person may name one; where others can put one, reading it would
 /// block.
@@ -137,6 +137,6 @@ enum class Pipes { refused, read };
 /// (`hint` says how to come by one), also for a device and a pipe that is refused, which are not opened;
 /// limit_exceeded; `Flaw` for what is no JSON.
 [[nodiscard]] Json read_json_file(const std::filesystem::path& path, const std::string& hint,
-                                  std::uintmax_t most = kMostJsonBytes, Pipes pipes = Pipes::refused);
+                                  std::uintmax_t most = kMaxJsonBytes, Pipes pipes = Pipes::refused);
 
 }  // namespace welkin::tool

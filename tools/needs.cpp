@@ -93,7 +93,7 @@ Json needs_json(const SceneNeeds& needs) {
 
 SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes) {
   try {
-    return needs_of(read_json_file(path, "docs/guides/scene_needs.md describes its contents", kMostJsonBytes, pipes));
+    return needs_of(read_json_file(path, "docs/guides/scene_needs.md describes its contents", kMaxJsonBytes, pipes));
   } catch (const Flaw& flaw) {
     throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message + "; correct the file");
   }

@@ -56,12 +56,6 @@ std::optional<Json> files_listed_in(const std::filesystem::path& path) {
   }
 }
 
-std::string names_text(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 OwnFiles::OwnFiles(std::filesystem::path folder, const FileSet& set) : folder_(std::move(folder)), set_(set) {
@@ -137,10 +131,10 @@ std::vector<std::string> OwnFiles::finish(const std::string& index, const std::v
   std::vector<std::string> remarks;
   const std::string earlier = std::string("an earlier '") + set_.command + "'";
   if (!removed.empty())
-    remarks.push_back("removed, because " + earlier + " wrote it and this one does not: " + names_text(removed));
+    remarks.push_back("removed, because " + earlier + " wrote it and this one does not: " + joined(removed));
   if (!left.empty())
     remarks.push_back("kept next to the new files, because it is read or has changed since " + earlier +
-                      " wrote it: " + names_text(left));
+                      " wrote it: " + joined(left));
   return remarks;
 }
 

@@ -250,9 +250,9 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
 
 constexpr double kFullTurns = 1e6;
 constexpr double kHighest = 1e9;
-constexpr int kMostOrders = 64;
+constexpr int kMaxOrders = 64;
 constexpr int kLargestPicture = 16384;
-constexpr int kMostTiles = 256;
+constexpr int kMaxTiles = 256;
 constexpr int kLargestTile = 2048;
 constexpr int kSkySize = 32;         // a sky is smooth: the prefilter's mips need no more
 constexpr int kSkyBackground = 128;  // as many texels round the horizon as the picture has
@@ -299,7 +299,7 @@ void add_table_options(Options& table, SkyOptions& options) {
   SkyTableOptions& tables = options.sky.tables;
   add_option(table, "--orders", &tables.orders, "N",
              "Orders of scattering, ground reflections included, 1 to 64; default 4",
-             {.bounds = whole_between(1, kMostOrders)});
+             {.bounds = whole_between(1, kMaxOrders)});
   add_option(table, "--until-change", &tables.until_change, "SHARE",
              "Stop before --orders when an order adds less than this fraction of the light before it; default "
              "0: never",
@@ -350,7 +350,7 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
   add_option(table, "--sweep-to", &sweep.last_degrees, "DEGREES", "Sun elevation of the last image; default -18",
              {.bounds = finite_between(-90.0, 90.0), .needs = {kSweep}});
   add_option(table, "--sweep-tiles", &sweep.tiles, "N", "Number of images, 1 to 256; default 16",
-             {.bounds = whole_between(1, kMostTiles), .needs = {kSweep}});
+             {.bounds = whole_between(1, kMaxTiles), .needs = {kSweep}});
   add_option(table, "--sweep-size", &sweep.size, "N", "Height of each in pixels, 8 to 2048; default 192",
              {.bounds = whole_between(8, kLargestTile), .needs = {kSweep}});
   table.push_back(choice<SweepView>("--sweep-view", sweep.view,
@@ -418,8 +418,8 @@ void settle(SkyOptions& options, const Given& given) {
   settle_files(options.bake);
 }
 
-constexpr int kMostZeniths = 128;
-constexpr int kMostAzimuths = 256;
+constexpr int kMaxZeniths = 128;
+constexpr int kMaxAzimuths = 256;
 
 double relative_difference(const SphericalHarmonics& coarse, const SphericalHarmonics& fine) {
   double difference = 0.0;
@@ -436,8 +436,8 @@ double relative_difference(const SphericalHarmonics& coarse, const SphericalHarm
 double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const SphericalHarmonics& radiance) {
   SkyHarmonicsOptions finer = options;
   finer.quadrature = SkyQuadrature::gauss_split;
-  finer.zeniths = std::min(2 * options.zeniths, kMostZeniths);
-  finer.azimuths = std::min(2 * options.azimuths, kMostAzimuths);
+  finer.zeniths = std::min(2 * options.zeniths, kMaxZeniths);
+  finer.azimuths = std::min(2 * options.azimuths, kMaxAzimuths);
   return relative_difference(radiance, SkyProjector(sky.view, finer).project(sky.sun));
 }
 

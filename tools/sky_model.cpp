@@ -104,7 +104,7 @@ Atmosphere atmosphere_of(const Json& json) {
 Atmosphere read_atmosphere(const std::filesystem::path& path) {
   constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
   try {
-    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith, kMostJsonBytes, Pipes::read));
+    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith, kMaxJsonBytes, Pipes::read));
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {
@@ -263,12 +263,6 @@ const char* name(SkyColour colour) noexcept { return colour == SkyColour::spectr
 
 namespace {
 
-std::string list_text(const std::vector<double>& values) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "" : ", ") + significant(value);
-  return text;
-}
-
 const char* name(ScatteringLayout layout) { return layout == ScatteringLayout::full ? "full" : "compact"; }
 
 std::string size_text(const SkyTableOptions& tables) {
@@ -307,7 +301,8 @@ std::string sun_place(double elevation) {
 
 std::string sky_unit(const SkyReport& report) {
   if (report.tables.colour == SkyColour::linear_srgb) return "cd/m2, linear sRGB";
-  return "W/m2/sr/nm at " + list_text(report.atmosphere.wavelengths_nm) + " nm";
+  return "W/m2/sr/nm at " + listed(report.atmosphere.wavelengths_nm, [](double value) { return significant(value); }) +
+         " nm";
 }
 
 Json sky_json(const SkyReport& report) {

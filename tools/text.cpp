@@ -47,13 +47,11 @@ std::string counted(std::uint64_t count, std::string_view noun) {
 }
 
 std::string counted(std::initializer_list<Count> counts) {
-  std::string text;
+  std::vector<std::string> texts;
   for (const Count& count : counts) {
-    if (count.number == 0) continue;
-    if (!text.empty()) text += ", ";
-    text += counted(count.number, count.noun);
+    if (count.number > 0) texts.push_back(counted(count.number, count.noun));
   }
-  return text;
+  return joined(texts);
 }
 
 std::string duration(double milliseconds) {
@@ -175,7 +173,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 20U;
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30U;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30U;
 
 std::string system_reason() { return errno != 0 ? std::generic_category().message(errno) : "unknown reason"; }
 
@@ -202,7 +200,7 @@ void for_each_line(const fs::path& file, const std::function<void(std::size_t nu
   while (stream.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
     const auto read = static_cast<std::size_t>(stream.gcount());
     bytes += read;
-    if (bytes > kMostBytes) fail_here(ErrorCode::limit_exceeded, "the file is larger than a gigabyte; split it");
+    if (bytes > kMaxBytes) fail_here(ErrorCode::limit_exceeded, "the file is larger than a gigabyte; split it");
     use(number++, line.substr(0, stream.eof() ? read : read - 1));
   }
   if (stream.bad())

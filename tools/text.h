@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace welkin::tool {
 
@@ -38,6 +40,22 @@ struct Count {
 
 /// Those of the counts that are not zero, with their nouns: "2 NaNs, 1 negative value".
 [[nodiscard]] std::string counted(std::initializer_list<Count> counts);
+
+/// Returns what `words` makes of each value, with `between` between them: "a, b".
+template <class Values, class Words>
+[[nodiscard]] std::string listed(const Values& values, const Words& words, std::string_view between = ", ") {
+  std::string text;
+  bool is_first = true;
+  for (const auto& value : values) {
+    if (!std::exchange(is_first, false)) text += between;
+    text += words(value);
+  }
+  return text;
+}
+[[nodiscard]] inline std::string joined(const std::vector<std::string>& words, std::string_view between = ", ") {
+  return listed(
+      words, [](const std::string& word) { return word; }, between);
+}
 
 /// A duration with its unit: "0.21 ms", "3.4 s".
 [[nodiscard]] std::string duration(double milliseconds);

@@ -102,8 +102,8 @@ class Baking {
 
   /// A pass of the graph, with no less weight than what it takes to begin.
   std::size_t add_pass(double weight, std::function<void(const Control&)> work, const std::vector<std::size_t>& after) {
-    constexpr double kLeastWeight = 10'000.0;  // nanoseconds
-    return graph_.add(std::max(kLeastWeight, weight), std::move(work), after);
+    constexpr double kMinWeight = 10'000.0;  // nanoseconds
+    return graph_.add(std::max(kMinWeight, weight), std::move(work), after);
   }
 
   /// What comes before all others: the pixels, and what a store has of them.

@@ -132,7 +132,7 @@ namespace welkin::c_interface {
 namespace {
 
 constexpr int kDefaultReflections = 256;
-constexpr std::int32_t kMostRoughness = 16;
+constexpr std::int32_t kMaxRoughness = 16;
 
 using SpecularPointer = std::shared_ptr<const PrefilteredSpecular>;
 
@@ -163,7 +163,7 @@ void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wante
   require(given.spectra, "spectra");
   image::require_range("spectrum_bands", given.spectrum_bands, 1, transforms::kMaximumSpectrumBands);
   const int mips = given.mips != 0 ? given.mips : std::max(1, given.roughness_count);
-  image::require_range("mips", mips, 1, kMostRoughness);
+  image::require_range("mips", mips, 1, kMaxRoughness);
   for (int mip = 0; mip < mips; ++mip) {
     const double* const first = given.spectra + std::ptrdiff_t{mip} * given.spectrum_bands;
     wanted.spectra.emplace_back(first, first + given.spectrum_bands);
@@ -193,9 +193,9 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   PrefilterOptions wanted = PrefilterOptions::at(given.rms_error == 0.0 ? quality : Quality::normal);
   wanted.size = given.size != 0 ? given.size : size;
   if (given.mips != 0) wanted.mips = given.mips;
-  if (given.roughness_count < 0 || given.roughness_count > kMostRoughness) {
+  if (given.roughness_count < 0 || given.roughness_count > kMaxRoughness) {
     refuse("roughness_count is " + std::to_string(given.roughness_count) + "; it must be from 0 to " +
-           std::to_string(kMostRoughness));
+           std::to_string(kMaxRoughness));
   }
   if (given.roughness_count > 0) {
     require(given.roughness, "roughness");

@@ -20,9 +20,9 @@ using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,goo
 namespace welkin::c_interface {
 namespace {
 
-constexpr int kMostLayers = 8;
-constexpr int kMostAbsorbers = 4;
-constexpr int kMostWavelengths = 96;
+constexpr int kMaxLayers = 8;
+constexpr int kMaxAbsorbers = 4;
+constexpr int kMaxWavelengths = 96;
 
 /// One value per wavelength; none where the caller has none.
 std::vector<double> by_wavelength(const double* values, std::size_t wavelengths) {
@@ -38,7 +38,7 @@ void require_count(const char* name, std::int32_t count, std::int32_t least, std
 Constituent constituent_of(const welkin_constituent* constituent, const char* name, std::size_t wavelengths) {
   constexpr std::ptrdiff_t kLayerValues = 5;
   const auto given = read_struct(constituent, name);
-  require_count("layer_count", given.layer_count, 0, kMostLayers);
+  require_count("layer_count", given.layer_count, 0, kMaxLayers);
   if (given.layer_count > 0) require(given.layers, "layers");
   Constituent matter;
   for (std::int32_t i = 0; i < given.layer_count; ++i) {
@@ -53,7 +53,7 @@ Constituent constituent_of(const welkin_constituent* constituent, const char* na
 /// The planet at the caller's wavelengths, if there are any.
 Atmosphere planet_of(const welkin_atmosphere& given) {
   require_enumerator("planet", given.planet, WELKIN_PLANET_EARTH_POLLUTED);
-  require_count("wavelength_count", given.wavelength_count, 0, kMostWavelengths);
+  require_count("wavelength_count", given.wavelength_count, 0, kMaxWavelengths);
   std::vector<double> wavelengths = Atmosphere{}.wavelengths_nm;
   if (given.wavelength_count > 0) {
     require(given.wavelengths_nm, "wavelengths_nm");
@@ -106,7 +106,7 @@ Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere) {
   const std::size_t wavelengths = air.wavelengths_nm.size();
   if (given.rayleigh != nullptr) air.rayleigh = constituent_of(given.rayleigh, "rayleigh", wavelengths);
   read_aerosol(given, air);
-  require_count("absorber_count", given.absorber_count, -1, kMostAbsorbers);
+  require_count("absorber_count", given.absorber_count, -1, kMaxAbsorbers);
   if (given.absorber_count != 0) air.absorbers.clear();
   for (std::int32_t i = 0; i < given.absorber_count; ++i)
     air.absorbers.push_back(constituent_of(given.absorbers[i], "absorbers", wavelengths));

@@ -92,7 +92,7 @@ void require(const void* pointer, const char* name) {
 namespace {
 
 /// By how much a structure may grow until it must be taken for one whose size was never set.
-constexpr std::size_t kMostSurplus = 4096;
+constexpr std::size_t kMaxSurplus = 4096;
 
 }  // namespace
 
@@ -101,7 +101,7 @@ std::size_t stated_size(const void* given, std::size_t known, std::size_t alignm
   std::uint32_t size = 0;
   std::memcpy(&size, given, sizeof size);
   const std::size_t least = std::max(sizeof size, alignment);
-  if (size < least || size % alignment != 0 || size > known + kMostSurplus) {
+  if (size < least || size % alignment != 0 || size > known + kMaxSurplus) {
     refuse(std::string(name) + "->struct_size is " + std::to_string(size) +
            "; it must be the structure's sizeof, which is " + std::to_string(known) + " in version " +
            std::to_string(WELKIN_C_VERSION));
@@ -140,7 +140,7 @@ Control control_of(const welkin_control* control) { return control == nullptr ? 
 
 namespace {
 
-constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
+constexpr std::int32_t kMaxLevels = 15;  // of 16384 texels
 
 static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::srgba8));
 static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb16f));
@@ -213,8 +213,8 @@ EnvironmentView environment_view(const welkin_environment* environment, const ch
 }
 
 std::vector<CubemapView> cubemap_views(const welkin_environment* mips, std::int32_t mip_count) {
-  if (mip_count < 1 || mip_count > kMostLevels) {
-    refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMostLevels));
+  if (mip_count < 1 || mip_count > kMaxLevels) {
+    refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMaxLevels));
   }
   return views_of(mips, static_cast<std::size_t>(mip_count), "mips");
 }
@@ -395,7 +395,7 @@ Target flat_target(const welkin_target* target) {
 }
 
 std::vector<CubemapTarget> cubemap_targets(const welkin_target* targets, std::int64_t count, const std::string& name) {
-  constexpr std::int64_t most = std::int64_t{kMostLevels} * std::numeric_limits<std::int32_t>::max();
+  constexpr std::int64_t most = std::int64_t{kMaxLevels} * std::numeric_limits<std::int32_t>::max();
   if (count < 0 || count > most) {
     refuse("the number of " + name + " is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
   }

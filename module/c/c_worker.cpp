@@ -35,8 +35,8 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
 }
 
 std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {
-  constexpr auto kMost = static_cast<std::uint64_t>(std::chrono::nanoseconds::max().count());
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(nanoseconds, kMost)));
+  constexpr auto kMax = static_cast<std::uint64_t>(std::chrono::nanoseconds::max().count());
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(nanoseconds, kMax)));
 }
 
 }  // namespace

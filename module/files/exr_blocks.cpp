@@ -36,10 +36,10 @@ std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_col
 std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
   std::uint64_t bytes = 0;
   for (std::size_t at = 0; at + 1 < packed.size();) {
-    constexpr std::size_t kLeastNegative = 128;  // of bytes that stand for numbers in two's complement
+    constexpr std::size_t kMinNegative = 128;  // of bytes that stand for numbers in two's complement
     const std::size_t count = static_cast<unsigned char>(packed[at]);
-    const bool negative = count >= kLeastNegative;
-    const std::size_t length = negative ? 2 * kLeastNegative - count : count + 1;
+    const bool negative = count >= kMinNegative;
+    const std::size_t length = negative ? 2 * kMinNegative - count : count + 1;
     bytes += length;
     at += negative ? 1 + length : 2;
   }

@@ -134,7 +134,7 @@ void check_exr_attributes(platform::ByteFile& file) {
 namespace {
 
 // The library keeps some kilobytes for each; the largest productions have some dozens.
-constexpr std::size_t kMostParts = 1024;
+constexpr std::size_t kMaxParts = 1024;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {
   throw platform::file_error(ErrorCode::unsupported_file, path, found_and_remedy);
@@ -244,8 +244,8 @@ ExrParts read_exr_parts(platform::ByteFile& file) {
   ExrParts result;
   result.multi_part = Imf::isMultiPart(version);
   do {
-    if (result.parts.size() == kMostParts) {
-      refuse(file.path(), "has more than " + std::to_string(kMostParts) +
+    if (result.parts.size() == kMaxParts) {
+      refuse(file.path(), "has more than " + std::to_string(kMaxParts) +
                               " parts; save the part that holds the environment as a file of its own "
                               "(exrmultipart -separate)");
     }

@@ -393,11 +393,11 @@ void require_bounded(const EnvironmentInfo& info, const char* window, const Exte
 
 void require_substance(const EnvironmentInfo& info, const Extent& display, const Extent& stored) {
   constexpr std::int64_t kLargestMostlyBlack = std::int64_t{16384} * 8192;
-  constexpr std::int64_t kLeastShare = 64;
-  if (display.texels() > kLargestMostlyBlack && display.texels() / kLeastShare > stored.texels()) {
+  constexpr std::int64_t kMinShare = 64;
+  if (display.texels() > kLargestMostlyBlack && display.texels() / kMinShare > stored.texels()) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
                                "stores " + text(stored) + " texels of a display window of " + text(display) +
-                                   ", less than a " + std::to_string(kLeastShare) +
+                                   ", less than a " + std::to_string(kMinShare) +
                                    "th; save it with the intended display window");
   }
 }

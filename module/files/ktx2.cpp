@@ -131,7 +131,7 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
 
 namespace {
 
-constexpr std::uint32_t kMostMetadataBytes = 1U << 20U;
+constexpr std::uint32_t kMaxMetadataBytes = 1U << 20U;
 
 struct Header {
   std::uint32_t format, type_size, width, height, depth, layers, faces, levels, scheme;
@@ -229,10 +229,10 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
 std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
                                                    std::uint64_t bytes_there) {
   require_inside(file, "key/value data", offset, bytes_there);
-  if (bytes_there > kMostMetadataBytes) {
+  if (bytes_there > kMaxMetadataBytes) {
     refuse(file, ErrorCode::limit_exceeded,
            "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
-               std::to_string(kMostMetadataBytes) + "; save it without");
+               std::to_string(kMaxMetadataBytes) + "; save it without");
   }
   std::vector<char> bytes(bytes_there);
   file.seek(offset);
@@ -299,7 +299,7 @@ void append_entry(Bytes& bytes, const std::string& key, const std::string& value
 Bytes key_value_bytes(const platform::WholeFile& file, const std::map<std::string, std::string>& metadata) {
   Bytes bytes;
   for (const auto& [key, value] : metadata) append_entry(bytes, key, value);
-  if (bytes.size() > kMostMetadataBytes) {
+  if (bytes.size() > kMaxMetadataBytes) {
     throw platform::file_error(ErrorCode::invalid_argument, file.path(),
                                "its metadata takes " + std::to_string(bytes.size()) + " bytes; 1 MiB is the most");
   }

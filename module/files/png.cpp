@@ -381,7 +381,7 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba,
 
 void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop) {
   // Texts and profiles beside the pixels, which nobody here wants; beyond it the picture is refused.
-  constexpr std::size_t kMostOfAChunk = std::size_t{1} << 20U;
+  constexpr std::size_t kMaxOfAChunk = std::size_t{1} << 20U;
   const auto require = [&picture](int result) {
     if (result == SPNG_OK) return;
     if (result == SPNG_EMEM) throw std::bad_alloc();
@@ -390,7 +390,7 @@ void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const s
   };
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
-  require(spng_set_chunk_limits(context.get(), kMostOfAChunk, kMostOfAChunk));
+  require(spng_set_chunk_limits(context.get(), kMaxOfAChunk, kMaxOfAChunk));
   require(spng_set_png_buffer(context.get(), picture.bytes.data(), picture.bytes.size()));
   spng_ihdr header{};
   require(spng_get_ihdr(context.get(), &header));

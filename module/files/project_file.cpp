@@ -68,10 +68,10 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
 // decode together, and if some multiple up to a few times as many suits both, that one, so that no row is
 // decoded twice.
 int group_rows(int block_rows, int natural_rows) {
-  constexpr int kMostTimes = 4;
+  constexpr int kMaxTimes = 4;
   const int least = (natural_rows + block_rows - 1) / block_rows * block_rows;
   const std::int64_t common = std::lcm(std::int64_t{block_rows}, std::int64_t{natural_rows});
-  return common <= std::int64_t{kMostTimes} * least ? static_cast<int>(common) : least;
+  return common <= std::int64_t{kMaxTimes} * least ? static_cast<int>(common) : least;
 }
 
 void project_rows(projection::LatLongProjector& projector, const RowGroup& group, int width) {

@@ -32,11 +32,11 @@ constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
 constexpr std::uint32_t kVersion = 10'000 * WELKIN_VERSION_MAJOR + 100 * WELKIN_VERSION_MINOR + 8;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
-constexpr std::uint32_t kMostParameterBytes = 1U << 20U;
-constexpr std::size_t kMostText = 4096;
-constexpr std::size_t kMostValues = 96;
-constexpr std::size_t kMostLayers = 8;
-constexpr std::size_t kMostAbsorbers = 4;
+constexpr std::uint32_t kMaxParameterBytes = 1U << 20U;
+constexpr std::size_t kMaxText = 4096;
+constexpr std::size_t kMaxValues = 96;
+constexpr std::size_t kMaxLayers = 8;
+constexpr std::size_t kMaxAbsorbers = 4;
 
 /// Appends values to bytes.
 class Writer {
@@ -87,12 +87,12 @@ class Reader {
     value = platform::bit_cast<double>(bits);
   }
   void get(std::string& text) {
-    const std::size_t length = count(kMostText, "characters of the name");
+    const std::size_t length = count(kMaxText, "characters of the name");
     const std::uint8_t* const first = take(length);
     text.assign(first, first + length);
   }
   void get(std::vector<double>& values) {
-    values.resize(count(kMostValues, "values of a spectrum"));
+    values.resize(count(kMaxValues, "values of a spectrum"));
     for (double& value : values) get(value);
   }
   void get(DensityLayer& layer) {
@@ -102,7 +102,7 @@ class Reader {
     }
   }
   void get(Constituent& matter) {
-    matter.density.resize(count(kMostLayers, "layers"));
+    matter.density.resize(count(kMaxLayers, "layers"));
     for (DensityLayer& layer : matter.density) get(layer);
     get(matter.scattering_per_m);
     get(matter.absorption_per_m);
@@ -163,7 +163,7 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
   SkyTables tables;
   Reader reader(bytes, path);
   parameters([&](auto&... values) { (reader.get(values), ...); }, tables);
-  tables.atmosphere.absorbers.resize(reader.count(kMostAbsorbers, "absorbers"));
+  tables.atmosphere.absorbers.resize(reader.count(kMaxAbsorbers, "absorbers"));
   for (Constituent& absorber : tables.atmosphere.absorbers) reader.get(absorber);
   int phase = 0;
   int layout = 0;
@@ -213,10 +213,10 @@ void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
   const platform::FloatingPointScope floating_point;
   check(tables.atmosphere);
   sky::check_options(tables.options);
-  if (tables.atmosphere.name.size() > kMostText) {
+  if (tables.atmosphere.name.size() > kMaxText) {
     throw Error(ErrorCode::invalid_argument, "the atmosphere's name has " +
                                                  std::to_string(tables.atmosphere.name.size()) +
-                                                 " bytes; a file of sky tables holds " + std::to_string(kMostText));
+                                                 " bytes; a file of sky tables holds " + std::to_string(kMaxText));
   }
   const std::vector<std::uint8_t> stated = write_parameters(tables);
   std::uint64_t following = sizeof(std::uint32_t) + stated.size();
@@ -275,7 +275,7 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
                      "states " + std::to_string(following) + " bytes after its header, " +
                          std::to_string(file.size() - kHeaderBytes) + " are there");
   }
-  if (stated > kMostParameterBytes || stated > following - sizeof stated) {
+  if (stated > kMaxParameterBytes || stated > following - sizeof stated) {
     throw file_error(ErrorCode::corrupt_file, path, "states more bytes of parameters than there are");
   }
   std::vector<std::uint8_t> bytes(stated);

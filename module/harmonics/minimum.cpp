@@ -113,7 +113,7 @@ constexpr double kReach = 0.7072;  ///< in steps of the grid
 constexpr double kShareOfRange = 0.025;
 constexpr double kShareOffParabola = 0.0025;
 constexpr double kNoGain = 1e-13;  ///< of the largest coefficient: lower than that is not looked for
-constexpr int kMostSteps = 60;
+constexpr int kMaxSteps = 60;
 
 /// One channel on rings of equal latitude, `2 rings` points each.
 struct Grid {
@@ -254,7 +254,7 @@ glm::dvec3 newton_step(const Parabola& parabola, double limit) {
 
 Low descend(const std::vector<double>& channel, int bands, Low low) {
   const double limit = 3.0 / (kRingsPerBand * bands);
-  for (int count = 0; count < kMostSteps; ++count) {
+  for (int count = 0; count < kMaxSteps; ++count) {
     const harmonics::HarmonicDerivatives here = harmonics::harmonic_derivatives(channel, bands, low.direction);
     low.value = here.value;
     glm::dvec3 step = newton_step(parabola_at(here, low.direction), limit);

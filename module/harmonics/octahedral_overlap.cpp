@@ -14,7 +14,7 @@ namespace welkin::octahedral {
 namespace {
 
 /// Cells of smaller cubes are cut into so many along a face: a piece's density of solid angle is then nearly straight.
-constexpr int kFewestCells = 32;
+constexpr int kMinCells = 32;
 
 /// A convex polygon: four corners, and at most one more for each of the nine lines that cut it.
 template <class Point>
@@ -128,7 +128,7 @@ RingedCube::RingedCube(const CubemapView& view)
 }
 
 TexelOverlap::TexelOverlap(int inner, int size) noexcept
-    : inner_(inner), size_(size), parts_((kFewestCells + size - 1) / size) {}
+    : inner_(inner), size_(size), parts_((kMinCells + size - 1) / size) {}
 
 void TexelOverlap::find(int a, int b) {
   patches_.clear();

@@ -30,7 +30,7 @@ namespace {
 /// How far below zero is taken for zero, as a share of the channel's mean irradiance. Searching aims at half of it, so
 /// that it arrives.
 constexpr double kTolerance = 1e-9;
-constexpr int kMostRounds = 1000;  ///< never reached: bounds a loop whose end rests on an argument
+constexpr int kMaxRounds = 1000;  ///< never reached: bounds a loop whose end rests on an argument
 
 using BandValues = std::array<double, kMaximumBands>;
 
@@ -70,7 +70,7 @@ double where_negatives_reach(const BandValues& values, double wanted, double low
 /// The first lambda from `lambda` on at which the irradiance at one direction is not below `target`. Bands that are
 /// positive there shrink too, so with them held where they are lambda comes out too small; and again from there.
 double first_lambda_at(const BandValues& values, double target, double lambda) {
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const double others = values[0] + sum_of_bands(values, true, lambda);
     if (others + sum_of_bands(values, false, lambda) >= target) return lambda;
     const double next = where_negatives_reach(values, target - others, lambda);
@@ -106,7 +106,7 @@ SphericalHarmonics with_factors(const SphericalHarmonics& harmonics, const std::
 double min_laplacian_lambda(const SphericalHarmonics& irradiance) {
   double lambda = 0.0;
   std::vector<double> factors(static_cast<std::size_t>(irradiance.bands()), 1.0);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const HarmonicMinimum low = minimum(with_factors(irradiance, factors));
     double next = lambda;
     for (int c = 0; c < 3; ++c) {

@@ -14,14 +14,14 @@ ChannelSums total_light(std::span<const BlockLight> lights) noexcept {
 }
 
 std::vector<BlockShare> brightest_blocks(std::span<const BlockLight> lights, const ChannelSums& total) {
-  constexpr double kLeastShare = 0.01;
+  constexpr double kMinShare = 0.01;
   ChannelSums scale{};
   for (std::size_t c = 0; c < 3; ++c) scale[c] = total[c] > 0.0 ? 1.0 / total[c] : 0.0;
   std::vector<BlockShare> shares;
   for (std::size_t block = 0; block < lights.size(); ++block) {
     double share = 0.0;
     for (std::size_t c = 0; c < 3; ++c) share = std::max(share, static_cast<double>(lights[block][c]) * scale[c]);
-    if (share >= kLeastShare) shares.push_back({share, block});
+    if (share >= kMinShare) shares.push_back({share, block});
   }
   std::sort(shares.begin(), shares.end(), [](const BlockShare& a, const BlockShare& b) {
     return a.share != b.share ? a.share > b.share : a.block < b.block;

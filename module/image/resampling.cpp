@@ -25,7 +25,7 @@ namespace welkin {
 namespace {
 
 constexpr int kTileSamples = 4096;
-constexpr int kFewestSamples = 2;  // along each edge of a texel, that it has an area also where there is no reduction
+constexpr int kMinSamples = 2;  // along each edge of a texel, that it has an area also where there is no reduction
 constexpr int kSamplesToLookUp = 64;  // along an edge; from here on a single texel makes a person wait
 
 void require_orthogonal(const glm::dmat3& turn) {
@@ -50,7 +50,7 @@ double closest_texels(const LatLongView& source) {
 
 int samples_along_edge(double source_density, double result_density) {
   const double ratio = source_density / result_density;
-  return std::max(kFewestSamples, static_cast<int>(std::ceil(ratio - 1e-9)));
+  return std::max(kMinSamples, static_cast<int>(std::ceil(ratio - 1e-9)));
 }
 
 /// Where a result's samples lie: `samples_across` x `samples_down` of them a texel.

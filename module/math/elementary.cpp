@@ -18,7 +18,7 @@ constexpr double kHighest = 709.79;  // above: more than the largest number
 constexpr double kLnTwoHigh = 0x1.62e42feep-1;
 constexpr double kLnTwoLow = 0x1.a39ef35793c76p-33;
 constexpr int kTerms = 13;
-constexpr double kLeastNormal = -1021.0;  // powers of two below are put on slowly
+constexpr double kMinNormal = -1021.0;  // powers of two below are put on slowly
 
 /// 1 / k!
 constexpr std::array<double, kTerms + 1> inverse_factorials() {
@@ -44,7 +44,7 @@ double exponential(double x) noexcept {
   double series = kInverseFactorials[kTerms];
   for (std::size_t k = kTerms; k-- > 2;) series = series * r + kInverseFactorials[k];
   const double mantissa = 1.0 + (r + r * r * series);
-  if (n < kLeastNormal) return std::ldexp(mantissa, static_cast<int>(n));
+  if (n < kMinNormal) return std::ldexp(mantissa, static_cast<int>(n));
   return 2.0 * mantissa * platform::bit_cast<double>(static_cast<std::uint64_t>(n + 1022.0) << 52U);
 }
 

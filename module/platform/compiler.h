@@ -8,9 +8,8 @@
 // WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
 // repeat the load that it came from. It changes no bits; other compilers do without.
 //
-// WELKIN_FETCH(p), WELKIN_FETCH_SECOND_LEVEL(p): statements that ask for the cache line at p, which is read soon, in
-// the first-level cache or in the second-level one only. They read nothing: p need not be an address of anything.
-// WELKIN_FETCHES is 0 where they do nothing.
+// WELKIN_FETCH(p): a statement that asks for the cache line at p, which is read soon. It reads nothing: p need not be
+// an address of anything.
 //
 // WELKIN_RUN_BEFORE_STATIC_OBJECTS stands before a function without arguments: it runs before the static objects of the
 // whole program are made, so what it makes is destroyed after them. 101 is the first priority that the compiler does
@@ -41,29 +40,21 @@
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
 #endif
 #if defined(__wasm__)  // has no such instruction
-#define WELKIN_FETCHES 0
 #define WELKIN_FETCH(p) static_cast<void>(p)
-#define WELKIN_FETCH_SECOND_LEVEL(p) static_cast<void>(p)
 #else
-#define WELKIN_FETCHES 1
 #define WELKIN_FETCH(p) __builtin_prefetch(p, 0, 3)
-#define WELKIN_FETCH_SECOND_LEVEL(p) __builtin_prefetch(p, 0, 2)
 #endif
 #define WELKIN_RUN_BEFORE_STATIC_OBJECTS __attribute__((constructor(101)))
 #elif defined(_MSC_VER)
 #define WELKIN_INLINE __forceinline
 #define WELKIN_INLINE_LAMBDA
 #define WELKIN_IN_REGISTER(v) static_cast<void>(v)
-#define WELKIN_FETCHES 0
 #define WELKIN_FETCH(p) static_cast<void>(p)
-#define WELKIN_FETCH_SECOND_LEVEL(p) static_cast<void>(p)
 #define WELKIN_RUN_BEFORE_STATIC_OBJECTS [[maybe_unused]]
 #else
 #define WELKIN_INLINE inline
 #define WELKIN_INLINE_LAMBDA
 #define WELKIN_IN_REGISTER(v) static_cast<void>(v)
-#define WELKIN_FETCHES 0
 #define WELKIN_FETCH(p) static_cast<void>(p)
-#define WELKIN_FETCH_SECOND_LEVEL(p) static_cast<void>(p)
 #define WELKIN_RUN_BEFORE_STATIC_OBJECTS [[maybe_unused]]
 #endif

@@ -42,11 +42,11 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
 
 /// ceil(quota / period), both in microseconds; 0 where they are none ("max", -1).
 int processors_of(std::string_view quota, std::string_view period) {
-  constexpr std::int64_t kMost = 1 << 20;
+  constexpr std::int64_t kMax = 1 << 20;
   const std::optional<std::int64_t> share = whole_number(quota);
   const std::optional<std::int64_t> whole = whole_number(period);
   if (!share || !whole || *share <= 0 || *whole <= 0) return 0;
-  return static_cast<int>(std::min(kMost, (*share - 1) / *whole + 1));
+  return static_cast<int>(std::min(kMax, (*share - 1) / *whole + 1));
 }
 
 /// What one group's own files grant; 0: they set no quota.

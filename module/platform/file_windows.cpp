@@ -79,11 +79,11 @@ std::optional<std::uint64_t> SharedFile::size() const noexcept {
 }
 
 bool SharedFile::read(void* bytes, std::size_t count) const noexcept {
-  constexpr std::size_t kMost = std::size_t{1} << 30U;  // a call's count has 32 bits
+  constexpr std::size_t kMax = std::size_t{1} << 30U;  // a call's count has 32 bits
   auto* to = static_cast<std::uint8_t*>(bytes);
   while (count > 0) {
     DWORD got = 0;
-    const auto wanted = static_cast<DWORD>(count < kMost ? count : kMost);
+    const auto wanted = static_cast<DWORD>(count < kMax ? count : kMax);
     if (!ReadFile(handle_of(file_), to, wanted, &got, nullptr) || got == 0) return false;
     to += got;
     count -= got;

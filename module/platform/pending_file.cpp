@@ -28,12 +28,12 @@ bool is_name_beside(const std::filesystem::path& path) {
 
 /// Once for each folder that this process writes to.
 void tidy_once(const std::filesystem::path& folder) {
-  constexpr std::size_t kMostKnown = 64;
+  constexpr std::size_t kMaxKnown = 64;
   static auto& mutex = *new std::mutex;  // never destroyed: files are written while a program exits too
   static auto& known = *new std::set<std::filesystem::path>;
   {
     const std::scoped_lock lock(mutex);
-    if (known.size() == kMostKnown) known.clear();
+    if (known.size() == kMaxKnown) known.clear();
     if (!known.insert(folder).second) return;
   }
   remove_left_behind(folder);

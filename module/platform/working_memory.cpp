@@ -17,7 +17,7 @@
 namespace welkin::platform {
 namespace {
 
-constexpr std::size_t kMostBlocks = 256;
+constexpr std::size_t kMaxBlocks = 256;
 
 /// Address sanitizers find uses of memory that was freed, and memory of WebAssembly is never returned to its host: both
 /// leave blocks to the heap.
@@ -79,7 +79,7 @@ class Pool {
       {
         const std::unique_lock lock(mutex_, std::try_to_lock);
         done = !lock || block.bytes > limit();
-        if (!done && count_ < kMostBlocks && block.bytes <= limit() - std::min(limit(), bytes())) {
+        if (!done && count_ < kMaxBlocks && block.bytes <= limit() - std::min(limit(), bytes())) {
           blocks_[count_++] = block;
           bytes_ += block.bytes;
           return;
@@ -134,7 +134,7 @@ class Pool {
   }
 
   std::mutex mutex_;
-  std::array<WorkingMemory, kMostBlocks> blocks_{};  ///< the oldest first
+  std::array<WorkingMemory, kMaxBlocks> blocks_{};  ///< the oldest first
   std::size_t count_ = 0;
   std::atomic<std::size_t> bytes_{0};  ///< of all blocks
   std::atomic<std::size_t> limit_{kDefaultLimit};

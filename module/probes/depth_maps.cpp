@@ -13,13 +13,13 @@ namespace welkin::probes {
 namespace {
 
 /// Blocks along an edge of a face: 5.6 degrees each, a third of the width of a lobe of power 50.
-constexpr int kMostBlocks = 16;
+constexpr int kMaxBlocks = 16;
 
-/// The largest power whose lobes are wider than the blocks of kMostBlocks.
+/// The largest power whose lobes are wider than the blocks of kMaxBlocks.
 constexpr int kWideLobe = 65;
 
 /// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
-constexpr double kLeastWeight = 1e-9;
+constexpr double kMinWeight = 1e-9;
 
 double power_of(double base, int power) noexcept {
   double result = 1.0;
@@ -52,7 +52,7 @@ const float* row_of(const DepthView& view, int face, int row) noexcept {
 }
 
 DepthMaps::DepthMaps(int size, const DepthRules& rules)
-    : size_(size), edge_(std::min(size, kMostBlocks)), rules_(rules), solid_angles_(squared(size)) {
+    : size_(size), edge_(std::min(size, kMaxBlocks)), rules_(rules), solid_angles_(squared(size)) {
   const auto columns = static_cast<std::size_t>(size);
   for (int row = 0; row < size; ++row) {
     image::cubemap_row_solid_angles(row,
@@ -92,7 +92,7 @@ void DepthMaps::gather_shares(int column, int row) {
   for (std::size_t block = 0; block < directions_.size(); ++block) {
     const double cosine = glm::dot(axis, directions_[block]);
     const double lobe = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
-    if (lobe < kLeastWeight) continue;
+    if (lobe < kMinWeight) continue;
     const double steradians = block_angles_[block % block_angles_.size()];
     const double weight = lobe * lobe_correction(cosine, rules_.distance_power, steradians, texels);
     if (weight == 0.0) continue;

@@ -26,9 +26,9 @@ namespace {
 
 using Texel = std::array<float, 4>;
 
-constexpr int kBrickEdge = 4;          // probes: three cells and one more
-constexpr int kMostBricksInRow = 512;  // 2048 texels
-constexpr int kMostTexels = 2048;      // along an edge of a texture
+constexpr int kBrickEdge = 4;         // probes: three cells and one more
+constexpr int kMaxBricksInRow = 512;  // 2048 texels
+constexpr int kMaxTexels = 2048;      // along an edge of a texture
 
 /// A texture that is being filled.
 class Filling {
@@ -36,7 +36,7 @@ class Filling {
   Filling(PackedProbes& packed, const char* name, std::array<int, 3> size)
       : size_(size), index_(packed.textures.size()) {
     for (const int edge : size)
-      image::require_range("texels along an edge of a texture of probes", edge, 1, kMostTexels);
+      image::require_range("texels along an edge of a texture of probes", edge, 1, kMaxTexels);
     packed.textures.push_back(
         {name, size,
          std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
@@ -184,9 +184,9 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
   PackedProbes packed{layout, {}, {}, 0};
   for (std::size_t axis = 0; axis < 3; ++axis) packed.bricks[axis] = std::max(1, (probes.grid.counts[axis] + 1) / 3);
   const std::int64_t bricks = std::int64_t{packed.bricks[0]} * packed.bricks[1] * packed.bricks[2];
-  const int in_row = static_cast<int>(std::min<std::int64_t>(bricks, kMostBricksInRow));
+  const int in_row = static_cast<int>(std::min<std::int64_t>(bricks, kMaxBricksInRow));
   const auto row_count = (bricks + in_row - 1) / in_row;
-  const int rows = static_cast<int>(std::min<std::int64_t>(row_count, kMostBricksInRow));
+  const int rows = static_cast<int>(std::min<std::int64_t>(row_count, kMaxBricksInRow));
   const int layers = static_cast<int>((row_count + rows - 1) / rows);
   std::vector<Filling> textures;
   const std::size_t count = layout == ProbeLayout::unity_l2 ? 7 : 3;

@@ -10,8 +10,8 @@
 namespace welkin::probes {
 namespace {
 
-constexpr int kMostAlong = 2048;  // texels of a three-dimensional texture that every graphics API takes
-constexpr std::size_t kMostProbes = std::size_t{1} << 24U;
+constexpr int kMaxAlong = 2048;  // texels of a three-dimensional texture that every graphics API takes
+constexpr std::size_t kMaxProbes = std::size_t{1} << 24U;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
 
@@ -34,7 +34,7 @@ void check_grid(const ProbeGrid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::string along = std::string(" along ") + axes[axis];
     image::require_range(("probes of a grid" + along).c_str(), grid.counts[static_cast<std::size_t>(axis)], 1,
-                         kMostAlong);
+                         kMaxAlong);
     // What floats square without an overflow.
     if (!(grid.spacing[axis] >= 1e-9 && grid.spacing[axis] <= 1e12)) {
       refuse("ProbeGrid: spacing" + along + " is " + std::to_string(grid.spacing[axis]) +
@@ -42,8 +42,8 @@ void check_grid(const ProbeGrid& grid) {
     }
     if (!(std::abs(grid.origin[axis]) <= kFarthest)) refuse("ProbeGrid: origin" + along + " is beyond 1e15");
   }
-  if (grid.size() > kMostProbes) {
-    refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMostProbes) +
+  if (grid.size() > kMaxProbes) {
+    refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMaxProbes) +
            " are baked together");
   }
 }

@@ -192,9 +192,9 @@ std::vector<double> far_spectrum(double alpha, double end, int bands) {
   return far;
 }
 
-double reach_for(double rms_error, double maximum_error) noexcept {
+double reach_for(double rms, double maximum) noexcept {
   constexpr double kReach = 9.25;  // for rms 1e-3 and maximum 1e-2
-  const double stricter = std::min(rms_error / 1e-3, maximum_error / 1e-2);
+  const double stricter = std::min(rms / 1e-3, maximum / 1e-2);
   return std::max(2.0, kReach - math::logarithm(std::clamp(stricter, 1e-6, 1e3)));
 }
 

@@ -140,6 +140,6 @@ class Lobe {
 
 /// Returns what decides at such bounds how finely lights are merged, and which lobes are too narrow for harmonics: 9.25
 /// for rms 1e-3 and maximum 1e-2, more for smaller ones.
-[[nodiscard]] double reach_for(double rms_error, double maximum_error) noexcept;
+[[nodiscard]] double reach_for(double rms, double maximum) noexcept;
 
 }  // namespace welkin::reflections

@@ -272,7 +272,7 @@ void LobeChain::note_darkness(const Target& target, double field, const Control&
   const double share = kFloatNoise / target.bounds.maximum;
   if (least_of(target.chain, target.level, control) >= share * field) return;
   note(target.name + ": dark channels",
-       "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
+       "below " + platform::number_text(share) + " of the mip, where floats err by more than a texel may", 0.0);
 }
 
 void LobeChain::end_mip(const Target& target, const MipPlan& mip, const Stopwatch& watch, const Control& control) {

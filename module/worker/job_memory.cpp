@@ -29,7 +29,7 @@ class FreeBlocks {
     kept_.fetch_sub(1, std::memory_order_relaxed);
     FreeBlock* rest = first->next;
     FreeBlock* surplus = nullptr;  // of takers that met each other, and each made a block
-    if (rest != nullptr && kept_.load(std::memory_order_relaxed) > kMostKept) {
+    if (rest != nullptr && kept_.load(std::memory_order_relaxed) > kMaxKept) {
       surplus = std::exchange(rest, rest->next);
       kept_.fetch_sub(1, std::memory_order_relaxed);
     }
@@ -56,7 +56,7 @@ class FreeBlocks {
  private:
   /// Twice as many as the jobs that a worker takes by default. What is above goes back to the system, block by block,
   /// where one is taken: by threads that post, so that a worker's thread does not free what they allocated.
-  static constexpr std::ptrdiff_t kMostKept = 8192;
+  static constexpr std::ptrdiff_t kMaxKept = 8192;
 
   /// All the stack, which others have found empty since. What they have put there goes on top, as it is the shorter
   /// list.

@@ -680,7 +680,7 @@ WorkerLoad Scheduler::load() {
 
 std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
   constexpr std::chrono::microseconds kPause{20};
-  constexpr std::chrono::nanoseconds kLeast = std::chrono::microseconds(100);
+  constexpr std::chrono::nanoseconds kMin = std::chrono::microseconds(100);
   require_own_process();
   const auto start = Clock::now();
   const auto spent = [&](std::chrono::nanoseconds allowed) { return Clock::now() - start >= allowed; };
@@ -693,10 +693,10 @@ std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
     {
       // The mutex may be held by a thread of ours that more important ones keep off the processor: the budget is for
       // that too. Sleeping, and not spinning, gives it this one. A thread that merely looks for work lets go of the
-      // mutex in less than `kLeast`, and then the first callback runs whatever the budget is.
+      // mutex in less than `kMin`, and then the first callback runs whatever the budget is.
       Lock lock(mutex_, std::try_to_lock);
       while (!lock) {
-        if (spent(called == 0 ? std::max(budget, kLeast) : budget)) return called;
+        if (spent(called == 0 ? std::max(budget, kMin) : budget)) return called;
         std::this_thread::sleep_for(kPause);
         static_cast<void>(lock.try_lock());
       }

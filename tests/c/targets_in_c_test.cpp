@@ -2,6 +2,7 @@
 #include <Imath/half.h>
 
 #include "c/c_calls.h"
+#include "c/c_worker.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
@@ -267,6 +268,164 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
   refused("targets.irradiance[0].format");
   room.c.specular_count = -1;
   refused("targets.specular is -1");
+}
+
+// Every field of a structure of options arrives: a table of values, whose bytes are all that a structure has.
+
+namespace {
+
+template <class Options>
+struct FieldValue {
+  const char* name;
+  std::function<void(Options&)> set;
+};
+
+/// Requires that each value changes what is read of the structure, and that the values together change every word but
+/// those that align the others.
+template <class Options, class Read>
+void check_fields(const Options& base, const Read& read, const std::vector<FieldValue<Options>>& fields,
+                  std::ptrdiff_t padding = 0) {
+  constexpr std::size_t kWords = sizeof(Options) / sizeof(std::uint32_t);
+  const auto words = [](const Options& options) {
+    std::array<std::uint32_t, kWords> values{};
+    std::memcpy(values.data(), &options, sizeof options);
+    return values;
+  };
+  std::array<bool, kWords> named{true};  // struct_size
+  for (const FieldValue<Options>& field : fields) {
+    INFO(field.name);
+    Options changed = base;
+    field.set(changed);
+    for (std::size_t k = 0; k < kWords; ++k) named[k] = named[k] || words(changed)[k] != words(base)[k];
+    CHECK(!(read(&changed) == read(&base)));
+  }
+  CHECK(std::ranges::count(named, false) == padding);
+}
+
+constexpr double kAllBytes = 0.1;  // a double of which no word is 0
+
+}  // namespace
+
+TEST_CASE("C: every field of pixel policies, projections and sky tables is read", "[c_interface]") {
+  using Pixels = welkin_pixel_policy;
+  auto clamped = c_struct<Pixels>();
+  clamped.clamp_maximum = 2.0F;
+  check_fields<Pixels>(clamped, c_interface::pixel_policy,
+                       {{"clamp_maximum", [](Pixels& p) { p.clamp_maximum = 0.5F; }},
+                        {"clamp_preserve_colour", [](Pixels& p) { p.clamp_preserve_colour = 1; }},
+                        {"gamma", [](Pixels& p) { p.gamma = 1; }},
+                        {"reject_nan", [](Pixels& p) { p.reject_nan = 1; }},
+                        {"reject_infinity", [](Pixels& p) { p.reject_infinity = 1; }},
+                        {"negative", [](Pixels& p) { p.negative = WELKIN_NEGATIVE_REJECT; }}});
+  using Projecting = welkin_projection_options;
+  check_fields<Projecting>(c_struct<Projecting>(), c_interface::projection_options,
+                           {{"bands", [](Projecting& p) { p.bands = 5; }},
+                            {"midpoint", [](Projecting& p) { p.midpoint = 1; }},
+                            {"target_size", [](Projecting& p) { p.target_size = 8; }},
+                            {"pixels", [&](Projecting& p) { p.pixels = &clamped; }}});
+  using Tables = welkin_sky_table_options;
+  check_fields<Tables>(
+      c_struct<Tables>(), c_interface::table_options,
+      {{"compact", [](Tables& t) { t.compact = 1; }},
+       {"heights", [](Tables& t) { t.heights = 5; }},
+       {"view_zeniths", [](Tables& t) { t.view_zeniths = 6; }},
+       {"sun_zeniths", [](Tables& t) { t.sun_zeniths = 5; }},
+       {"sun_angles", [](Tables& t) { t.sun_angles = 5; }},
+       {"transmittance_heights", [](Tables& t) { t.transmittance_heights = 5; }},
+       {"transmittance_zeniths", [](Tables& t) { t.transmittance_zeniths = 5; }},
+       {"irradiance_heights", [](Tables& t) { t.irradiance_heights = 5; }},
+       {"irradiance_sun_zeniths", [](Tables& t) { t.irradiance_sun_zeniths = 5; }},
+       {"orders", [](Tables& t) { t.orders = 5; }},
+       {"linear_srgb", [](Tables& t) { t.linear_srgb = 1; }},
+       {"minimum_sun_elevation_degrees", [](Tables& t) { t.minimum_sun_elevation_degrees = -kAllBytes; }},
+       {"until_change", [](Tables& t) { t.until_change = kAllBytes; }},
+       {"memory_limit_bytes", [](Tables& t) { t.memory_limit_bytes = (std::uint64_t{1} << 33U) + 1; }},
+       {"exact_orders", [](Tables& t) { t.exact_orders = 1; }}},
+      1);
+  using Curve = welkin_sky_harmonics_options;
+  check_fields<Curve>(c_struct<Curve>(), c_interface::curve_options,
+                      {{"bands", [](Curve& c) { c.bands = 5; }},
+                       {"zeniths", [](Curve& c) { c.zeniths = 5; }},
+                       {"azimuths", [](Curve& c) { c.azimuths = 5; }},
+                       {"nodes", [](Curve& c) { c.nodes = 9; }}});
+}
+
+TEST_CASE("C: every field of prefilters and bakes is read", "[c_interface]") {
+  const std::array roughness{0.0, 0.5};
+  const std::array other{0.0, 0.7};
+  const std::array spectra{1.0, 0.5, 1.0, 0.25};
+  auto clamped = c_struct<welkin_pixel_policy>();
+  clamped.clamp_maximum = 2.0F;
+  using Prefilter = welkin_prefilter_options;
+  const auto prefilter = [](const Prefilter* options) { return c_interface::prefilter_options(options, 256, true); };
+  auto named = c_struct<Prefilter>();
+  named.mips = 3;
+  check_fields<Prefilter>(named, prefilter,
+                          {{"size", [](Prefilter& p) { p.size = 8; }},
+                           {"mips", [](Prefilter& p) { p.mips = 2; }},
+                           {"roughness",
+                            [&](Prefilter& p) {
+                              p.roughness_count = 2;
+                              p.roughness = roughness.data();
+                            }},
+                           {"method", [](Prefilter& p) { p.method = WELKIN_PREFILTER_REFERENCE; }},
+                           {"rms_error", [](Prefilter& p) { p.rms_error = kAllBytes; }},
+                           {"maximum_error", [](Prefilter& p) { p.maximum_error = kAllBytes; }},
+                           {"pixels", [&](Prefilter& p) { p.pixels = &clamped; }},
+                           {"lobe", [](Prefilter& p) { p.lobe = WELKIN_LOBE_FAMILY_CHARLIE; }},
+                           {"spectra",
+                            [&](Prefilter& p) {
+                              p.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
+                              p.mips = 2;
+                              p.spectrum_bands = 2;
+                              p.spectra = spectra.data();
+                            }},
+                           {"quality", [](Prefilter& p) { p.quality = WELKIN_QUALITY_FAST; }},
+                           {"lobe_roughness",
+                            [&](Prefilter& p) {
+                              p.roughness_count = 2;
+                              p.roughness = roughness.data();
+                              p.lobe_roughness = other.data();
+                            }},
+                           {"schedule", [](Prefilter& p) { p.schedule = WELKIN_ROUGHNESS_UNITY; }},
+                           {"fitted", [](Prefilter& p) { p.fitted = 1; }}},
+                          2);
+  auto specular = c_struct<Prefilter>();
+  specular.size = 8;
+  auto brdf = c_struct<welkin_brdf_options>();
+  brdf.width = 8;
+  using Bake = welkin_bake_options;
+  const auto bake = [](const Bake* options) { return c_interface::bake_options(options); };
+  auto with_map = c_struct<Bake>();
+  with_map.octahedral_size = 64;
+  check_fields<Bake>(with_map, bake,
+                     {{"leave_out", [](Bake& b) { b.leave_out = WELKIN_PART_BRDF; }},
+                      {"background_size", [](Bake& b) { b.background_size = 8; }},
+                      {"background_without_mips", [](Bake& b) { b.background_without_mips = 1; }},
+                      {"background_box_filter", [](Bake& b) { b.background_box_filter = 1; }},
+                      {"irradiance_size", [](Bake& b) { b.irradiance_size = 8; }},
+                      {"irradiance_method", [](Bake& b) { b.irradiance_method = WELKIN_IRRADIANCE_DIRECT; }},
+                      {"bands", [](Bake& b) { b.bands = 5; }},
+                      {"specular", [&](Bake& b) { b.specular = &specular; }},
+                      {"brdf", [&](Bake& b) { b.brdf = &brdf; }},
+                      {"pixels", [&](Bake& b) { b.pixels = &clamped; }},
+                      {"memory_limit_bytes", [](Bake& b) { b.memory_limit_bytes = (std::uint64_t{1} << 32U) + 1; }},
+                      {"irradiance_rms_error", [](Bake& b) { b.irradiance_rms_error = kAllBytes; }},
+                      {"octahedral_size", [](Bake& b) { b.octahedral_size = 32; }},
+                      {"octahedral_levels", [](Bake& b) { b.octahedral_levels = 2; }},
+                      {"octahedral_border", [](Bake& b) { b.octahedral_border = 2; }},
+                      {"quality", [](Bake& b) { b.quality = WELKIN_QUALITY_FAST; }}});
+  using Table = welkin_brdf_options;
+  const auto of_bake = [](const Table* options) {
+    auto given = c_struct<Bake>();
+    given.brdf = options;
+    return c_interface::bake_options(&given).brdf;
+  };
+  check_fields<Table>(c_struct<Table>(), of_bake,
+                      {{"width", [](Table& t) { t.width = 8; }},
+                       {"height", [](Table& t) { t.height = 8; }},
+                       {"multiple_scattering", [](Table& t) { t.multiple_scattering = 1; }},
+                       {"without_sheen", [](Table& t) { t.without_sheen = 1; }}});
 }
 
 }  // namespace welkin::test
