@@ -1,7 +1,6 @@
 #include "welkin/bake.h"
 
 #include "perf.h"
-#include "reflections/brdf_table.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -54,22 +53,15 @@ BakeOptions bake_options(int size, bool background) {
 }
 
 enum class Memory { fresh, again };
-enum class BrdfCache { warm, cold };
 
-void add_bake(const std::string& variant, int threads, bool sun, bool background, Memory memory, BrdfCache table) {
+void add_bake(const std::string& variant, int threads, bool sun, bool background, Memory memory) {
   constexpr double texels = 1024.0 * 512.0;
   add_benchmark("Bake", variant, "1024x512", threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
     auto source = bake_picture(1024, sun);
     auto result = std::make_shared<BakeResult>();
     return [=] {
-      BakeOptions options = bake_options(512, background);
-      // The cache cannot be emptied from here: the table is made after the bake, not beside it, which costs the more.
-      if (table == BrdfCache::cold) options.brdf.reset();
       if (memory == Memory::fresh) *result = {};
-      bake_into(*result, source->view(), options);
-      if (table == BrdfCache::cold) {
-        benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = false}, {}));
-      }
+      bake_into(*result, source->view(), bake_options(512, background));
       benchmark::DoNotOptimize(result->irradiance->face(0));
     };
   });
@@ -139,21 +131,14 @@ void add_bake_many(int threads, bool in_one_call) {
                 });
 }
 
-void add_table(const std::string& variant, int threads, bool sheen) {
-  add_benchmark("BrdfTable", variant, "64", threads, 64.0 * 64.0, 0.0, [=]() -> std::function<void()> {
-    return [=] { benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = sheen}, {})); };
-  });
-}
-
 }  // namespace
 
 void add_bakes(const std::vector<int>& thread_counts) {
   for (const int threads : thread_counts) {
-    add_bake("512", threads, false, false, Memory::fresh, BrdfCache::warm);
-    add_bake("512-again", threads, false, false, Memory::again, BrdfCache::warm);
-    add_bake("512-cold-brdf", threads, false, false, Memory::again, BrdfCache::cold);
-    add_bake("512-background", threads, false, true, Memory::again, BrdfCache::warm);
-    add_bake("512-sun", threads, true, false, Memory::again, BrdfCache::warm);
+    add_bake("512", threads, false, false, Memory::fresh);
+    add_bake("512-again", threads, false, false, Memory::again);
+    add_bake("512-background", threads, false, true, Memory::again);
+    add_bake("512-sun", threads, true, false, Memory::again);
     add_bake_of(256, 1024, threads);
     add_bake_of(1024, 2048, threads);
     add_bake_of(2048, 4096, threads);
@@ -164,8 +149,6 @@ void add_bakes(const std::vector<int>& thread_counts) {
     }
     add_bake_many(threads, true);
     add_bake_many(threads, false);
-    add_table("split_sum", threads, false);
-    add_table("split_sum-sheen", threads, true);
   }
 }
 

@@ -38,153 +38,130 @@ void use(const Result& result) {
   used = used + (reinterpret_cast<std::size_t>(&result) & 1U);
 }
 
-/// The operations that read pixels of one kind, which `view` returns.
-template <class View>
-void add_prefilters(std::vector<Operation>& operations, const std::string& from, Operation source, int size,
-                    const View& view, std::optional<int> mips = std::nullopt) {
-  source.name = "prefilter " + from + " -> " + std::to_string(size);
-  if (mips) source.name += ", " + std::to_string(*mips) + " mips";
-  source.prepare = [=](const Pixels& pixels) -> Call {
-    return [=, &pixels] { use(prefilter_specular(view(pixels), {.size = size, .mips = mips})); };
-  };
-  operations.push_back(source);
+EnvironmentView view_of(Kind kind, const Pixels& pixels) {
+  if (kind == Kind::cube) return pixels.cube.view();
+  return pixels.lat_long.view();
 }
 
-template <class View>
-void add_bakes(std::vector<Operation>& operations, const std::string& from, Operation source, int size,
-               const View& view) {
-  source.name = "bake " + from + " -> " + std::to_string(size);
-  source.prepare = [=](const Pixels& pixels) -> Call {
-    return [=, &pixels] {
-      BakeOptions options;
-      options.specular->size = size;
-      use(bake(view(pixels), options));
-    };
-  };
-  operations.push_back(source);
+/// Each call computes `of` the pixels.
+template <class Of>
+Operation plain(std::string name, Kind kind, int source, int calls, Of of) {
+  return {std::move(name), kind, source, calls,
+          [of](const Pixels& pixels) -> Call { return [of, &pixels] { use(of(pixels)); }; }};
+}
+
+Operation prefiltered(const std::string& from, Kind kind, int source, int size, std::optional<int> mips = {}) {
+  std::string name = "prefilter " + from + " -> " + std::to_string(size);
+  if (mips) name += ", " + std::to_string(*mips) + " mips";
+  return plain(name, kind, source, size > 512 ? 4 : 10, [=](const Pixels& pixels) {
+    return prefilter_specular(view_of(kind, pixels), {.size = size, .mips = mips});
+  });
+}
+
+Operation baked(const std::string& from, Kind kind, int source, int size) {
+  return plain("bake " + from + " -> " + std::to_string(size), kind, source, 10, [=](const Pixels& pixels) {
+    BakeOptions options;
+    options.specular->size = size;
+    return bake(view_of(kind, pixels), options);
+  });
 }
 
 void add_projections(std::vector<Operation>& operations) {
   for (const int size : {64, 256, 1024}) {
     const std::string text = " cube " + std::to_string(size);
-    operations.push_back({"project rgb32f" + text, Kind::cube, size, 10,
-                          [](const Pixels& pixels) -> Call { return [&] { use(project(pixels.cube.view())); }; }});
+    operations.push_back(plain("project rgb32f" + text, Kind::cube, size, 10,
+                               [](const Pixels& pixels) { return project(pixels.cube.view()); }));
     operations.push_back({"project rgba16f" + text, Kind::cube, size, 10, [](const Pixels& pixels) -> Call {
                             const auto halves =
                                 std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
                             return [halves] { use(project(halves->view())); };
                           }});
   }
-  operations.push_back({"project lat-long 1024", Kind::lat_long, 1024, 10,
-                        [](const Pixels& pixels) -> Call { return [&] { use(project(pixels.lat_long.view())); }; }});
+  operations.push_back(plain("project lat-long 1024", Kind::lat_long, 1024, 10,
+                             [](const Pixels& pixels) { return project(pixels.lat_long.view()); }));
 }
 
 void add_reflections(std::vector<Operation>& operations) {
-  const auto lat_long = [](const Pixels& pixels) { return pixels.lat_long.view(); };
-  const auto cube = [](const Pixels& pixels) { return pixels.cube.view(); };
   for (const int size : {64, 128, 256, 512, 1024})
-    add_prefilters(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long);
-  for (const int size : {512, 2048})
-    add_prefilters(operations, "lat-long 4096", {"", Kind::lat_long, 4096, size > 512 ? 4 : 10, {}}, size, lat_long);
-  for (const int size : {64, 256, 512})
-    add_bakes(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long);
+    operations.push_back(prefiltered("lat-long 1024", Kind::lat_long, 1024, size));
+  for (const int size : {512, 2048}) operations.push_back(prefiltered("lat-long 4096", Kind::lat_long, 4096, size));
+  for (const int size : {64, 256, 512}) operations.push_back(baked("lat-long 1024", Kind::lat_long, 1024, size));
   for (const int size : {16, 32, 64, 128, 256, 512, 1024})
-    add_prefilters(operations, "cube", {"", Kind::cube, size, size > 512 ? 4 : 10, {}}, size, cube);
+    operations.push_back(prefiltered("cube", Kind::cube, size, size));
   // The chains whose last mip has 16 texels.
   for (const int size : {64, 128, 256, 512}) {
     const int mips = full_chain_levels(size) - 4;
-    add_prefilters(operations, "lat-long 1024", {"", Kind::lat_long, 1024, 10, {}}, size, lat_long, mips);
-    add_prefilters(operations, "cube", {"", Kind::cube, size, 10, {}}, size, cube, mips);
+    operations.push_back(prefiltered("lat-long 1024", Kind::lat_long, 1024, size, mips));
+    operations.push_back(prefiltered("cube", Kind::cube, size, size, mips));
   }
-  for (const int size : {64, 128}) add_bakes(operations, "cube", {"", Kind::cube, size, 10, {}}, size, cube);
-  operations.push_back({"sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) -> Call {
-                          return [&] {
-                            KernelChainOptions sheen;
-                            sheen.size = 256;
-                            for (const double roughness : charlie_roughness_of_mips(5, 256))
-                              sheen.kernels.push_back(ZonalKernel::charlie(roughness));
-                            use(prefilter_by_kernels(pixels.lat_long.view(), sheen));
-                          };
-                        }});
+  for (const int size : {64, 128}) operations.push_back(baked("cube", Kind::cube, size, size));
+  operations.push_back(plain("sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) {
+    KernelChainOptions sheen;
+    sheen.size = 256;
+    for (const double roughness : charlie_roughness_of_mips(5, 256))
+      sheen.kernels.push_back(ZonalKernel::charlie(roughness));
+    return prefilter_by_kernels(pixels.lat_long.view(), sheen);
+  }));
 }
 
 void add_others(std::vector<Operation>& operations) {
-  operations.push_back({"irradiance cube 64", Kind::none, 0, 10, [](const Pixels&) -> Call {
-                          return [] { use(irradiance_cubemap(SphericalHarmonics(3), 64)); };
-                        }});
-  operations.push_back({"direct irradiance lat-long 1024", Kind::lat_long, 1024, 10, [](const Pixels& pixels) -> Call {
-                          return [&] { use(direct_irradiance(pixels.lat_long.view(), {0.0, 1.0, 0.0})); };
-                        }});
+  operations.push_back(plain("irradiance cube 64", Kind::none, 0, 10,
+                             [](const Pixels&) { return irradiance_cubemap(SphericalHarmonics(3), 64); }));
+  operations.push_back(plain("direct irradiance lat-long 1024", Kind::lat_long, 1024, 10, [](const Pixels& pixels) {
+    return direct_irradiance(pixels.lat_long.view(), {0.0, 1.0, 0.0});
+  }));
   for (const int size : {64, 128}) {
-    operations.push_back({"BRDF table " + std::to_string(size), Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                            return [=] { use(brdf_table({size, size, BrdfModel::split_sum, true})); };
-                          }});
+    operations.push_back(plain("BRDF table " + std::to_string(size), Kind::none, 0, 10, [=](const Pixels&) {
+      return brdf_table({size, size, BrdfModel::split_sum, true});
+    }));
   }
-  operations.push_back({"importance lat-long 1024", Kind::lat_long, 1024, 10, [](const Pixels& pixels) -> Call {
-                          return [&] { use(importance_table(pixels.lat_long.view())); };
-                        }});
-  operations.push_back({"64 probes of cube 32", Kind::cube, 32, 10, [](const Pixels& pixels) -> Call {
-                          return [&] {
-                            ProbeGrid grid;
-                            grid.counts = {4, 4, 4};
-                            use(bake_probes(grid, std::vector<CubemapView>(64, pixels.cube.view())));
-                          };
-                        }});
+  operations.push_back(plain("importance lat-long 1024", Kind::lat_long, 1024, 10,
+                             [](const Pixels& pixels) { return importance_table(pixels.lat_long.view()); }));
+  operations.push_back(plain("64 probes of cube 32", Kind::cube, 32, 10, [](const Pixels& pixels) {
+    ProbeGrid grid;
+    grid.counts = {4, 4, 4};
+    return bake_probes(grid, std::vector<CubemapView>(64, pixels.cube.view()));
+  }));
 }
 
 void add_workers(std::vector<Operation>& operations) {
-  const auto post = [](Worker& worker, const std::shared_ptr<const Cubemap>& cube) {
-    use(worker.post(Project{EnvironmentSource(cube), {}}).get());
-  };
-  operations.push_back({"worker made, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
-                          const auto cube = std::make_shared<const Cubemap>(pixels.cube);
-                          return [=] {
-                            Worker worker;
-                            post(worker, cube);
-                          };
-                        }});
-  operations.push_back({"worker kept, project cube 64", Kind::cube, 64, 10, [=](const Pixels& pixels) -> Call {
-                          const auto cube = std::make_shared<const Cubemap>(pixels.cube);
-                          const auto worker = std::make_shared<std::unique_ptr<Worker>>();
-                          return [=] {
-                            if (!*worker) *worker = std::make_unique<Worker>();
-                            post(**worker, cube);
-                          };
-                        }});
+  for (const bool kept : {false, true}) {
+    operations.push_back({kept ? "worker kept, project cube 64" : "worker made, project cube 64", Kind::cube, 64, 10,
+                          [=](const Pixels& pixels) -> Call {
+                            const auto cube = std::make_shared<const Cubemap>(pixels.cube);
+                            const auto worker = std::make_shared<std::unique_ptr<Worker>>();
+                            return [=] {
+                              if (!kept || !*worker) *worker = std::make_unique<Worker>();
+                              use((*worker)->post(Project{EnvironmentSource(cube), {}}).get());
+                              if (!kept) worker->reset();
+                            };
+                          }});
+  }
 }
 
 void add_skies(std::vector<Operation>& operations) {
-  const auto compact = [] {
-    SkyTableOptions options;
-    options.layout = ScatteringLayout::compact;
-    return options;
-  };
-  const auto view = [=] {
-    return std::make_shared<const SkyView>(std::make_shared<const SkyTables>(precompute_sky(earth(), compact())), 0.0);
-  };
+  SkyTableOptions compact;
+  compact.layout = ScatteringLayout::compact;
+  const auto tables = [=] { return std::make_shared<const SkyTables>(precompute_sky(earth(), compact)); };
   const dvec3 sun{0.0, 0.5, 0.866'025'403'784'438'6};
   operations.push_back({"sky view", Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                          const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), compact()));
-                          return [=] { use(SkyView(tables, 0.0).radiance({0.0, 1.0, 0.0}, sun)); };
+                          return [made = tables(), sun] { use(SkyView(made, 0.0).radiance({0.0, 1.0, 0.0}, sun)); };
                         }});
   operations.push_back({"sky harmonics", Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                          return [view = view(), sun] { use(SkyProjector(*view).project(sun)); };
+                          return [view = SkyView(tables(), 0.0), sun] { use(SkyProjector(view).project(sun)); };
                         }});
-  operations.push_back({"sky curve", Kind::none, 0, 10,
-                        [=](const Pixels&) -> Call { return [view = view()] { use(SkyCurve(*view)); }; }});
-  operations.push_back({"sky tables, compact", Kind::none, 0, 3,
-                        [=](const Pixels&) -> Call { return [=] { use(precompute_sky(earth(), compact())); }; }});
-  operations.push_back({"sky tables, full", Kind::none, 0, 3,
-                        [](const Pixels&) -> Call { return [] { use(precompute_sky(earth())); }; }});
+  operations.push_back({"sky curve", Kind::none, 0, 10, [=](const Pixels&) -> Call {
+                          return [view = SkyView(tables(), 0.0)] { use(SkyCurve(view)); };
+                        }});
+  operations.push_back(
+      plain("sky tables, compact", Kind::none, 0, 3, [=](const Pixels&) { return precompute_sky(earth(), compact); }));
+  operations.push_back(
+      plain("sky tables, full", Kind::none, 0, 3, [](const Pixels&) { return precompute_sky(earth()); }));
 }
 
 std::vector<Operation> all_operations() {
   std::vector<Operation> operations;
-  add_projections(operations);
-  add_reflections(operations);
-  add_others(operations);
-  add_workers(operations);
-  add_skies(operations);
+  for (const auto& add : {add_projections, add_reflections, add_others, add_workers, add_skies}) add(operations);
   return operations;
 }
 

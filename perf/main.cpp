@@ -71,7 +71,6 @@ int main(int argc, char** argv) {
   perf::add_bakes(thread_counts);
 #if WELKIN_TOOLS
   perf::add_previews(thread_counts);
-  perf::add_command(thread_counts);
 #endif
   perf::add_result_cache();
   perf::add_worker_latency(thread_counts);

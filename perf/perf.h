@@ -132,7 +132,6 @@ void stay_busy(std::chrono::nanoseconds time);
 [[nodiscard]] std::string bounds_table(const Paths& arguments);
 
 /// EncodeBc6h/fast|normal|slow/<size>/<threads>: the prefiltered chain of a sky with a sun and noise.
-/// DecodeBc6h/halves/<size>/<threads>.
 void add_bc6h(const std::vector<int>& thread_counts);
 
 /// The table of docs/notes/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
@@ -157,10 +156,6 @@ void add_cancel_latency(const std::vector<int>& thread_counts);
 /// The child process of a row. Arguments: operation, folder of pixels, threads, clock. Returns what it measured as one
 /// line.
 [[nodiscard]] std::string cold_calls(const Paths& arguments);
-
-/// Command/<bake or bake-again>/<size>/<threads>: `welkin bake` of a picture of 1024 x 512 with all its default files;
-/// "again" finds them in a cache. A texel is one of the picture.
-void add_command(const std::vector<int>& thread_counts);
 
 /// `[COUNT] [--seed=N] [--rms-error=X] [PICTURE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
 /// random environments (10 000), of which a fifth are of the pictures if there are any. After each 500 the table so far
@@ -192,8 +187,7 @@ void add_previews(const std::vector<int>& thread_counts);
 void add_probes(const std::vector<int>& thread_counts);
 
 /// ProjectCubemap/FORMAT/SIZE/THREADS with default options; the same with other options, formats and
-/// instruction sets at a few sizes; ProjectMany, in one call and in single ones; and ReferenceTwin, the readable scalar
-/// version.
+/// instruction sets at a few sizes; and ProjectMany, in one call and in single ones.
 void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& thread_counts);
 
 /// ProjectFile/FORMAT/2048x1024/THREADS: from a file in the page cache to coefficients, decoding overlapped. And
@@ -228,10 +222,9 @@ void add_result_cache();
 void add_harmonics();
 
 /// SkyTables/LAYOUT/ORDERS/THREADS: precomputing an Earth of the usual sizes (compact: 32 x 64 x 32), all tables.
-/// SkyTransmittance/table/64x256/1: what one order of the smallest scattering table takes, nearly all of it lengths.
 void add_sky_tables(const std::vector<int>& thread_counts);
 
-/// SkyRadiance, SkyView, SkyCubemap, SkyLatLong, SkySpecular.
+/// SkyView, SkySpecular.
 void add_sky_views(const std::vector<int>& thread_counts);
 
 /// Runs the registered benchmarks and prints the usual table and, when all has run, how each projection's time compares
@@ -263,12 +256,11 @@ void add_importance(const std::vector<int>& thread_counts);
 /// the part of each post that is not in the request, `to_start_us` before and `to_caller_us` after it (medians).
 void add_worker_latency(const std::vector<int>& thread_counts);
 
-/// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, others, and BRDF tables.
+/// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, and others.
 /// - Bake/512: cubemap (mip 0), prefiltered mips 1.., 64-texel irradiance, 64 x 64 BRDF table, into new memory; the
-///   table from the cache. `-again`: into the memory of the last. `-cold-brdf`: the table is made each time.
+///   table from the cache. `-again`: into the memory of the last.
 ///   `-background`: with a background cubemap of its own and its mips as well. `-sun`: of a picture with a sun.
 ///   Bake/N/WxH: a chain of N from W x H, into the memory of the last.
-/// - BrdfTable/split_sum/64: made, without the cache; `-sheen` with the third channel.
 void add_bakes(const std::vector<int>& thread_counts);
 
 }  // namespace welkin::perf

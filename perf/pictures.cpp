@@ -83,15 +83,6 @@ void add_mips(int size, int threads) {
   }
 }
 
-void add_irradiance_cubemap(int bands, int size, int threads) {
-  add_benchmark("IrradianceCubemap", std::to_string(bands), std::to_string(size), threads, cube_texels(size),
-                kTexelBytes * cube_texels(size), [=]() -> std::function<void()> {
-                  return [irradiance = SphericalHarmonics(bands), size] {
-                    benchmark::DoNotOptimize(irradiance_cubemap(irradiance, size));
-                  };
-                });
-}
-
 }  // namespace
 
 void add_resampling(const std::vector<int>& thread_counts) {
@@ -102,7 +93,6 @@ void add_resampling(const std::vector<int>& thread_counts) {
       add_sample_grid(size, threads);
       add_mips(size, threads);
     }
-    add_irradiance_cubemap(3, 64, threads);
   }
 }
 
@@ -175,10 +165,6 @@ void add_bc6h(const std::vector<int>& thread_counts) {
                         };
                       });
       }
-      add_benchmark("DecodeBc6h", "floats", std::to_string(size), threads, texels, 0.0, [=]() -> std::function<void()> {
-        auto blocks = std::make_shared<const Bc6hCubemap>(encode_bc6h(chain(size)->views()));
-        return [blocks] { benchmark::DoNotOptimize(decode_bc6h(*blocks)); };
-      });
     }
   }
 }

@@ -3,7 +3,6 @@
 #include "files/row_source.h"
 #include "jobs/tiles.h"
 #include "perf.h"
-#include "reference/reference_projection.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -105,10 +104,6 @@ void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& 
   for (const InstructionSet set : available_instruction_sets()) {
     for (const int size : {64, 1024}) add_instruction_set(set, size);
   }
-  add_benchmark("ReferenceTwin", "rgb32f", "64", 1, texels_of(64), texels_of(64) * 12.0, []() -> std::function<void()> {
-    const CubemapView view = noise_cubemap(PixelFormat::rgb32f, 64);
-    return [=] { benchmark::DoNotOptimize(reference_projection(view)); };
-  });
 }
 
 void add_project_lat_long(const std::vector<int>& thread_counts) {

@@ -29,7 +29,7 @@ if(NOT WELKIN_ASTC)
   list(REMOVE_ITEM sources files/astc_test.cpp files/uastc_hdr_test.cpp tools/astc_bake_test.cpp)
 endif()
 list(APPEND sources float_environment/modes.cpp)
-list(REMOVE_ITEM sources simd/vector_kernels.cpp)
+list(REMOVE_ITEM sources simd/vector_kernels.cpp support/estimate_trials.cpp support/random_environments.cpp)
 add_executable(welkin_tests ${sources})
 target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/module)
 if("simd/vector_layer_test.cpp" IN_LIST sources)  # the vector layer's own functions, as kernels
@@ -66,7 +66,7 @@ target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/plac
 # What tests are made of is compiled once, run once: most of the compiler's time would be in optimising checks. (The
 # library is optimised as ever, and ISO arithmetic gives the same bits at any level.)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 endif()
 # But for truths that sum over millions of texels and rays.
 file(GLOB stability_sources stability/*_cases.cpp stability/measures.cpp)

@@ -247,26 +247,13 @@ TEST_CASE("Each mip is the mean of the one above over each texel's area", "[mips
   }
 }
 
-TEST_CASE("Mips have the same bits everywhere, and their tiles allocate nothing", "[mips][slow]") {
-  const InstructionSet before = active_instruction_set();
+TEST_CASE("Tiles of mips allocate nothing", "[mips]") {
+  const TestCubemap map = make_cubemap(Content::high_range, 300, 3, 4);
   for (const MipFilter filter : kFilters) {
-    for (const int size : {96, 257, 300}) {
-      const TestCubemap map = make_cubemap(Content::high_range, size, 3, 4);
-      Cubemap expected;
-      force_instruction_set(available_instruction_sets().front());
-      run_with_threads(1, [&] { expected = build_mips(map.view(), filter); });
-      for (const InstructionSet set : available_instruction_sets()) {
-        force_instruction_set(set);
-        for (const int threads : {1, 2, 7}) {
-          CAPTURE(name(set), threads, size);
-          forget_allocations_in_tiles();
-          run_with_threads(threads, [&] { CHECK(same_bits(build_mips(map.view(), filter), expected)); });
-          CHECK(allocations_in_tiles() == 0);
-        }
-      }
-    }
+    forget_allocations_in_tiles();
+    run_with_threads(3, [&] { static_cast<void>(build_mips(map.view(), filter)); });
+    CHECK(allocations_in_tiles() == 0);
   }
-  force_instruction_set(before);
 }
 
 TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {

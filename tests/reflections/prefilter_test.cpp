@@ -19,42 +19,7 @@
 
 namespace welkin::test {
 
-// Promise: the same bits everywhere, no allocation in tiles, cancellation, progress, and errors that say what would do.
-
-namespace {
-
-void check_same_bits(const EnvironmentView& view, PrefilterOptions options) {
-  const InstructionSet before = active_instruction_set();
-  const PrefilteredSpecular expected = prefilter_specular(view, options);
-  for (const InstructionSet set : available_instruction_sets()) {
-    force_instruction_set(set);
-    for (const int threads : {1, 2, 3}) {
-      CAPTURE(name(set), threads);
-      run_with_threads(threads, [&] {
-        const PrefilteredSpecular result = prefilter_specular(view, options);
-        CHECK(same_bits(result.cubemap, expected.cubemap));
-        for (std::size_t k = 0; k < result.mips.size(); ++k) {
-          CHECK(same_bits(result.mips[k].mean, expected.mips[k].mean));
-          CHECK(result.mips[k].bright_texels == expected.mips[k].bright_texels);
-        }
-      });
-    }
-  }
-  force_instruction_set(before);
-}
-
-}  // namespace
-
-TEST_CASE("The prefilter gives the same bits on any threads and instruction set",
-          "[specular][prefilter][bits][truth]") {
-  const TestLatLong source = make_lat_long(Content::one_texel_sun, 256, 128, 3);
-  check_same_bits(source.view(), {.size = 64});
-  check_same_bits(make_lat_long(Content::one_texel_sun, 16, 8, 3).view(), {.size = 16});  // a sun wider than lobes
-  check_same_bits(make_lat_long(Content::random, 67, 35, 3).view(), {.size = 19});
-  check_same_bits(make_cubemap(Content::high_range, 33, 3, 3).view(), {.size = 32});
-  check_same_bits(make_lat_long(Content::high_range, 32, 16, 3).view(),
-                  {.size = 4, .method = PrefilterMethod::reference});
-}
+// Promise: no allocation in tiles, cancellation, progress, and errors that say what would do.
 
 TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap][truth]") {
   const TestLatLong large = make_lat_long(Content::one_texel_sun, 256, 128, 3);

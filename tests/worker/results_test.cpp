@@ -17,199 +17,46 @@
 namespace welkin::test {
 
 // Promise: whatever a worker is asked, on however many threads and beside however many jobs, the result has the bits
-// of the direct call.
+// of the direct call. (What each request gives is on record: [same_as_before].)
 
-namespace {
-
-/// A request whose result is known. `post` gives what waits for the result and tells whether it is right.
-struct Case {
-  std::string name;
-  std::function<std::function<bool()>(Worker&)> post;
-};
-
-/// `make_request` gives a new request for each post.
-template <class Result, class MakeRequest>
-Case make_case(std::string name, Result expected, MakeRequest make_request) {
-  auto shared = std::make_shared<const Result>(std::move(expected));
-  return {std::move(name), [shared, make_request](Worker& worker) -> std::function<bool()> {
-            auto job = std::make_shared<Job<Result>>(worker.post(make_request()));
-            return [shared, job] { return same_bits(take(*job), *shared); };
-          }};
-}
-
-template <class Cubemap>
-std::shared_ptr<const Cubemap> kept(Cubemap cubemap) {
-  return std::make_shared<const Cubemap>(std::move(cubemap));
-}
-
-ProjectionOptions midpoint_options() {
-  ProjectionOptions options;
-  options.bands = 5;
-  options.quadrature = Quadrature::midpoint;
-  options.pixels.clamp = RadianceClamp{};
-  options.pixels.negative = NegativePolicy::replace;
-  return options;
-}
-
-void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t seed) {
-  const auto floats = kept(Cubemap{size, make_cubemap(Content::special_values, size, 3, seed).pixels});
-  cases.push_back(make_case("moved in", project(floats->view()), [floats] { return Project{Cubemap(*floats)}; }));
-  cases.push_back(make_case("shared", project(floats->view(), midpoint_options()), [floats] {
-    return Project{floats, midpoint_options()};
-  }));
-  const auto halves = kept(make_cubemap_half(Content::high_range, size, 4, seed));
-  cases.push_back(make_case("borrowed", project(halves->view()),
-                            [halves] { return Project{EnvironmentSource(halves->view(), nullptr)}; }));
-  const auto bytes = kept(make_cubemap_bytes(Content::random, size, 4, seed));
-  cases.push_back(make_case("owned by another", project(bytes->view()),
-                            [bytes] { return Project{EnvironmentSource(bytes->view(), bytes)}; }));
-
-  auto levels = std::make_shared<std::vector<TestCubemap>>();
-  std::vector<CubemapView> chain;
-  for (int level = size; level >= 1; level /= 2) levels->push_back(make_cubemap(Content::random, level, 3, seed + 1));
-  for (const TestCubemap& level : *levels) chain.push_back(level.view());
-  ProjectionOptions options;
-  for (int target = 1; target < size; target *= 8) {
-    options.target_size = target;
-    cases.push_back(make_case("mip chain", project(chain, options), [chain, levels, options] {
-      return Project{EnvironmentSource(chain, levels), options};
-    }));
-  }
-}
-
-void add_resamplings(std::vector<Case>& cases, int size, std::uint32_t seed) {
-  const auto cubemap = kept(Cubemap{size, make_cubemap(Content::high_range, size, 3, seed).pixels});
-  const auto lat_long = kept(LatLongImage{2 * size, size, make_lat_long(Content::smooth, 2 * size, size, seed).pixels});
+TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena", "[worker][bake]") {
+  constexpr int kSize = kSanitized ? 90 : 257;
+  const Cubemap floats{kSize, make_cubemap(Content::special_values, kSize, 3, 1).pixels};
+  const TestCubemapHalf halves = make_cubemap_half(Content::high_range, kSize, 4, 2);
+  const TestLatLong made = make_lat_long(Content::high_range, 64, 32, 3);
+  const auto lat_long = std::make_shared<const LatLongImage>(LatLongImage{64, 32, made.pixels});
+  const auto chain = std::make_shared<const Cubemap>(build_mips(floats.view()));
+  const ProjectionOptions reduced{.bands = 5, .target_size = 8, .pixels = {.negative = NegativePolicy::replace}};
   const glm::dmat3 turn = turn_about_y(37.0);
-  const int half = size / 2 + 1;
-  cases.push_back(make_case("lat-long to cubemap", to_cubemap(lat_long->view(), half, turn), [lat_long, half, turn] {
-    return ToCubemap{lat_long, half, turn};
-  }));
-  cases.push_back(make_case("cubemap to cubemap", to_cubemap(cubemap->view(), size, turn), [cubemap, turn] {
-    return ToCubemap{Cubemap(*cubemap), cubemap->size(), turn};
-  }));
-  cases.push_back(
-      make_case("cubemap to lat-long", to_lat_long(cubemap->view(), 3 * half, half, turn), [cubemap, half, turn] {
-        return ToLatLong{cubemap, 3 * half, half, turn};
-      }));
-}
+  const Projection of_floats = project(floats.view());
+  const Projection of_halves = project(halves.view());
+  const Projection of_chain = project(chain->views(), reduced);
+  const Cubemap turned = to_cubemap(lat_long->view(), 33, turn);
+  const BakeResult baked = bake(lat_long->view(), small_bake());
 
-void add_files(std::vector<Case>& cases, const TemporaryDirectory& directory, int size, std::uint32_t seed) {
-  const TestLatLong lat_long = make_lat_long(Content::smooth, 2 * size, size, seed);
-  const TestCubemap cubemap = make_cubemap(Content::smooth, size, 3, seed);
-  std::vector<std::filesystem::path> paths;
-  for (const char* extension : {".exr", ".hdr", ".pfm", ".png"}) {
-    paths.push_back(directory.file(std::to_string(size) + extension));
-    write_environment(paths.back(), lat_long.view());
-  }
-  paths.push_back(directory.file(std::to_string(size) + "-cube.exr"));
-  write_environment(paths.back(), cubemap.view());
-  for (const std::filesystem::path& path : paths) {
-    const std::string file = path.filename().string();
-    cases.push_back(make_case("project " + file, project_file(path), [path] { return ProjectFile{path}; }));
-    cases.push_back(make_case("measure " + file, measure_environment(path), [path] { return MeasureFile{path}; }));
-    cases.push_back(make_case("read " + file, read_environment(path), [path] { return ReadFile{path}; }));
-  }
-}
-
-std::vector<Case> cases_of(const TemporaryDirectory& directory, int size) {
-  const auto seed = static_cast<std::uint32_t>(size);
-  std::vector<Case> cases;
-  add_cubemap_projections(cases, size, seed);
-  add_resamplings(cases, size, seed);
-  add_files(cases, directory, size, seed);
-  for (Case& one : cases) one.name += ", size " + std::to_string(size);
-  return cases;
-}
-
-/// Posts `total` of the cases in turn, `together` in flight at a time, and checks every one.
-void check_all(Worker& worker, const std::vector<Case>& cases, std::size_t total, std::size_t together) {
-  for (std::size_t first = 0; first < total; first += together) {
-    std::vector<std::pair<std::string, std::function<bool()>>> posted;
-    for (std::size_t k = first; k < std::min(first + together, total); ++k) {
-      const Case& one = cases[k % cases.size()];
-      posted.emplace_back(one.name, one.post(worker));
+  tbb::task_arena arena(3);
+  for (const WorkerOptions& options : {options_with(1), options_with(2), options_with(5), lent(arena)}) {
+    Worker worker(options);
+    CAPTURE(worker.threads());
+    std::vector<std::pair<Job<Projection>, const Projection*>> projections;
+    std::vector<Job<Cubemap>> cubemaps;
+    std::vector<JobOf<Bake>> bakes;
+    for (int k = 0; k < 12; ++k) {
+      projections.emplace_back(worker.post(Project{Cubemap(floats)}), &of_floats);
+      projections.emplace_back(worker.post(Project{EnvironmentSource(halves.view(), nullptr)}), &of_halves);
+      projections.emplace_back(worker.post(Project{EnvironmentSource(chain->views(), chain), reduced}), &of_chain);
+      cubemaps.push_back(worker.post(ToCubemap{lat_long, 33, turn}));
+      if (k % 4 == 0) bakes.push_back(worker.post(Bake{lat_long, small_bake()}));
     }
-    for (const auto& [name, is_right] : posted) {
-      INFO(name << ", " << together << " together");
-      CHECK(is_right());
-    }
-  }
-}
-
-std::vector<Case> all_cases(const TemporaryDirectory& directory) {
-  std::vector<Case> cases;
-  for (const int size : {1, 2, 3, 7, 64, kSanitized ? 90 : 257}) {
-    for (Case& one : cases_of(directory, size)) cases.push_back(std::move(one));
-  }
-  return cases;
-}
-
-}  // namespace
-
-TEST_CASE("a worker's results are the direct calls' bits", "[worker][slow]") {
-  const TemporaryDirectory directory;
-  const std::vector<Case> cases = all_cases(directory);
-  for (const int threads : {1, 2, 5}) {
-    INFO(threads << " threads");
-    Worker worker(options_with(threads));
-    check_all(worker, cases, cases.size(), 1);
-    check_all(worker, cases, cases.size(), 16);
-    check_all(worker, cases, 256, 256);
-  }
-}
-
-TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker][slow]") {
-  const TemporaryDirectory directory;
-  const std::vector<Case> cases = all_cases(directory);
-  for (const int slots : {1, 3}) {
-    INFO(slots << " slots");
-    tbb::task_arena arena(slots);
-    Worker worker(lent(arena));
-    check_all(worker, cases, cases.size(), 16);
-    check_all(worker, cases, 256, 256);
-  }
-}
-
-// Promise: a bake is a request like any other: it has the call's bits, stops when told to, and equal ones share a run.
-
-namespace {
-
-std::shared_ptr<const LatLongImage> picture(int width, Content content = Content::high_range) {
-  const TestLatLong made = make_lat_long(content, width, width / 2, 3);
-  return std::make_shared<const LatLongImage>(LatLongImage{made.width, made.height, made.pixels});
-}
-
-std::shared_ptr<const Cubemap> cubemap(int size) {
-  const TestCubemap made = make_cubemap(Content::high_range, size, 3, 3);
-  return std::make_shared<const Cubemap>(Cubemap{made.size, made.pixels});
-}
-
-}  // namespace
-
-TEST_CASE("bakes in a worker have the call's bits", "[worker][bake]") {
-  const auto lat_long = picture(128);
-  const auto cube = cubemap(40);
-  const BakeResult expected_lat_long = bake(lat_long->view(), small_bake());
-  const BakeResult expected_cube = bake(cube->view(), small_bake());
-  for (const int threads : {1, 2, 4}) {
-    Worker worker(options_with(threads));
-    std::vector<Job<std::shared_ptr<const BakeResult>>> jobs;
-    for (int k = 0; k < 6; ++k) {
-      jobs.push_back(worker.post(k % 2 == 0 ? Bake{lat_long, small_bake()} : Bake{cube, small_bake()}));
-    }
-    for (std::size_t k = 0; k < jobs.size(); ++k) {
-      const auto found = take(jobs[k]);
-      REQUIRE(found);
-      CHECK(same_bits(*found, k % 2 == 0 ? expected_lat_long : expected_cube));
-    }
+    for (auto& [job, wanted] : projections) CHECK(same_bits(take(job), *wanted));
+    for (auto& job : cubemaps) CHECK(same_bits(take(job), turned));
+    for (auto& job : bakes) CHECK(same_bits(*take(job), baked));
   }
 }
 
 TEST_CASE("files are baked in a worker", "[worker][bake]") {
   const TemporaryDirectory directory;
-  const auto image = picture(64);
-  write_environment(directory.file("sky.pfm"), image->view());
+  write_environment(directory.file("sky.pfm"), make_lat_long(Content::high_range, 64, 32, 3).view());
   Worker worker(options_with(2));
   const auto found = take(worker.post(BakeFile{directory.file("sky.pfm"), {}, small_bake()}));
   REQUIRE(found);

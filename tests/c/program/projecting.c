@@ -1,4 +1,4 @@
-/* Light of environments whose light is known, while the caller waits. */
+/* Light of environments whose light is known, while the caller waits. (tests/c compares all options' bits.) */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,29 +9,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Radiance (1, 2, 3) everywhere. */
-static void check_uniform_light(const welkin_projection* light, int bands) {
-  const double constant = sqrt(4.0 * pi);
-  CHECK(light->bands == bands);
-  for (int channel = 0; channel < 3; ++channel) {
-    const double radiance = channel + 1;
-    CHECK(close_to(light->total_radiance[channel], 4.0 * pi * radiance, 1e-5));
-    CHECK(close_to(light->coefficients[channel], constant * radiance, 1e-5));
-    for (int i = 1; i < bands * bands; ++i) CHECK(close_to(light->coefficients[3 * i + channel], 0.0, 1e-5));
-  }
-}
-
-static void cubemaps(void) {
-  welkin_environment cubemap = uniform_cubemap(16, 1.0F, 2.0F, 3.0F);
-  welkin_projection light;
-  WELKIN_INIT(light);
-  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &light));
-  check_uniform_light(&light, 3);
-  CHECK(light.texels == 6 * 16 * 16);
-  CHECK(light.struct_size == sizeof light);
-  free(pixels_of(&cubemap));
-}
-
+/* Rows of white from below upwards. */
 static void lat_longs(void) {
   enum { width = 16, height = 8 };
   unsigned char pixels[height * width * 4];
@@ -47,7 +25,7 @@ static void lat_longs(void) {
   CHECK(close_to(light.total_radiance[1], 4.0 * pi, 1e-5));
 }
 
-/* A PFM, little-endian: this program's processor is. */
+/* A PFM of radiance (1, 2, 3) everywhere, little-endian: this program's processor is. */
 static void files(void) {
   char name[] = "/tmp/welkin-c-XXXXXX";
   const int descriptor = mkstemp(name);
@@ -60,18 +38,20 @@ static void files(void) {
 
   welkin_projection light = {.struct_size = sizeof light};
   CHECK_STATUS(WELKIN_OK, welkin_project_file(name, NULL, NULL, NULL, &light));
-  check_uniform_light(&light, 3);
-
+  CHECK(light.bands == 3 && light.struct_size == sizeof light);
+  for (int i = 0; i < 27; ++i) {
+    CHECK(close_to(light.coefficients[i], i < 3 ? sqrt(4.0 * pi) * (i + 1) : 0.0, 1e-5));
+  }
+  const welkin_projection before = light;
   const welkin_read_options small = {.struct_size = sizeof small, .memory_limit_bytes = 16};
   CHECK_STATUS(WELKIN_LIMIT_EXCEEDED, welkin_project_file(name, &small, NULL, NULL, &light));
   remove(name);
   CHECK_STATUS(WELKIN_FILE_ACCESS, welkin_project_file(name, NULL, NULL, NULL, &light));
   CHECK(strstr(welkin_last_error(), name) != NULL);
-  check_uniform_light(&light, 3); /* a call that fails writes nothing */
+  CHECK(memcmp(&light, &before, sizeof light) == 0); /* a call that fails writes nothing */
 }
 
 void projecting(void) {
-  cubemaps();
   lat_longs();
   files();
 }

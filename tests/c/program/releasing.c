@@ -44,24 +44,6 @@ static void of_jobs_that_end(void) {
   free(pixels_of(&cubemap));
 }
 
-/* Twice the same pixels: neither post's are released while the other's job may still read them. */
-static void of_equal_posts(void) {
-  welkin_worker* worker = make_worker();
-  welkin_environment cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
-  gate closed = {0, 0};
-  counter both = {0};
-  const welkin_post_options post = releasing_to(&both);
-  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, NULL));
-  for (int i = 0; i < 2; ++i) {
-    CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, NULL));
-  }
-  CHECK(counted(&both) == 0);
-  open_gate(&closed);
-  welkin_worker_destroy(worker);
-  CHECK(counted(&both) == 2);
-  free(pixels_of(&cubemap));
-}
-
 static void of_jobs_that_are_given_up(void) {
   static counter up[6];
   const welkin_worker_options options = {.struct_size = sizeof options, .threads = 1, .max_jobs = 4};
@@ -139,7 +121,6 @@ static void of_posts_that_fail(void) {
 
 void releasing(void) {
   of_jobs_that_end();
-  of_equal_posts();
   of_jobs_that_are_given_up();
   of_posts_that_fail();
 }
