@@ -51,7 +51,9 @@ export async function show(page, folders, received = () => {}, seconds = 240) {
     server.close();
     server.closeAllConnections();
     await new Promise((done) => setTimeout(done, 300));
-    rmSync(profile, { recursive: true, force: true, maxRetries: 10 });
+    try {
+      rmSync(profile, { recursive: true, force: true, maxRetries: 20 });
+    } catch { } // a process of Chromium's still writes there
   }
 }
 

@@ -5,7 +5,7 @@
 // MODULES holds node_modules; IMAGE is a Radiance .hdr. For each renderer FOLDER/NAME.png (what it draws), and
 // FOLDER/NAME_SIZE_FACE.f32 or the like for browsers_compare.py. A renderer that fails is reported by its message.
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 
 import { pageOf, show } from "./browser.mjs";
@@ -22,10 +22,15 @@ writeFileSync(join(folder, "spheres.glb"), spheresGlb([0, 0.25, 0.5, 0.75, 1]));
 const png = `const asPng = async (canvas, name) => post("/" + name + ".png", await new Promise((done) => canvas.toBlob(done)));`;
 const canvas = '<canvas id="canvas" width="960" height="200"></canvas>';
 
+const mips = JSON.parse(readFileSync(join(folder, "gltf/manifest.json"), "utf8")).specular.length;
 const RENDERERS = {
   // Khronos' glTF sample viewer: what its sampler makes of the picture; then our lambertian.ktx2 and ggx.ktx2 in its shader.
   gltf_viewer: pageOf(`${png}
-const { GltfView } = await import("/viewer/gltf-viewer.module.js");
+// Its sampler takes 1024 and 2048 samples for each of 256 x 256 x 6 texels: minutes without a GPU. Here 64, and faces of 64.
+const source = (await (await fetch("/viewer/gltf-viewer.module.js")).text()).replace("this.textureSize = 256", "this.textureSize = 64")
+  .replace("this.ggxSampleCount = 1024", "this.ggxSampleCount = 64").replace("this.lambertianSampleCount = 2048", "this.lambertianSampleCount = 64")
+  .replace("this.lutResolution = 1024", "this.lutResolution = 64");
+const { GltfView } = await import(URL.createObjectURL(new Blob([source], { type: "text/javascript" })));
 const canvas = document.getElementById("canvas");
 const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, preserveDrawingBuffer: true });
 gl.getExtension("EXT_color_buffer_float");
@@ -42,11 +47,17 @@ state.renderingParameters.environmentRotation = 90; // its default
 state.userCamera.perspective.aspectRatio = canvas.width / canvas.height;
 state.userCamera.fitViewToScene?.(state.gltf, 0);
 state.userCamera.resetView?.(state.gltf, 0);
-const drawn = async (name) => { for (let i = 0; i < 3; ++i) { view.renderFrame(state, canvas.width, canvas.height); await new Promise(requestAnimationFrame); } await asPng(canvas, name); };
+const cropped = async (name) => { // the spheres fill a fifth of the width
+  const [width, height] = [Math.round(canvas.width / 5), Math.round(canvas.width / 25)];
+  const copy = document.createElement("canvas");
+  copy.width = width; copy.height = height;
+  copy.getContext("2d").drawImage(canvas, (canvas.width - width) / 2, (canvas.height - height) / 2, width, height, 0, 0, width, height);
+  await asPng(copy, name);
+};
+const drawn = async (name) => { for (let i = 0; i < 3; ++i) { view.renderFrame(state, canvas.width, canvas.height); await new Promise(requestAnimationFrame); } await cropped(name); };
 await drawn("gltf_viewer_its_own");
 // Its textures, as floats.
 const images = state.environment.images;
-const about = images.map((one) => [one.name, one.mimeType]);
 const read = async (texture, name, size, levels) => {
   gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
   for (let level = 0; level < levels; ++level) {
@@ -61,16 +72,25 @@ const read = async (texture, name, size, levels) => {
 };
 const own = (name) => images.find((one) => one.name === name)?.image ?? images.find((one) => one.name === name)?.texture;
 const mips = state.environment.mipCount;
-await read(own("Specular"), "ggx", 256, mips);
-await read(own("Diffuse"), "lambertian", 256, 1);
+await read(own("Specular"), "ggx", 64, mips);
+await read(own("Diffuse"), "lambertian", 64, 1);
 // Ours in place of them, through its own libktx.
 const ours = {};
-for (const [name, file] of [["Diffuse", "lambertian"], ["Specular", "ggx"]]) {
-  const decoder = loader.view.context && (loader.ktxlib ?? loader.view.ktxDecoder ?? state.environment.ktxDecoder);
-  ours[name] = typeof decoder?.loadKtxFromBuffer === "function";
+for (const [index, file] of [[0, "lambertian"], [1, "ggx"]]) {
+  const bytes = new Uint8Array(await (await fetch("/files/gltf/" + file + ".ktx2")).arrayBuffer());
+  const found = await view.ktxDecoder.loadKtxFromBuffer(bytes);
+  ours[file] = Object.keys(found ?? {});
+  const texture = found instanceof WebGLTexture ? found : found.texture ?? found.image ?? found;
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, texture);
+  gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MIN_FILTER, index ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR);
+  state.environment.images[index].image = texture;
+  state.environment.textures[index].glTexture = texture;
 }
-await post("/end", JSON.stringify({ about, mips, ours, error: gl.getError() }));
-`, canvas + '<script src="/viewer/libs/libktx.js"></script><script>var DracoDecoderModule = async () => ({})</script>'),
+state.environment.mipCount = MIPS;
+await drawn("gltf_viewer_ours");
+await post("/end", JSON.stringify({ mips, ours, error: gl.getError() }));
+`.replace("MIPS", mips), '<canvas id="canvas" width="2400" height="500"></canvas><script src="/viewer/libs/libktx.js"></script><script>var DracoDecoderModule = async () => ({})</script>'),
 
   // PlayCanvas: the atlas that it makes of the picture (8-bit RGBP), and what it draws with it.
   playcanvas: pageOf(`${png}
@@ -92,8 +112,8 @@ const load = (name, type, file, more) => new Promise((done, failed) => {
   app.assets.load(asset);
 });
 const picture = (await load("picture", "texture", "picture.hdr", { mipmaps: false, projection: "equirect" })).resource;
-const source = pc.EnvLighting.generateLightingSource(picture, { size: 256 });
-const atlas = pc.EnvLighting.generateAtlas(source, { size: 1024 });
+const source = pc.EnvLighting.generateLightingSource(picture);
+const atlas = pc.EnvLighting.generateAtlas(source);
 const gl = device.gl;
 gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
 gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, atlas.impl._glTexture, 0);
@@ -121,7 +141,7 @@ const scene = engine.createScene();
 // (createIblFromKtx1 of this version leaves the harmonics out, and then matte surfaces take the roughest mip.)
 const made = engine.createIblFromKtx1(await bytes("filament/environment_ibl.ktx"));
 const reflections = engine.createTextureFromKtx1(await bytes("filament/environment_ibl.ktx"));
-const light = Filament.IndirectLight.Builder().reflections(reflections).irradianceSh(3, made.shfloats).build(engine);
+const light = Filament.IndirectLight.Builder().reflections(reflections).irradianceSh(3, new Float32Array(made.shfloats)).build(engine);
 light.setIntensity(30000);
 scene.setIndirectLight(light);
 const loader = engine.createAssetLoader();
@@ -137,11 +157,16 @@ view.setCamera(camera);
 view.setViewport([0, 0, canvas.width, canvas.height]);
 const swap = engine.createSwapChain();
 const renderer = engine.createRenderer();
-for (let i = 0; i < 12; ++i) { renderer.render(swap, view); engine.execute(); await new Promise(requestAnimationFrame); }
 const copy = document.createElement("canvas");
 copy.width = canvas.width; copy.height = canvas.height;
-renderer.render(swap, view); engine.execute();
-copy.getContext("2d").drawImage(canvas, 0, 0);
+const context = copy.getContext("2d", { willReadFrequently: true });
+for (let shown = 0, i = 0; shown < 5 && i < 300; ++i) { // it leaves frames out where the last is not done yet
+  renderer.render(swap, view);
+  engine.execute();
+  context.drawImage(canvas, 0, 0);
+  if (context.getImageData(80, 100, 1, 1).data[0] > 0) ++shown;
+  await new Promise(requestAnimationFrame);
+}
 await asPng(copy, "filament");
 await post("/end", JSON.stringify({ entities: asset.getEntities().length }));
 `, canvas + '<script src="/filament/filament.js"></script>'),
@@ -171,7 +196,7 @@ const folders = { files: resolve(folder), viewer: join(modules, "@khronosgroup/g
 for (const [name, page] of Object.entries(RENDERERS)) {
   if (only.length && !only.includes(name)) continue;
   try {
-    const found = await show(page, folders, (file, bytes) => writeFileSync(join(folder, file.replaceAll("/", "_")), bytes));
+    const found = await show(page, folders, (file, bytes) => writeFileSync(join(folder, file.replaceAll("/", "_")), bytes), 420);
     console.log(`${name}: ran; ${JSON.stringify(found)}`);
   } catch (trouble) {
     console.log(`${name}: ${trouble.message.split("\n").slice(0, 3).join(" / ")}`);

@@ -151,10 +151,11 @@ x = (columns + 0.5 - layout.WIDTH / 2) / layout.PIXELS - layout.FLOOR_CENTRE[0]
 y = ((layout.HEIGHT / 2 - rows - 0.5) / layout.PIXELS - layout.FLOOR_CENTRE[1]) / np.sin(layout.TILT)
 along, across = x * np.cos(layout.TURN) - y * np.sin(layout.TURN), x * np.sin(layout.TURN) + y * np.cos(layout.TURN)
 level = (np.abs(along) < layout.FLOOR_SIZE[0] / 2 - 0.1) & (np.abs(across) < layout.FLOOR_SIZE[1] / 2 - 0.1)
+level &= y * np.sin(layout.TILT) < 0.6  # not behind the spheres above
 count = int(level.sum())
 up = to_welkin @ np.array([0.0, 0.0, 1.0])
 row("level plane", "harmonics, 16 bands", np.repeat(many(up)[None], count, 0), level, None)
-row("level plane", "irradiance cubemap of 64", np.repeat(in_cubemap(irradiance, up[None]), count, 0), level, 0.5)
+row("level plane", "irradiance cubemap of 64 (`lobe=\"lambert\"`)", np.repeat(in_cubemap(irradiance, up[None]), count, 0), level, 0.5)
 ours_picture[level] = in_cubemap(irradiance, up[None])
 
 # Which of the 48 ways to name axes fits: the mirror of the one that the convention states is by far the best.

@@ -241,8 +241,10 @@ glm::dvec2 dfg_truth(double n_dot_v, double roughness) {
   constexpr int kAzimuths = 600;
   glm::dvec2 sum(0.0);
   for (int i = 0; i < kZeniths; ++i) {
-    const double s = (i + 0.5) / kZeniths;
-    const double c = std::sqrt((1.0 - s) / (1.0 + (alpha2 - 1.0) * s));
+    // s = 1 - q^2 is the share of half vectors nearer to the normal: samples crowd at grazing ones.
+    const double q = (i + 0.5) / kZeniths;
+    const double s = 1.0 - q * q;
+    const double c = q / std::sqrt(1.0 + (alpha2 - 1.0) * s);
     const double sine = std::sqrt(1.0 - c * c);
     for (int j = 0; j < kAzimuths; ++j) {
       const double phi = 3.141592653589793 * (j + 0.5) / kAzimuths;
@@ -251,7 +253,7 @@ glm::dvec2 dfg_truth(double n_dot_v, double roughness) {
       if (v_dot_h <= 0.0 || n_dot_l <= 0.0) continue;
       const double in_light = n_dot_l * std::sqrt(alpha2 + (1.0 - alpha2) * n_dot_v * n_dot_v);
       const double in_view = n_dot_v * std::sqrt(alpha2 + (1.0 - alpha2) * n_dot_l * n_dot_l);
-      const double weight = 2.0 * n_dot_l * v_dot_h / (c * (in_light + in_view));
+      const double weight = 2.0 * q * 2.0 * n_dot_l * v_dot_h / (c * (in_light + in_view));
       sum += weight * glm::dvec2(std::pow(1.0 - v_dot_h, 5.0), 1.0);
     }
   }
