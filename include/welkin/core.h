@@ -57,7 +57,7 @@ namespace WELKIN_EXPORT welkin {
 using vec3 = glm::vec<3, float, glm::packed_highp>;
 /// Three doubles without padding: a direction (x, y, z) or a colour (r, g, b).
 ///
-/// Directions and normals passed to a call may have any length above zero; they are normalised. A direction that is
+/// Directions and normals passed to a call may have any length above zero; they are normalized. A direction that is
 /// zero or not finite throws `Error` (invalid_argument). Returned directions have length 1.
 using dvec3 = glm::vec<3, double, glm::packed_highp>;
 /// Four doubles without padding.

@@ -145,7 +145,7 @@ class Cubemap {
   /// Creates an empty cubemap.
   Cubemap() = default;
 
-  /// Allocates a cubemap with uninitialised pixels, aligned to a cache line. `memory` must outlive the cubemap; null
+  /// Allocates a cubemap with uninitialized pixels, aligned to a cache line. `memory` must outlive the cubemap; null
   /// selects the default resource. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and 1 <= levels <=
   /// full_chain_levels(size), and whatever `memory` throws.
   explicit Cubemap(int size, int levels = 1, memory_resource* memory = nullptr);

@@ -194,7 +194,7 @@ struct ProbeSampling {
 };
 
 /// Returns irradiance (W/m2 where radiance is W/m2/sr) at a position on a surface, from at most three bands: the eight
-/// probes around it with trilinear weights, each multiplied by the weights of `sampling`, normalised to a sum of 1.
+/// probes around it with trilinear weights, each multiplied by the weights of `sampling`, normalized to a sum of 1.
 /// Positions outside the grid use the trilinear weights of the nearest position in it. Computed in float, by the code
 /// that `probe_sampling_code` returns; light whose sum overflows is scaled first. Throws `Error` (invalid_argument) for
 /// arrays of a wrong length, for coefficients in use that are not finite, and for a position, normal or bias out of

@@ -28,7 +28,7 @@ namespace WELKIN_EXPORT welkin {
 
 /// The way in which a basis function is integrated over a texel.
 enum class Quadrature {
-  exact,     ///< exactly over the texel's area; no discretisation error at any size
+  exact,     ///< exactly over the texel's area; no discretization error at any size
   midpoint,  ///< value at the texel's centre times its solid angle, as in Babylon.js; error O(1/size^2)
 };
 

@@ -172,7 +172,7 @@ enum class RoughnessSchedule {
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
-/// Returns the roughness of each mip's lobe that minimises the error of trilinear lookups over all roughnesses. Shaders
+/// Returns the roughness of each mip's lobe that minimizes the error of trilinear lookups over all roughnesses. Shaders
 /// still select mips by `roughness_of_mips`. Mip 0 stays a mirror. The fit assumes an image with a typical power
 /// spectrum and depends on the arguments alone. Cost: 1 to 3 ms; recent fits are cached. Throws the same errors as
 /// `roughness_of_mips`.
@@ -253,7 +253,7 @@ namespace reflections {
 class Lobe;
 }
 
-/// A radially symmetric filter kernel: a weight per cosine c of the angle to its axis. Kernels are normalised: their
+/// A radially symmetric filter kernel: a weight per cosine c of the angle to its axis. Kernels are normalized: their
 /// integral over the sphere is 1.
 class ZonalKernel {
  public:

@@ -56,7 +56,7 @@ struct Constituent {
   friend bool operator==(const Constituent&, const Constituent&) = default;
 };
 
-/// Phase function of an aerosol, by the cosine of the scattering angle. Phase functions are normalised to an integral
+/// Phase function of an aerosol, by the cosine of the scattering angle. Phase functions are normalized to an integral
 /// of 1 over the sphere.
 enum class AerosolPhase {
   cornette_shanks,    ///< Cornette and Shanks 1992: Henyey-Greenstein times (1 + cos^2), as used by Bruneton
@@ -137,8 +137,8 @@ struct AerosolModel {
   friend bool operator==(const AerosolModel&, const AerosolModel&) = default;
 };
 
-/// Returns the parameters of an aerosol; module/sky/planets.cpp cites their sources. Throws `Error` (invalid_argument)
-/// for an unknown kind.
+/// Returns the parameters of a kind of aerosol. module/sky/planets.cpp cites where they come from. Throws `Error`
+/// (invalid_argument) for an unknown kind.
 [[nodiscard]] AerosolModel aerosol_model(AerosolKind kind);
 
 /// Returns the atmosphere with another aerosol. Throws `Error` (invalid_argument) for values out of range.
@@ -203,8 +203,8 @@ struct SkyTableOptions {
   int irradiance_heights = 16;                       ///< 2 to 1024
   int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
 
-  /// Elevation of the lowest sun in the tables, -90 to 0 degrees. For suns below it, the sky of the lowest sun is faded
-  /// to black.
+  /// Elevation of the lowest sun in the tables, -90 to 0 degrees. The sky of a sun below it is that of the lowest sun,
+  /// faded to black at the nadir.
   double minimum_sun_elevation_degrees = -30.0;
 
   int orders = 4;  ///< orders of scattering including ground reflections, 1 (single) to 64
@@ -259,8 +259,8 @@ struct SkyTables {
 /// caller's arena. Throws `Error` (invalid_argument), also for `spectral` tables without three wavelengths.
 [[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
 
-/// Computes scattering tables. Cost per three wavelengths: 2 s of CPU time with the defaults, a third of that with one
-/// order. Small tables are computed from fewer nodes. All values are finite and not negative.
+/// Computes scattering tables. Cost per three wavelengths: 2 to 3 s of CPU time with the defaults, a third of that with
+/// one order. Small tables are computed from fewer nodes. All values are finite and not negative.
 ///
 /// Single scattering at texels has a root mean square error of 1e-5 of the mean by day and 1e-4 by night (Earth, Mars).
 /// For higher orders, Bruneton integrates over all directions for each direction. Welkin projects the radiance around a
@@ -338,10 +338,10 @@ class SkyView {
   std::shared_ptr<const Slice> slice_;
 };
 
-/// Computes an image of the sky: radiance at the centres of texels, plus the sun's disc by covered area if
-/// requested. At any image size, the disc's total radiance is the irradiance of `SkyView::sun`. A disc cut by the
-/// horizon ends there. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height
-/// is 1 to 16384.
+/// Computes an image of the sky: each texel has the radiance at its centre. With `options.sun_disc`, texels also have
+/// the disc's radiance times the fraction of their area that it covers. The disc's radiance times solid angle, summed
+/// over the image, is the irradiance of `SkyView::sun` at any image size. The part of a disc below the horizon is left
+/// out. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1 to 16384.
 [[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size,
                                   const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
@@ -372,8 +372,8 @@ enum class SkyQuadrature {
 struct SkyHarmonicsOptions {
   int bands = 3;                                          ///< 1 to kMaximumBands
   SkyQuadrature quadrature = SkyQuadrature::gauss_split;  ///< placement of directions
-  int zeniths = 16;   ///< Gauss nodes on each side of the horizon (`uniform`: on both together), 2 to 128
-  int azimuths = 16;  ///< over half the circle, mirrored: 2 to 256
+  int zeniths = 16;   ///< zenith angles on each side of the horizon, 2 to 128; for `uniform`, on both together
+  int azimuths = 16;  ///< azimuths over half the circle, 2 to 256; the other half is its mirror image
 
   friend bool operator==(const SkyHarmonicsOptions&, const SkyHarmonicsOptions&) = default;
 };
@@ -422,9 +422,9 @@ struct SkyCurveOptions {
 /// Harmonics as a function of the sun's elevation at one altitude, interpolated and rotated about the vertical for any
 /// sun. Band 0 and the sun's irradiance are never negative. Immutable; copies share the data.
 ///
-/// Error relative to `SkyProjector`, with the default 256 nodes on the ground: 4e-4 for suns down to -6 degrees, 6e-3
-/// down to -9, 2e-2 down to -12, and 1e-1 down to -18, where the tables are no smoother. Direct sunlight agrees with
-/// the view's to 1e-3, also while the disc sets.
+/// Error relative to `SkyProjector` on the ground, with the default 256 nodes, by the lowest elevation of the sun: 4e-4
+/// to -6 degrees, 6e-3 to -9, 2e-2 to -12, and 1e-1 to -18. At such low suns the tables themselves are no smoother.
+/// Direct sunlight agrees with the view's to 1e-3, also while the disc sets.
 class SkyCurve {
  public:
   /// Computes the curve, in parallel over elevations. Throws `Error`: invalid_argument, limit_exceeded.

@@ -88,7 +88,7 @@ struct SkyLightCounters {
   std::uint64_t tables_baked = 0;     ///< scattering tables computed
   std::uint64_t curves_baked = 0;     ///< curves computed
   std::uint64_t speculars_baked = 0;  ///< specular chains computed
-  std::uint64_t given_up = 0;         ///< bakes cancelled because of a newer atmosphere, or at the end
+  std::uint64_t cancelled = 0;        ///< bakes cancelled because of a newer atmosphere, or at the end
   std::uint64_t failures = 0;         ///< bakes that failed
 };
 
@@ -131,8 +131,8 @@ class SkyLight {
   /// `set_intensity` suffices.)
   void set_atmosphere(const Atmosphere& atmosphere);
 
-  /// Collects finished results, advances blending, and returns the light. Never waits and never allocates. Throws
-  /// `Error` (invalid_argument) for a negative time or NaN.
+  /// Collects finished results, advances blending, and returns the light. Never waits and never allocates; the setters
+  /// do when they post. Throws `Error` (invalid_argument) for a negative time or NaN.
   const SkyLightFrame& update(double seconds);
   /// Returns the light of the last `update`.
   [[nodiscard]] const SkyLightFrame& light() const noexcept;

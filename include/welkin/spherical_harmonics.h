@@ -91,7 +91,7 @@ struct Quaternion {
 
 /// Rotates light: light from direction d then comes from turn * d. Uses the recurrence of Ivanic and Ruedenberg (1996,
 /// with the 1998 corrections). Error below 1e-13 for 16 bands; after 10 000 consecutive rotations, errors of
-/// coefficients and of each band's power are below 1e-11. The quaternion is normalised first. Cost: 1 us for three
+/// coefficients and of each band's power are below 1e-11. The quaternion is normalized first. Cost: 1 us for three
 /// bands, 100 us for 16. Throws `Error` (invalid_argument) for a quaternion of length 0.
 [[nodiscard]] SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& turn);
 /// Rotates light by a GLM quaternion: `turned(harmonics, glm::angleAxis(angle, axis))`.

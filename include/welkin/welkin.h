@@ -491,9 +491,10 @@ WELKIN_API welkin_status welkin_bake_file(const char* path, const welkin_read_op
                                           const welkin_bake_options* options, const welkin_control* control,
                                           welkin_bake_result** result);
 
-/* Bakes specular chains and harmonics of many cubemaps into the caller's memory. `probes`, `coefficients` (null with 0
- * bands) and `totals` are those of `welkin_project_many`. `targets` lists all mips of the first probe, then of the
- * second, and so on. After an error other than WELKIN_INVALID_ARGUMENT, targets may be partly written. */
+/* Bakes specular chains and harmonics of many cubemaps into the caller's memory. `probes`, `coefficients` and `totals`
+ * are as in `welkin_project_many`; `coefficients` is null with 0 bands. `targets` has one element per mip: all mips of
+ * the first probe, then all of the second, and so on. WELKIN_INVALID_ARGUMENT means that nothing was written; after
+ * another error, any targets may be. */
 WELKIN_API welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_count,
                                           const welkin_prefilter_options* options, const welkin_control* control,
                                           const welkin_target* targets, int64_t target_count, int32_t bands,
@@ -546,19 +547,20 @@ typedef struct welkin_constituent {
 typedef int32_t welkin_aerosol_phase;
 enum { WELKIN_PHASE_DEFAULT = 0, WELKIN_PHASE_CORNETTE_SHANKS = 1, WELKIN_PHASE_HENYEY_GREENSTEIN = 2 };
 
-/* A planet's air, ground and sun, as changes to a given planet. Arrays have one value per wavelength. Zero and null
- * keep the planet's own values. Calls copy everything that they read. */
+/* A planet's air, ground and sun. A member that is zero or null keeps the value of `planet`. Arrays have one value per
+ * wavelength. Calls copy everything that they read. */
 typedef struct welkin_atmosphere {
   uint32_t struct_size;
   welkin_planet planet;     /* planet to start from */
-  int32_t wavelength_count; /* 3, or up to 96 with `linear_srgb`; 0: 680, 550 and 440 nm, or the planet's own */
-  int32_t absorber_count;   /* length of `absorbers`; -1: none */
-  /* increasing or decreasing; EARTH, HAZY, DUSTY, POLLUTED: 360 to 830; other planets need all arrays */
+  int32_t wavelength_count; /* 3, or 3 to 96 with `linear_srgb`; 0: the planet's wavelengths (Earth: 680, 550, 440) */
+  int32_t absorber_count;   /* number of `absorbers`; 0: the planet's absorbers; -1: none */
+  /* in nm, increasing or decreasing. EARTH, HAZY, DUSTY and POLLUTED exist at any from 360 to 830 nm. For other
+   * planets, set all arrays too. */
   const double* wavelengths_nm;
   const welkin_constituent* rayleigh; /* molecules */
   const welkin_constituent* aerosol;  /* particles */
-  /* replaces `aerosol`, scale height 1200 m: optical depth at 550 nm (0 to 100), Angstrom exponent (-4 to 8), single
-   * scattering albedo, asymmetry */
+  /* four numbers that replace `aerosol`: optical depth at 550 nm (0 to 100), Angstrom exponent (-4 to 8), single
+   * scattering albedo (0 to 1) and asymmetry (-0.8 to 0.999). The scale height is 1200 m. */
   const double* aerosol_optics;
   welkin_aerosol_phase aerosol_phase;     /* phase function of the particles */
   double aerosol_asymmetry;               /* g of its phase function, -0.8 to 0.999 */
@@ -589,13 +591,13 @@ typedef struct welkin_sky_table_options {
   int32_t irradiance_sun_zeniths;       /* 2 to 1024; 0: 64 */
   int32_t orders;                       /* orders of scattering, 1 to 64; 0: 4 */
   int32_t linear_srgb;                  /* 1: channels are cd/m2; 0: W/m2/sr/nm at three wavelengths */
-  double minimum_sun_elevation_degrees; /* lowest sun in the tables, -90 up to below 0; 0: -30 */
+  double minimum_sun_elevation_degrees; /* lowest sun in the tables, -90 to below 0; 0: -30 */
   double until_change;                  /* stops early after an order that adds less than this fraction; 0: never */
   uint64_t memory_limit_bytes;          /* 0: 4 GiB */
   int32_t exact_orders;                 /* not 0: omits orders beyond `orders`; 0: estimates them */
 } welkin_sky_table_options;
 
-/* Computes scattering tables: 2 s of CPU time with the defaults. The message of WELKIN_INVALID_ARGUMENT names the
+/* Computes scattering tables: 2 to 3 s of CPU time with the defaults. The message of WELKIN_INVALID_ARGUMENT names the
  * parameter of the atmosphere that cannot be computed, its value and the remedy. */
 WELKIN_API welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere,
                                                   const welkin_sky_table_options* options,
@@ -613,7 +615,8 @@ WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memor
 WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
                                                 int32_t without_ground, welkin_sky_view** view);
 
-/* Computes radiance from `count` directions, without the sun's disc: packed x y z and packed r g b. */
+/* Computes radiance from `count` directions, without the sun's disc. `directions` has x, y, z per direction; `rgb`
+ * receives r, g, b per direction. */
 WELKIN_API welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float* directions, size_t count,
                                                   const double* sun, float* rgb);
 
@@ -667,11 +670,11 @@ typedef struct welkin_worker_options {
   welkin_thread_priority thread_priority; /* priority of its own threads */
   const char* name;                       /* name of the threads; null: "welkin" */
 
-  /* Null: the worker creates threads. Otherwise it runs on the engine's threads: `enqueue` must arrange for
-   * `task(argument)` to be called, soon and exactly once, on a thread of the engine's choice. It may be called
-   * concurrently from any thread, with at most `threads` tasks outstanding. `enqueue_user` must stay valid until the
-   * worker is terminated or destroyed; later tasks have no effect. A task that is never called leaks, and its job waits
-   * forever. */
+  /* Null: the worker creates its own threads. Otherwise jobs run on the engine's threads: this function must arrange
+   * for `task(argument)` to be called exactly once, soon, on any thread. The worker may call it from several threads at
+   * the same time. At most `threads` tasks are outstanding. A task that is never called leaks memory, and its job waits
+   * forever. `enqueue_user` must stay valid until the worker is terminated or destroyed; tasks that are called later do
+   * nothing. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user; /* passed to `enqueue` */
 
@@ -717,15 +720,15 @@ typedef struct welkin_post_options {
   const char* key; /* replaces older jobs with the same key, which complete with WELKIN_REPLACED; null: no key */
   uint64_t bytes;  /* bytes to count against `max_bytes`; 0: those of its pixels */
 
-  /* Null: the pixels (or the function's data) must stay valid until the job is ready. Otherwise the job owns them and
-   * calls `release(release_user)` when they are no longer read: exactly once per call of a post function, on any
-   * thread. It must not wait for the worker or its jobs. It is called
-   * - if the post fails, before it returns; for files and skies, before the post returns;
-   * - if the job never runs, before the call returns that cancelled it, refused it or terminated the worker; for a
-   *   replaced job, possibly a moment later;
-   * - if the job runs, about when it is ready, and before `welkin_worker_wait_until_idle`, `welkin_worker_terminate`
-   *   and `welkin_worker_destroy` return.
-   * If `struct_size` itself is refused, it is not called. */
+  /* Null: the pixels (or the function's data) must stay valid until the job is ready. Otherwise the job owns them, and
+   * calls `release(release_user)` once it no longer reads them: exactly once per call of a post function, on any
+   * thread. `release` must not wait for the worker or its jobs. It is called
+   * - before the post returns, if the post fails or is about a file or a sky;
+   * - about when the job becomes ready, if the job ran, and before `welkin_worker_wait_until_idle`,
+   *   `welkin_worker_terminate` and `welkin_worker_destroy` return;
+   * - if the job never ran: before the call returns that cancelled or refused it, or that terminated the worker. The
+   *   release of a replaced job may come a moment after the post that replaced it.
+   * It is not called if the post refuses `struct_size`. */
   void (*release)(void* release_user);
   void* release_user; /* passed to `release` */
 
@@ -780,11 +783,11 @@ WELKIN_API welkin_status welkin_post_bake(welkin_worker* worker, const welkin_en
                                           const welkin_bake_options* options, const welkin_bake_targets* targets,
                                           const welkin_post_options* post, welkin_job** job);
 
-/* Posts a function: `run(run_user, control)` is called on a thread of the worker, once, or not at all if the job is
- * cancelled first. Its return value becomes the job's status: any value except WELKIN_NOT_READY; your own codes start
- * at 1000. If it returns the status of a call that failed in it, the job has that call's message. It should check
- * `welkin_control_stop_requested` about every millisecond. If it calls `pthread_exit`, its thread continues and the job
- * completes with WELKIN_INTERNAL. */
+/* Posts a function: `run(run_user, control)` is called once on a thread of the worker, or not at all if the job is
+ * cancelled first. The status that it returns becomes the job's: any value except WELKIN_NOT_READY. Codes of your own
+ * start at 1000. If a call of this library fails inside the function, and the function returns that status, the job
+ * gets that call's message. The function should check `welkin_control_stop_requested` once per millisecond. If it calls
+ * `pthread_exit`, the job completes with WELKIN_INTERNAL, and the worker's thread goes on. */
 WELKIN_API welkin_status welkin_post_function(welkin_worker* worker,
                                               welkin_status (*run)(void* run_user, const welkin_control* control),
                                               void* run_user, const welkin_post_options* post, welkin_job** job);
@@ -806,9 +809,9 @@ WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
  * `welkin_last_error`. `progress` (may be null) receives the fraction done, 0 to 1. Never waits. */
 WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
 
-/* Waits until the job is ready, for at most `timeout_nanoseconds`, and returns the status of `welkin_job_poll`. On a
- * thread of the worker and with WELKIN_NO_LIMIT, it runs a job that has not started. A request that waits for itself,
- * directly or through other jobs, deadlocks. */
+/* Waits until the job is ready, but at most `timeout_nanoseconds`, and returns the status of `welkin_job_poll`. On a
+ * thread of the worker, a wait with WELKIN_NO_LIMIT runs the job itself if that has not started. A request that waits
+ * for its own job, directly or through other jobs, deadlocks. */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Returns the result: a copy of a projection, or a handle to a chain, a bake, sky tables or a sky curve. */
@@ -819,8 +822,8 @@ WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin
 WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);    /* a curve */
 
 /* Cancels the job; it completes with WELKIN_CANCELLED: at once if it waits, else before its next tile (a function: when
- * it returns). `given_up` (may be null) receives 1 if this call cancelled it, else 0. */
-WELKIN_API welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up);
+ * it returns). `cancelled` (may be null) receives 1 if this call cancelled it, else 0. */
+WELKIN_API welkin_status welkin_job_cancel(welkin_job* job, int32_t* cancelled);
 
 /* Moves a waiting job to the end of the queue of that priority. */
 WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority);
@@ -884,8 +887,8 @@ WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, 
 /* Sets the planet. */
 WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
 
-/* Collects finished results, advances blending, and writes the light of the frame. Never waits; allocates only when new
- * reflections have arrived. `seconds` is the time since the last update. */
+/* Collects finished results, advances blending, and writes the light of the frame. Never waits. Allocates only in a
+ * frame in which new reflections have arrived, for their handle. `seconds` is the time since the last update. */
 WELKIN_API welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
 
 /* Returns WELKIN_OK, or the status of the last bake that failed, with its message in `welkin_last_error`. The light is

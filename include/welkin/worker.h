@@ -66,8 +66,8 @@ class JobHandle {
     return record_ ? record_->computation->progress.load(std::memory_order_relaxed) : 0.0;
   }
 
-  /// Returns the error of a failed job, or nothing while it runs and if it succeeded. Takes microseconds for a failed
-  /// job.
+  /// Returns the error of a failed job, at every call; nothing while the job runs and if it succeeded. Takes
+  /// microseconds for a failed job.
   [[nodiscard]] std::optional<JobError> error() const;
 
   /// Cancels the job; it completes with ErrorCode::cancelled. A waiting job completes at once. A running one stops
@@ -144,8 +144,9 @@ class Job : public JobHandle {
   [[nodiscard]] auto then(FollowUp follow_up) &&;
 
   /// Registers a callback: `callback(Job<Result>)` runs inside the worker's `drain()` once the job has completed. The
-  /// job passed to it is ready, so its `get()` returns the result or throws the error without waiting. The callback is
-  /// not called if the worker is destroyed first. Throws std::bad_alloc.
+  /// job passed to it is ready: its `try_take()` returns the result or nothing, and its `get()` returns the result or
+  /// throws the error, without waiting. The callback is not called if the worker is destroyed first. Throws
+  /// std::bad_alloc.
   template <class Callback>
   void on_drain(Callback callback) &&;
 
@@ -301,8 +302,6 @@ void Job<Result>::on_drain(Callback callback) && {
   detail::attach(record_, detail::make_shared_in_job_memory<Drained>(take_over(), std::move(callback)), nullptr);
 }
 /// \endcond
-
-// ---- Workers
 
 // ---- Threads of an engine, lent to a worker
 

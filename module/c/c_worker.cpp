@@ -180,11 +180,11 @@ welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanosecond
   });
 }
 
-welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up) {
+welkin_status welkin_job_cancel(welkin_job* job, int32_t* cancelled) {
   return guarded([&] {
     require(job, "job");
     const bool by_this_call = job->handle().cancel();
-    if (given_up != nullptr) *given_up = by_this_call ? 1 : 0;
+    if (cancelled != nullptr) *cancelled = by_this_call ? 1 : 0;
   });
 }
 

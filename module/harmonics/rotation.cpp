@@ -41,7 +41,7 @@ glm::dquat normalised(const Quaternion& q) {
     throw Error(ErrorCode::invalid_argument, "the quaternion (w x y z) = (" + platform::number_text(q.w) + " " +
                                                  platform::number_text(q.x) + " " + platform::number_text(q.y) + " " +
                                                  platform::number_text(q.z) +
-                                                 ") cannot be normalised; (1 0 0 0) is the identity");
+                                                 ") cannot be normalized; (1 0 0 0) is the identity");
   }
   const double w = q.w / largest;
   const double x = q.x / largest;

@@ -81,7 +81,7 @@ void SkyBakery::post() { worker_.post(Request(shared_from_this()), {.priority = 
 void SkyBakery::dropped() noexcept {
   const std::scoped_lock lock(mutex_);
   running_ = false;
-  ++counts_.given_up;
+  ++counts_.cancelled;
   tell_of_the_worker();
 }
 
@@ -126,7 +126,7 @@ void SkyBakery::run(const Control& control) {
   {
     const std::scoped_lock lock(mutex_);
     if (stopped) {
-      ++counts_.given_up;  // the step stays due
+      ++counts_.cancelled;  // the step stays due
       spared_ = true;
     } else {
       settle(step, wish.versions, std::move(error));

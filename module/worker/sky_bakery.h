@@ -50,7 +50,7 @@ struct SkyArrivals {
 };
 
 struct SkyBakeCounts {
-  std::uint64_t posts = 0, tables = 0, curves = 0, speculars = 0, given_up = 0, failures = 0;
+  std::uint64_t posts = 0, tables = 0, curves = 0, speculars = 0, cancelled = 0, failures = 0;
 };
 
 /// Shared by the dynamic sky and the request that is in the worker's hands, whichever lives longer.

@@ -367,7 +367,7 @@ SkyLightCounters SkyLight::counters() const {
   counters.tables_baked = baked.tables;
   counters.curves_baked = baked.curves;
   counters.speculars_baked = baked.speculars;
-  counters.given_up = baked.given_up;
+  counters.cancelled = baked.cancelled;
   counters.failures = baked.failures;
   return counters;
 }

@@ -52,6 +52,14 @@ FORBIDDEN = {
     r"ask(?:s|ed)? for": "request, need",
     r"by the way that": "by the rule that",
     r"pictures?": "image",
+    # Spelling is Oxford's, as that of the identifiers: British, with -ize.
+    r"colors?|colored": "colour",
+    r"grays?": "grey",
+    r"neighbors?|neighboring": "neighbour",
+    r"centers?|centered": "centre",
+    r"behaviors?|favor(?:ed|s)?|honor(?:ed|s)?|labeled|modeled|traveled|canceled|artifacts?|analyz\w+": "British spelling",
+    r"\w*(?:discreti|equali|generali|initiali|maximi|minimi|normali|optimi|organi|polari|quanti|rasteri|reali|recogni|"
+    r"summari|vectori)s(?:e|ed|es|ing|ation)": "-ize",
 }
 
 # Where a word above means something else: path (or folder), word, why.

@@ -37,6 +37,7 @@ template <class... T> void shade_with(T&&...);
 template <class... T> void report(T&&...);
 template <class... T> void log(T&&...);
 template <class... T> void copy_to_texture(T&&...);
+template <class... T> void copy_image(T&&...);
 template <class... T> void set_light(T&&...);
 template <class... T> void add_light(T&&...);
 void simulate_and_render();
@@ -53,13 +54,13 @@ PAGES = {
     "docs/tutorials/cpp_engine.md": ("const welkin::CubemapView& view", (1,)),
     "docs/guides/runtime_probes.md": (
         "std::ptrdiff_t row_stride_bytes, welkin::SphericalHarmonics radiance, std::shared_ptr<Slot> slot,"
-        "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 1, 3)),
+        "std::span<const welkin::CubemapView> probes, std::vector<std::span<std::byte>> memory_of_probes", (0, 2, 5)),
     "docs/guides/worker.md": (
         "welkin::Cubemap image, double sun, std::vector<Probe> probes", ()),
-    "docs/guides/without_codecs.md": (
+    "docs/guides/install.md": (
         "const void* pixels, int width, int height, std::ptrdiff_t row_stride_bytes", (0,)),
     "docs/guides/moving_sky.md": ("", ()),
-    "docs/guides/cache.md": ("welkin::LatLongView panorama, welkin::BakeOptions options", ()),
+    "docs/guides/scene_needs.md": ("welkin::LatLongView panorama, welkin::BakeOptions options", ()),
     "docs/guides/path_tracer.md": (
         "welkin::LatLongView panorama, welkin::dvec3 radiance_sum, double cosine, double (*random)(),"
         "welkin::dvec3 (*radiance)(welkin::dvec3)",

@@ -35,7 +35,7 @@ void bind_machine(py::module_& module) {
 /// pybind11 allocates an object that no constructor has made when it is first looked at, and reads what lay there. It
 /// asks this function for the memory, where a class has one.
 [[noreturn]] void* refuse_unmade(std::size_t /*size*/) {
-  throw py::type_error("this object was never initialised: call its class, or the function that gives such objects");
+  throw py::type_error("this object was never initialized: call its class, or the function that gives such objects");
 }
 
 /// A constructor that is called again would be passed over in silence.
@@ -49,11 +49,11 @@ void refuse_second_init(const py::object& kind) {
         auto* const instance = reinterpret_cast<py::detail::instance*>(self.ptr());
         if (instance->get_value_and_holder().holder_constructed()) {
           throw py::type_error(py::str(py::type::handle_of(self).attr("__name__")).cast<std::string>() +
-                               ": the object is initialised already; make another one");
+                               ": the object is initialized already; make another one");
         }
         init(self, *words, **named);
       },
-      py::is_method(kind), py::name("initialise"));  // of "__init__" pybind11 would do it
+      py::is_method(kind), py::name("initialize"));  // of "__init__" pybind11 would do it
 }
 
 void guard_classes(py::module_& module) {

@@ -344,7 +344,7 @@ void bind_reflections(py::module_& module) {
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
       "fitted_roughness_of_mips(schedule, mips, size)\n"
       "--\n\n"
-      "Returns the roughness of lobes that minimises the error of linear lookups between mips.");
+      "Returns the roughness of lobes that minimizes the error of linear lookups between mips.");
   module.def("mip_of_roughness", &mip_of_roughness, py::arg("table"), py::arg("roughness"),
              "mip_of_roughness(table, roughness)\n"
              "--\n\n"

@@ -21,7 +21,7 @@ def test_an_object_that_was_never_initialised_is_refused(kind):
         f"import welkin; kind = welkin.{kind.__name__}; made = kind.__new__(kind)\n"
         f"for look in [*(lambda name=name: getattr(made, name) for name in {names!r}), lambda: repr(made)]:\n"
         "    try: look()\n"
-        "    except TypeError as error: assert 'never initialised' in str(error), error\n"
+        "    except TypeError as error: assert 'never initialized' in str(error), error\n"
         "    else: raise SystemExit('accepted')\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
@@ -32,20 +32,20 @@ def test_an_object_that_was_never_initialised_is_no_argument():
     light = welkin.SphericalHarmonics(3)
     unmade = welkin.SphericalHarmonics.__new__(welkin.SphericalHarmonics)
     for use in (lambda: light.product(unmade), lambda: light + unmade, lambda: welkin.engine_light(unmade, "unity")):
-        with pytest.raises(TypeError, match="never initialised"):
+        with pytest.raises(TypeError, match="never initialized"):
             use()
     with pytest.raises(welkin.InvalidArgument):
         unmade.__init__(17)
-    with pytest.raises(TypeError, match="never initialised"):
+    with pytest.raises(TypeError, match="never initialized"):
         unmade.bands
 
 
 def test_an_object_is_initialised_once():
     light = welkin.SphericalHarmonics(3)
-    with pytest.raises(TypeError, match="SphericalHarmonics: the object is initialised already"):
+    with pytest.raises(TypeError, match="SphericalHarmonics: the object is initialized already"):
         light.__init__(2)
     assert light.bands == 3
-    with pytest.raises(TypeError, match="PixelPolicy: the object is initialised already"):
+    with pytest.raises(TypeError, match="PixelPolicy: the object is initialized already"):
         welkin.PixelPolicy().__init__(clamp=3)
     assert not hasattr(light, "__setstate__")
     for other in (5, "text", object(), welkin.PixelPolicy()):
