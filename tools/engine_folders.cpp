@@ -31,6 +31,7 @@ struct EngineFolder {
 
 constexpr TexelFormat kHalves = TexelFormat::rgba16f;
 constexpr TexelFormat kBlocks = TexelFormat::bc6h_ufloat;
+constexpr TexelFormat kAnyBlocks = TexelFormat::uastc_hdr_4x4;  // ASTC or BC6H, as the GPU reads
 constexpr TexelFormat kPacked = TexelFormat::b10g11r11;
 constexpr TexelFormat kShared = TexelFormat::e5b9g9r9;
 
@@ -49,7 +50,8 @@ const std::vector<EngineFolder>& folders() {
   static const std::vector<EngineFolder> all = {
       {Engine::three,
        {texture(Content::specular, Container::dds, kBlocks, "specular.dds"),
-        texture(Content::specular, Container::ktx2, kHalves, "specular.ktx2")}},
+        texture(Content::specular, Container::ktx2, kHalves, "specular.ktx2"),
+        texture(Content::specular, Container::ktx2, kAnyBlocks, "specular_uastc.ktx2")}},
       {Engine::babylon,
        {texture(Content::env, Container::env, kHalves, "environment.env"),
         texture(Content::specular, Container::dds, kHalves, "specular.dds")}},

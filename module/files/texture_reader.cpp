@@ -378,7 +378,8 @@ ChannelType channel_type(TexelKind kind, std::size_t channel) {
     case TexelKind::bc6h_ufloat:
     case TexelKind::bc6h_sfloat:
     case TexelKind::astc_4x4_hdr:
-    case TexelKind::astc_6x6_hdr: return ChannelType::half;
+    case TexelKind::astc_6x6_hdr:
+    case TexelKind::uastc_hdr_4x4: return ChannelType::half;
     case TexelKind::rgb32f:
     case TexelKind::rgba32f: return ChannelType::float32;
     case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;

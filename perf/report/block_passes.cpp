@@ -11,6 +11,7 @@ std::vector<BlockWay> block_ways() {
   for (const auto& [effort, name] : {std::pair{Bc6hEffort::fast, "fast"}, std::pair{Bc6hEffort::normal, "normal"},
                                      std::pair{Bc6hEffort::slow, "slow"}}) {
     all.push_back({"BC6H", name, {.format = TexelFormat::bc6h_ufloat, .bc6h_effort = effort}});
+    all.push_back({"UASTC HDR", name, {.format = TexelFormat::uastc_hdr_4x4, .bc6h_effort = effort}});
   }
   for (const auto& [format, words] :
        {std::pair{TexelFormat::astc_4x4_hdr, "ASTC 4x4"}, std::pair{TexelFormat::astc_6x6_hdr, "ASTC 6x6"}}) {
@@ -46,8 +47,10 @@ std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubema
   return text.data();
 }
 
+/// astcenc decodes it.
 bool is_astc(const BlockWay& way) {
-  return way.options.format == TexelFormat::astc_4x4_hdr || way.options.format == TexelFormat::astc_6x6_hdr;
+  return way.options.format == TexelFormat::astc_4x4_hdr || way.options.format == TexelFormat::astc_6x6_hdr ||
+         way.options.format == TexelFormat::uastc_hdr_4x4;
 }
 
 std::vector<BlockWay> ways_of(const Scale& scale) {

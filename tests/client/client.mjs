@@ -36,7 +36,7 @@ const FIGURE_PIXELS = 104;
 const FIGURE_GAIN = 4; // of the differences in the figure's last row
 const BOUNDS_GAIN = 64; // the same of two error bounds
 
-const TYPES = { html: "text/html", js: "text/javascript" };
+const TYPES = { html: "text/html", js: "text/javascript", wasm: "application/wasm" };
 
 /** The page and the files under `folders`, on the loopback interface alone. */
 function serve(folders) {
@@ -188,7 +188,8 @@ async function drawSpheres(ask, picture) {
 await build({ entryPoints: [join(here, `${flag("--engine")}.source.js`)], bundle: true, format: "esm", logLevel: "error",
               nodePaths: [join(modules, "node_modules")], outfile: join(work, "page.js") });
 const list = pictures();
-const server = await serve([work, here, files]);
+const basis = join(modules, "node_modules/three/examples/jsm/libs"); // has basis/, the transcoder
+const server = await serve([work, here, files, basis]);
 const { browser, ask } = await openPage(`http://127.0.0.1:${server.address().port}`);
 try {
   console.log(`${await ask("about")}, in Chromium ${browser.version()}`);

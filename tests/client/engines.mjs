@@ -35,6 +35,7 @@ export const ENGINES = {
                       ["without its last mip", "--roughness", WITHOUT_LAST]] },
             { name: "ktx2", kind: "ktx2", of: "specular.ktx2", options: ["--for", "three"],
               wrong: [MIRRORED, ["without its last mip", "--roughness", WITHOUT_LAST]] },
+            { name: "uastc", kind: "uastc", of: "specular_uastc.ktx2", options: ["--for", "three"], wrong: [MIRRORED] },
             { name: "ktx2 of 5 mips", kind: "ktx2", of: "specular.ktx2",
               options: ["--for", "three", "--formats", "ktx2", "--mips", "5"], wrong: [] }],
     truth: { of: "specular.ktx2", options: ["--for", "three", "--formats", "ktx2"] },

@@ -27,6 +27,12 @@ async function halves(url, renderer) {
   return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
+/** A chain in UASTC HDR, through Basis Universal's transcoder: the lines of the README that `--for three` writes. */
+async function transcoded(url, renderer) {
+  const loader = new KTX2Loader().setTranscoderPath("basis/").detectSupport(renderer);
+  return Object.assign(await loader.loadAsync(url), { isPMREMTexture: true });
+}
+
 /** A chain in floats, for the truth. */
 async function texels(url) {
   const { pixelWidth, levels, vkFormat } = read(new Uint8Array(await bytesOf(url)));
@@ -47,7 +53,7 @@ async function panorama(url) {
   return texture;
 }
 
-const OPEN = { dds: blocks, ktx2: halves, picture: panorama };
+const OPEN = { dds: blocks, ktx2: halves, uastc: transcoded, picture: panorama };
 
 const RADIANCE = "textureLod( envMap, envMapRotation * reflectVec, roughnessToMip( roughness ) )";
 const IRRADIANCE = "textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX_LOD )";

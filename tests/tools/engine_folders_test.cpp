@@ -24,7 +24,7 @@ constexpr const char* kSmall = " --size 32 --irradiance 8 --brdf 8 ";
 /// What is there beside the files that all folders have.
 const std::map<std::string, Names>& folders() {
   static const std::map<std::string, Names> all = {
-      {"three", {"specular.dds", "specular.ktx2"}},
+      {"three", {"specular.dds", "specular.ktx2", "specular_uastc.ktx2"}},
       {"babylon", {"environment.env", "specular.dds"}},
       {"filament", {"environment_ibl.ktx", "environment_skybox.ktx"}},
       {"bevy", {"diffuse.ktx2", "specular.ktx2", "specular_bc6h.ktx2"}},
