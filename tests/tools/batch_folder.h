@@ -1,8 +1,6 @@
 // Batches for the tests of `welkin batch`: small pictures, plans, results and reports.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "support/catch.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -42,17 +40,17 @@ class Batch {
     const CommandResult result = run(action, "--json " + more);
     INFO("welkin batch " << action << ' ' << more << "\nstandard error: " << result.errors);
     REQUIRE(result.exit_code == exit_code);
-    return nlohmann::json::parse(result.output);
+    return json_of(result.output);
   }
   nlohmann::json plan(const std::string& arguments) const {
     const CommandResult result = run_welkin("batch plan " + arguments + " -o " + quoted(jobs()));
     INFO(result.errors);
     REQUIRE(result.exit_code == 0);
-    return nlohmann::json::parse(file_text(jobs()));
+    return json_of(file_text(jobs()));
   }
   nlohmann::json merged() const {
     run_well("merge", "-o " + quoted(path() / "index"));
-    return nlohmann::json::parse(file_text(path() / "index" / "index.json"));
+    return json_of(file_text(path() / "index" / "index.json"));
   }
   /// The records of a shard's runs, in the order of their beginning.
   [[nodiscard]] nlohmann::json report(const std::string& shard = "1-of-1") const {
@@ -60,7 +58,7 @@ class Batch {
     for (const std::string& name : names_in(results() / "reports")) {
       if (!name.starts_with("shard-" + shard + '-')) continue;
       std::istringstream lines(file_text(results() / "reports" / name));
-      for (std::string line; std::getline(lines, line);) records.push_back(nlohmann::json::parse(line));
+      for (std::string line; std::getline(lines, line);) records.push_back(json_of(line));
     }
     std::ranges::stable_sort(records, {},
                              [](const auto& record) { return record.at("start").template get<std::string>(); });

@@ -23,7 +23,7 @@ CommandResult shell(const Batch& batch, const std::string& script) {
 std::size_t whole_results(const Batch& batch) {
   for (const std::string& name : batch.result_names()) {
     const std::filesystem::path folder = batch.results() / name;
-    const nlohmann::json list = nlohmann::json::parse(file_text(folder / "result.json"));
+    const nlohmann::json list = json_of(file_text(folder / "result.json"));
     CHECK(list.at("files").size() + 1 == names_in(folder).size());
     for (const auto& file : list.at("files")) {
       CHECK(std::filesystem::file_size(folder / file.at("name")) == file.at("bytes"));
