@@ -274,7 +274,7 @@ TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder, std::string("--sky --no-previews --for three --bands 4") + kSmall);
-  const nlohmann::json baked = nlohmann::json::parse(file_text(folder / "sh.json"));
+  const nlohmann::json baked = json_of(file_text(folder / "sh.json"));
   const nlohmann::json sh = run_sh_json("--sky --for three --bands 4");
   CHECK(baked.at("radiance") == sh.at("radiance"));
   CHECK(baked.at("axes") == sh.at("axes"));

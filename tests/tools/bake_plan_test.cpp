@@ -60,7 +60,7 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   CHECK(ahead.exit_code == 0);
   CHECK(contains(ahead.output, "no glossy materials"));
   CHECK(!std::filesystem::exists(folder.path() / "out"));
-  const nlohmann::json plan = nlohmann::json::parse(run_welkin(bake + " --plan-only --json").output);
+  const nlohmann::json plan = json_of(run_welkin(bake + " --plan-only --json").output);
   CHECK(plan.at("passes").size() == 7);
   const CommandResult after = run_welkin(bake + " --explain");
   INFO(after.errors);
@@ -69,7 +69,7 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   CHECK(!contains(after.errors, "measured ms"));
   CHECK(contains(after.output, "measured ms"));
   const CommandResult json = run_welkin(bake + " --explain --json");
-  CHECK(nlohmann::json::parse(json.output).at("plan").at("passes").size() == 7);
+  CHECK(json_of(json.output).at("plan").at("passes").size() == 7);
 }
 
 TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {

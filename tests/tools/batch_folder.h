@@ -1,8 +1,6 @@
 // Batches for the tests of `welkin batch`: small pictures, plans and results.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "support/catch.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -42,17 +40,17 @@ class Batch {
     const CommandResult result = run(action, "--json " + more);
     INFO("welkin batch " << action << ' ' << more << "\nstandard error: " << result.errors);
     REQUIRE(result.exit_code == exit_code);
-    return nlohmann::json::parse(result.output);
+    return json_of(result.output);
   }
   nlohmann::json plan(const std::string& arguments) const {
     const CommandResult result = run_welkin("batch plan " + arguments + " -o " + quoted(jobs()));
     INFO(result.errors);
     REQUIRE(result.exit_code == 0);
-    return nlohmann::json::parse(file_text(jobs()));
+    return json_of(file_text(jobs()));
   }
   nlohmann::json merged() const {
     run_well("merge", "-o " + quoted(path() / "index"));
-    return nlohmann::json::parse(file_text(path() / "index" / "index.json"));
+    return json_of(file_text(path() / "index" / "index.json"));
   }
   /// The folders of results, by their names.
   [[nodiscard]] std::vector<std::string> result_names() const { return names_in(results()); }
@@ -60,7 +58,7 @@ class Batch {
   [[nodiscard]] std::map<std::string, nlohmann::json> records() const {
     std::map<std::string, nlohmann::json> found;
     for (const std::string& name : result_names()) {
-      found[name] = nlohmann::json::parse(file_text(results() / name / "result.json"));
+      found[name] = json_of(file_text(results() / name / "result.json"));
     }
     return found;
   }

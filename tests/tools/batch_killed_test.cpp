@@ -25,7 +25,7 @@ std::size_t whole_results(const Batch& batch, std::size_t at_work = 0) {
   for (const std::string& name : batch.result_names()) {
     if (name.ends_with(".work") && at_work-- > 0) continue;
     const std::filesystem::path folder = batch.results() / name;
-    const nlohmann::json list = nlohmann::json::parse(file_text(folder / "result.json"));
+    const nlohmann::json list = json_of(file_text(folder / "result.json"));
     ++whole;
     CHECK(list.at("files").size() + 1 == names_in(folder).size());
     for (const auto& file : list.at("files")) {

@@ -109,7 +109,7 @@ TEST_CASE("An input that fails is told, and stops no other", "[command][batch]")
   CHECK(batch.run_well("status").at("done") == 4);
 }
 
-TEST_CASE("A truncated result is made anew", "[command][batch]") {
+TEST_CASE("A truncated result is not counted as done, and made anew", "[command][batch]") {
   const Batch batch(2);
   batch.run_well("run");
   const auto files = batch.all_files();
@@ -118,6 +118,10 @@ TEST_CASE("A truncated result is made anew", "[command][batch]") {
   SECTION("without a file") { std::filesystem::remove(result / "sh.h"); }
   SECTION("without its list") { std::filesystem::remove(result / "result.json"); }
   SECTION("with half a list") { std::filesystem::resize_file(result / "result.json", 40); }
+  SECTION("with a list that is none") { std::ofstream(result / "result.json") << "{}"; }
+  const nlohmann::json status = batch.run_well("status");
+  CHECK(status.at("done") == 1);
+  CHECK(status.at("left") == 1);
   CHECK(batch.run("merge", "-o " + quoted(batch.path() / "index")).exit_code == 1);
   const nlohmann::json again = batch.run_well("run");
   CHECK(again.at("computed") == 1);
@@ -142,7 +146,7 @@ TEST_CASE("Merging looks at every byte", "[command][batch]") {
   }
   CHECK(batch.run("merge", merge).exit_code == 0);
   // A list that names files elsewhere is not believed.
-  nlohmann::json list = nlohmann::json::parse(file_text(result / "result.json"));
+  nlohmann::json list = json_of(file_text(result / "result.json"));
   list["files"][0]["name"] = "../x";
   std::ofstream(result / "result.json") << list;
   CHECK(batch.run("merge", merge).exit_code == 1);
@@ -206,7 +210,7 @@ TEST_CASE("Results are computed once more, on another shard, and compared", "[co
   const std::filesystem::path result = batch.results() / batch.result_names()[2];
   SECTION("bytes that changed since") { damage(result / "specular.ktx2"); }
   SECTION("bytes that were wrong from the beginning") {
-    nlohmann::json list = nlohmann::json::parse(file_text(result / "result.json"));
+    nlohmann::json list = json_of(file_text(result / "result.json"));
     const Batch wrong(1, std::string(kFewFiles) + "--yaw 180");
     wrong.run_well("run");
     const std::filesystem::path other = wrong.results() / wrong.result_names().front();

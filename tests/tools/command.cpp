@@ -2,6 +2,7 @@
 
 #include "places.h"
 #include "support/catch.h"
+#include "tools/baked_folder.h"
 
 namespace welkin::test {
 
@@ -9,12 +10,27 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
   return run_program(WELKIN_COMMAND, arguments, environment);
 }
 
-nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment) {
-  const CommandResult result = run_welkin("sh --json " + arguments, environment);
-  INFO("arguments: " << arguments << "\nstandard error: " << result.errors);
+nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text); }
+
+nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment) {
+  const CommandResult result = run_welkin(arguments, environment);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
   REQUIRE(result.exit_code == 0);
   REQUIRE(result.errors.empty());
-  return nlohmann::json::parse(result.output);
+  return json_of(result.output);
+}
+
+std::string failure(const std::string& arguments, int exit_code) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(result.errors.rfind("welkin: ", 0) == 0);
+  return result.errors;
+}
+
+nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment) {
+  return json_printed_by("sh --json " + arguments, environment);
 }
 
 nlohmann::json run_sh_json_without_times(const std::string& arguments, const std::string& environment) {
@@ -41,4 +57,47 @@ std::vector<float> grey_picture(int width, int height, float value) {
   return std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, value);
 }
 
+std::string file_text(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  REQUIRE(stream.good());
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+nlohmann::json manifest_of(const std::filesystem::path& folder) { return json_of(file_text(folder / "manifest.json")); }
+
+nlohmann::json bake_into(const std::filesystem::path& folder, const std::string& arguments,
+                         const std::string& environment) {
+  const CommandResult result = run_welkin("bake " + arguments + " -o " + quoted(folder), environment);
+  INFO("welkin bake " << arguments << "\nstandard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return manifest_of(folder);
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> names_of(const nlohmann::json& manifest) {
+  std::vector<std::string> names = {"manifest.json"};
+  for (const auto& file : manifest.at("files")) names.push_back(file.at("name").get<std::string>());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+nlohmann::json file_of(const nlohmann::json& manifest, const std::string& name) {
+  for (const auto& file : manifest.at("files")) {
+    if (file.at("name") == name) return file;
+  }
+  FAIL("the manifest has no " << name);
+  return {};
+}
+
 }  // namespace welkin::test
+
+std::string Catch::StringMaker<nlohmann::json>::convert(const nlohmann::json& value) { return value.dump(); }

@@ -21,7 +21,16 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment = "");
 
-/// Runs `welkin sh --json` with more arguments, requires success and silence, and parses the output.
+/// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
+nlohmann::json json_of(const std::string& text);
+
+/// Runs `welkin ARGUMENTS`, requires success and silence on standard error, and parses the output.
+nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment = "");
+
+/// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
+std::string failure(const std::string& arguments, int exit_code);
+
+/// That of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
 
 /// The same without what no two runs share: the passes' times.
@@ -40,3 +49,8 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
 std::vector<float> grey_picture(int width, int height, float value);
 
 }  // namespace welkin::test
+
+template <>
+struct Catch::StringMaker<nlohmann::json> {
+  static std::string convert(const nlohmann::json& value);
+};

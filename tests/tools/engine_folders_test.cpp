@@ -125,7 +125,7 @@ struct Glb {
     const std::size_t text = number_at(bytes, 12);
     REQUIRE(text % 4 == 0);
     REQUIRE(bytes.substr(16, 4) == "JSON");
-    document = nlohmann::json::parse(bytes.substr(20, text));
+    document = json_of(bytes.substr(20, text));
     REQUIRE(bytes.substr(24 + text, 4) == std::string("BIN\0", 4));
     binary = bytes.substr(28 + text);
     REQUIRE(number_at(bytes, 20 + text) == binary.size());
@@ -207,11 +207,9 @@ TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   for (const auto& [engine, names] : folders()) {
-    for (const int run : {1, 2}) {
-      INFO(engine << ", run " << run);
-      bake_into(scratch.path() / "out", "--sky --size 16 --irradiance 4 --no-previews --for " + engine);
-      CHECK_FALSE(std::filesystem::exists(scratch.path() / "out" / (engine == "unity" ? "sh.h" : "sh.cs")));
-    }
+    INFO(engine);
+    bake_into(scratch.path() / "out", "--sky --size 16 --irradiance 4 --no-previews --for " + engine);
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out" / (engine == "unity" ? "sh.h" : "sh.cs")));
   }
 }
 
@@ -353,7 +351,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   CHECK(roughness[2] == 1.0);
 
   // The loader evaluates the coefficients in its own axes: what is odd in x has the other sign.
-  const nlohmann::json engines = nlohmann::json::parse(file_text(folder / "sh.json")).at("engines");
+  const nlohmann::json engines = json_of(file_text(folder / "sh.json")).at("engines");
   const auto own =
       std::find_if(engines.begin(), engines.end(), [](const auto& each) { return each.at("name") == "gltf"; });
   REQUIRE(own != engines.end());

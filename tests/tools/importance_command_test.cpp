@@ -58,7 +58,7 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
                            "(" + std::to_string(each.height) + ", " + std::to_string(each.width) + ")") ==
           each.probabilities);
   }
-  const auto said = nlohmann::json::parse(read_text(folder / "importance.json"));
+  const auto said = json_of(read_text(folder / "importance.json"));
   CHECK(said.at("width") == 8);
   CHECK(said.at("height") == 5);
   CHECK(said.at("weight") == "largest");
@@ -74,7 +74,7 @@ TEST_CASE("importance: cubemaps do, and what cannot be is refused", "[tools][imp
   const CommandResult result =
       run_welkin("importance " + quoted(cube) + " --json -o " + quoted(scratch.path() / "tables"));
   REQUIRE(result.exit_code == 0);
-  const auto said = nlohmann::json::parse(result.output);
+  const auto said = json_of(result.output);
   CHECK(said.at("width") == 32);
   CHECK(said.at("height") == 16);
   CHECK(said.at("variance").at("table").get<double>() < 0.2 * said.at("variance").at("uniform").get<double>());

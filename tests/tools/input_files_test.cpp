@@ -14,13 +14,7 @@ using namespace welkin::test;
 
 namespace {
 
-nlohmann::json info_json(const std::filesystem::path& file) {
-  const CommandResult result = run_welkin("info --json " + quoted(file));
-  INFO("standard error: " << result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
-  return nlohmann::json::parse(result.output);
-}
+nlohmann::json info_json(const std::filesystem::path& file) { return json_printed_by("info --json " + quoted(file)); }
 
 /// 16 x 8, grey 0.5, with a NaN, an infinity, a negative and a bright texel (column 4, row 3).
 std::filesystem::path odd_file(const TemporaryDirectory& folder) {

@@ -124,7 +124,7 @@ TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan s
     CHECK_FALSE(std::filesystem::exists(out / "preview_mips.png"));
     CHECK(std::filesystem::exists(out / "sh.json"));
   }
-  const nlohmann::json plan = nlohmann::json::parse(
+  const nlohmann::json plan = json_of(
       run_welkin("bake --sky --for usd --no-previews --plan-only --json -o " + quoted(scratch.path() / "no")).output);
   for (const char* name : {"specular", "background"}) {
     CHECK(pass_of(plan.at("passes"), name).at("action") == "skip");

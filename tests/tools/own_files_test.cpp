@@ -98,7 +98,7 @@ TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bak
   bake_into(folder, std::string("--sky --for unreal") + kSmall);
   // As a killed bake with --formats ktx2 leaves it: with a list of what it replaces, and no manifest.
   const std::string manifest = file_text(folder / "manifest.json");
-  nlohmann::json list = {{"welkin", "0"}, {"files", nlohmann::json::parse(manifest).at("files")}};
+  nlohmann::json list = {{"welkin", "0"}, {"files", json_of(manifest).at("files")}};
   list["files"].push_back({{"name", "specular.ktx2"}, {"bytes", nullptr}});
   write_text(folder / "unfinished_manifest.json", list.dump());
   std::filesystem::remove(folder / "manifest.json");

@@ -40,7 +40,7 @@ TEST_CASE("report: a page and figures", "[tools][report]") {
   CHECK(contains(read_text(base + ".html"), "<!DOCTYPE html>"));
   CHECK(contains(read_text(base + ".html"), "Irradiance by bands"));
   CHECK(contains(read_text(base + ".csv"), "irradiance,harmonics,3 bands,,"));
-  const auto figures = nlohmann::json::parse(read_text(base + ".json"));
+  const auto figures = json_of(read_text(base + ".json"));
   CHECK(figures.at("format") == "welkin report");
   CHECK(figures.at("machine").at("threads") == 1);
   REQUIRE(figures.at("measurements").size() > 5);
@@ -68,7 +68,7 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
   const std::string old = quoted(folder.path() / "old.json");
   run_well(kTiny + "--json " + old);
   require_refused("report --quick --against " + old, 2, "--scale tiny");
-  auto elsewhere = nlohmann::json::parse(read_text(folder.path() / "old.json"));
+  auto elsewhere = json_of(read_text(folder.path() / "old.json"));
   elsewhere["environment"] = "a hall";
   std::ofstream(folder.path() / "elsewhere.json") << elsewhere;
   require_refused(kTiny + "--against " + quoted(folder.path() / "elsewhere.json"), 2, "a report on a hall");
@@ -78,7 +78,7 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
   CHECK(contains(again.output, "threads or clocks differ"));
   CHECK(contains(read_text(folder.path() / "new.html"), "Against the older report"));
 
-  auto figures = nlohmann::json::parse(read_text(folder.path() / "old.json"));
+  auto figures = json_of(read_text(folder.path() / "old.json"));
   for (auto& one : figures.at("measurements")) {
     if (one.at("setting") == "2 bands") one["error_rms"] = 0.5 * one.at("error_rms").get<double>();
   }

@@ -26,21 +26,11 @@ inline std::shared_ptr<const SkyTables> small_sky(const Atmosphere& atmosphere =
 
 /// Runs `welkin sky --json` with small tables and more arguments, requires success and silence; the JSON.
 inline nlohmann::json sky_json(const std::string& arguments, const std::string& environment = "") {
-  const CommandResult result = run_welkin("sky --json " + kSmallSky + arguments, environment);
-  INFO("arguments: " << arguments << "\nstandard error: " << result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
-  return nlohmann::json::parse(result.output);
+  return json_printed_by("sky --json " + kSmallSky + arguments, environment);
 }
 
-/// Runs `welkin ARGUMENTS`, requires failure with that exit code and silence on standard output; the message.
 inline std::string sky_failure(const std::string& arguments, int exit_code) {
-  const CommandResult result = run_welkin("sky " + arguments);
-  INFO("welkin sky " << arguments << "\nstandard error: " << result.errors);
-  CHECK(result.exit_code == exit_code);
-  CHECK(result.output.empty());
-  CHECK(result.errors.rfind("welkin: ", 0) == 0);
-  return result.errors;
+  return failure("sky " + arguments, exit_code);
 }
 
 inline glm::dvec3 rgb_of(const nlohmann::json& value) {

@@ -43,8 +43,8 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
       INFO(name);
       CHECK((file_text(sky / name) == file_text(baked / name)));
     }
-    const auto ours = nlohmann::json::parse(file_text(sky / "sh.json"));
-    const auto theirs = nlohmann::json::parse(file_text(baked / "sh.json"));
+    const auto ours = json_of(file_text(sky / "sh.json"));
+    const auto theirs = json_of(file_text(baked / "sh.json"));
     CHECK(ours.at("radiance") == theirs.at("radiance"));
     CHECK(ours.at("engines") == theirs.at("engines"));
   }
@@ -71,7 +71,7 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
       CHECK(rgb_of(manifest.at("sun").at("irradiance")) == view.sun(sun).irradiance);
       CHECK(rgb_of(manifest.at("sun").at("direction")) == view.sun(sun).direction);
     }
-    const auto sh = nlohmann::json::parse(file_text(out / "sh.json"));
+    const auto sh = json_of(file_text(out / "sh.json"));
     CHECK(sh.contains("sun") == !inside);
   }
 }
@@ -151,13 +151,7 @@ TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[
 
 namespace {
 
-nlohmann::json printed(const std::string& arguments) {
-  const CommandResult result = run_welkin("sky --print-atmosphere " + arguments);
-  INFO(result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
-  return nlohmann::json::parse(result.output);
-}
+nlohmann::json printed(const std::string& arguments) { return json_printed_by("sky --print-atmosphere " + arguments); }
 
 void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
 

@@ -84,7 +84,7 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
     CHECK(result.output.empty());
     CHECK(result.errors.empty());
   }
-  CHECK(nlohmann::json::parse(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
+  CHECK(json_of(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
   CHECK(contains(run_welkin("sh --sky -q").output, "radiance"));
   const CommandResult verbose = run_welkin(bake + " --verbose");
   CHECK(contains(verbose.output, "manifest.json"));

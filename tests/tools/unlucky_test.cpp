@@ -116,7 +116,7 @@ TEST_CASE("Files that options name are read once, so that pipes do, and are not 
                                                          "--needs /dev/stdin -o " + out.string() + "' '" + needs + "'");
   INFO(piped.errors);
   REQUIRE(piped.exit_code == 0);
-  CHECK(nlohmann::json::parse(piped.output).at("needs").at("diffuse_bands") == 2);
+  CHECK(json_of(piped.output).at("needs").at("diffuse_bands") == 2);
   CHECK_FALSE(std::filesystem::exists(out / "background.ktx2"));
 
   write_text(out / "manifest.json", needs);
@@ -312,7 +312,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
               .exit_code == 0);
   std::string env = file_text(out / "environment.env");
   const std::size_t end = env.find('\0', 8);
-  nlohmann::json manifest = nlohmann::json::parse(env.substr(8, end - 8));
+  nlohmann::json manifest = json_of(env.substr(8, end - 8));
   manifest["irradiance"]["xx"] = {1e308, 1e308, 1e308};
   write_text(folder.path() / "huge.env", env.substr(0, 8) + manifest.dump() + env.substr(end));
   for (const std::string& command :
@@ -386,8 +386,7 @@ TEST_CASE("Control characters in names of files never reach a terminal", "[comma
   // JSON has them as escapes, so that programs read the name itself.
   const CommandResult json = run_welkin("sh --json " + quoted(there));
   CHECK(clean(json.output));
-  CHECK(
-      contains(nlohmann::json::parse(json.output).at("source").at("path").get<std::string>(), "a\x1b[31m\x07\xc2\x9b"));
+  CHECK(contains(json_of(json.output).at("source").at("path").get<std::string>(), "a\x1b[31m\x07\xc2\x9b"));
 }
 
 }  // namespace welkin::test
