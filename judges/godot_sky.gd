@@ -12,7 +12,7 @@ func _initialize():
 	texture.create_from_image(image, Texture.FLAG_FILTER)
 	var sky = PanoramaSky.new()
 	sky.panorama = texture
-	sky.radiance_size = Sky.RADIANCE_SIZE_256
+	sky.radiance_size = Sky.RADIANCE_SIZE_128
 	var environment = Environment.new()
 	environment.background_mode = Environment.BG_COLOR_SKY
 	environment.background_sky = sky
@@ -39,7 +39,7 @@ func _initialize():
 	root.add_child(camera)
 	camera.current = true
 	OS.window_size = Vector2(960, 200)
-	for i in range(20):
+	for i in range(5):
 		yield(self, "idle_frame")
 	var shown = root.get_texture().get_data()
 	shown.flip_y()
