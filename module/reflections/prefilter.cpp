@@ -326,7 +326,8 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
       contrast_ = contrast_of_faces(faces_.rows, faces_.face());
   }
   // Tighter bounds take so many bands that the tail says enough, and sums would refuse noise that is within them.
-  const bool looked = spectral_.lights.of == LightsOf::ggx && plan_.bounds.rms > 1e-3;
+  const bool few = spectral_.near_mips.empty() && spectral_.bands < bands_for_dark(plan_.bounds);
+  const bool looked = spectral_.lights.of == LightsOf::ggx && (few || plan_.bounds.rms > 1e-3);
   std::optional<PictureSums> sums;
   Rings rings;
   if (source_.cubemap()) {
@@ -350,7 +351,7 @@ int LobeChain::analyse_rings(const std::vector<BrightTexel>& texels, transforms:
   note("analyse", std::to_string(spectral_.bands) + " bands", analysis.milliseconds());
   memory_.give_back(rings.bytes());
   energies_ = energies_of(spectrum);
-  if (sums) beyond_ = sums->beyond(energies_);
+  beyond_ = sums ? sums->beyond(energies_) : EnergyBeyond{};
   return rings.view.height;
 }
 

@@ -23,7 +23,7 @@ struct EnergyBeyond {
   double degree = 0.0;
 };
 
-/// Sums over a picture of at most 16384 texels: larger ones are not looked through.
+/// Sums over a picture of at most 24576 texels: larger ones are not looked through.
 struct PictureSums {
   /// `rings`: on which the cubemap is read.
   PictureSums(const SourceRows& faces, int rings);

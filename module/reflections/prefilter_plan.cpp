@@ -295,7 +295,10 @@ PrefilterPlan largest(PrefilterPlan plan) {
 
 PrefilterPlan PrefilterPlan::at_step(int step, int face) const {
   if (lights.of != LightsOf::ggx) return step > 0 ? largest(*this) : *this;
-  const PrefilterPlan plan = step > 0 ? reflections::tightened(*this, step) : *this;
+  constexpr int kMostLookedThrough = 64;  // `PictureSums` tell what few bands do not
+  PrefilterPlan plan = step > 0 ? reflections::tightened(*this, step) : *this;
+  const bool unseen = face == 0 || face > kMostLookedThrough;
+  if (step == 0 && bands > 0 && unseen) plan.bands = std::max(bands, bands_for_dark(bounds));
   return face > 0 ? with_near_sums(plan, face) : plan;
 }
 
