@@ -120,7 +120,7 @@ std::string stability_markdown(const std::vector<StabilityResult>& results, cons
                      wrapped(
                          "This page lists what Welkin promises for extreme numbers, the truth that each promise was "
                          "held against, and the error that was measured. A command writes the page. The summary for "
-                         "people is [stability.md](stability.md).") +
+                         "people is [stability.md](../reference/stability.md).") +
                      "\n- Command: `" + origin.command + "`\n- Date: " + origin.date +
                      "\n- Machine: " + origin.machine + "\n- Cases: " + std::to_string(results.size()) + ", of which " +
                      std::to_string(held) + " hold; the end of the page says what to do about the others\n\n" +
