@@ -111,21 +111,21 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
              "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default ktx2, or by --for: "
              "what that engine loads",
              {.words = words, .list = List::commas});
-  Option formats =
-      choice<TexelFormat>("--ktx2-format", options.texture.format,
-                          {{"rgba16f", TexelFormat::rgba16f},
-                           {"rgba32f", TexelFormat::rgba32f},
-                           {"b10g11r11", TexelFormat::b10g11r11},
-                           {"e5b9g9r9", TexelFormat::e5b9g9r9},
-                           {"bc6h", TexelFormat::bc6h_ufloat},
-                           {"bc6h-signed", TexelFormat::bc6h_sfloat},
-                           {"astc4x4", TexelFormat::astc_4x4_hdr},
-                           {"astc6x6", TexelFormat::astc_6x6_hdr},
-                           {"uastc-hdr", TexelFormat::uastc_hdr_4x4}},
-                          "The texel format of .ktx2 files, with 8 (default), 16, 4 or 4 bytes per texel; or blocks of "
-                          "BC6H, ASTC or UASTC HDR (for the web) with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR "
-                          "hold half floats, or "
-                          "floats with rgba32f; DDS also bc6h; KTX all but ASTC and UASTC HDR. Irradiance is never compressed");
+  Option formats = choice<TexelFormat>(
+      "--ktx2-format", options.texture.format,
+      {{"rgba16f", TexelFormat::rgba16f},
+       {"rgba32f", TexelFormat::rgba32f},
+       {"b10g11r11", TexelFormat::b10g11r11},
+       {"e5b9g9r9", TexelFormat::e5b9g9r9},
+       {"bc6h", TexelFormat::bc6h_ufloat},
+       {"bc6h-signed", TexelFormat::bc6h_sfloat},
+       {"astc4x4", TexelFormat::astc_4x4_hdr},
+       {"astc6x6", TexelFormat::astc_6x6_hdr},
+       {"uastc-hdr", TexelFormat::uastc_hdr_4x4}},
+      "The texel format of .ktx2 files, with 8 (default), 16, 4 or 4 bytes per texel; or blocks of "
+      "BC6H, ASTC or UASTC HDR (for the web) with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR "
+      "hold half floats, or "
+      "floats with rgba32f; DDS also bc6h; KTX all but ASTC and UASTC HDR. Irradiance is never compressed");
   formats.target =
       On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
         store(word);

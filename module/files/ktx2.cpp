@@ -100,7 +100,7 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t model_bc6h = 133;
   constexpr std::uint32_t model_astc = 162;
   constexpr std::uint32_t model_uastc_hdr = 167;  // by which loaders know that it can be turned into BC6H
-  constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
+  constexpr std::uint32_t primaries_srgb = 1;     // Rec. 709's
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
   const auto block_bytes = static_cast<std::uint32_t>(24 + 16 * samples.size());

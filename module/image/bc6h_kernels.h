@@ -31,7 +31,8 @@ struct alignas(64) EncodedBlocks {
 
   void set(std::size_t lane, const std::uint8_t* block, float error) noexcept {
     for (std::size_t k = 0; k < 4; ++k, block += 4) {
-      words[k][lane] = static_cast<std::int32_t>(block[0] | block[1] << 8 | block[2] << 16 | std::uint32_t{block[3]} << 24);
+      words[k][lane] =
+          static_cast<std::int32_t>(block[0] | block[1] << 8 | block[2] << 16 | std::uint32_t{block[3]} << 24);
     }
     errors[lane] = error;
   }

@@ -226,8 +226,7 @@ EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, 
   EncodedLevels encoded;
   for (const std::vector<LatLongView>& pictures : levels) {
     const std::size_t blocks = blocks_of(pictures);
-    encoded.levels.push_back(
-        {std::vector<std::uint8_t>(blocks * kBlockBytes), std::vector<BlockLight>(blocks), 0.0});
+    encoded.levels.push_back({std::vector<std::uint8_t>(blocks * kBlockBytes), std::vector<BlockLight>(blocks), 0.0});
   }
   const std::vector<Tile> tiles = tiles_of(levels);
   std::vector<TileResult> results(tiles.size());

@@ -1,5 +1,5 @@
-// Pictures in blocks of 4 x 4 texels, the faces of cubemaps among them: which blocks are encoded together, and where they
-// go. BC6H and UASTC HDR are formats of such blocks.
+// Pictures in blocks of 4 x 4 texels, the faces of cubemaps among them: which blocks are encoded together, and where
+// they go. BC6H and UASTC HDR are formats of such blocks.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "image/uastc_hdr.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 
 #include "image/bc6h_partitions.h"
@@ -324,7 +324,8 @@ constexpr std::array<std::uint8_t, 125> kQuints = [] {
 /// Numbers of 192 levels in groups of five, whose digits' bits lie between the plain ones.
 void put_trits(BlockBits& to, const std::uint8_t* numbers, std::size_t count) noexcept {
   std::size_t digits = 0;
-  for (std::size_t k = count; k-- > 0;) digits = 3 * digits + static_cast<std::size_t>(numbers[k] >> kSingleLevels.bits);
+  for (std::size_t k = count; k-- > 0;)
+    digits = 3 * digits + static_cast<std::size_t>(numbers[k] >> kSingleLevels.bits);
   const std::uint32_t code = kTrits[digits];
   constexpr std::array<std::array<int, 2>, 5> parts{{{0, 2}, {2, 2}, {4, 1}, {5, 2}, {7, 1}}};
   for (std::size_t k = 0; k < count; ++k) {
@@ -346,9 +347,9 @@ void put_quints(BlockBits& to, const std::uint8_t* numbers) noexcept {
 }
 
 /// ASTC's seeds of BC6H's partitions. Negative: its first line is BC6H's second. 0: it has none.
-constexpr std::array<std::int16_t, kBc6hPartitions> kSeeds{
-    28,  20, -16,  29,   -91, 9,   -107, -72,  149, -204, 50,   -114, -496, -17, 78,   -39,
-    0,   -252, -828, 43, 156, 116, -210, -476, 273, -684, 359,  0,    0,    -246, 0,   0};
+constexpr std::array<std::int16_t, kBc6hPartitions> kSeeds{28,   20,   -16, 29,   -91, 9, -107, -72,  149, -204, 50,
+                                                           -114, -496, -17, 78,   -39, 0, -252, -828, 43,  156,  116,
+                                                           -210, -476, 273, -684, 359, 0, 0,    -246, 0,   0};
 
 constexpr std::uint32_t kFormat = 11;  ///< of the ends
 

@@ -322,10 +322,9 @@ EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>
   const BlockFormat format = format_with(effort);
   EncodedLevels encoded = encode_pictures(levels, format, jobs::part_of(control, 0.0, 0.98));
   const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
-  jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
-                  [&](std::size_t level, std::size_t /*worker*/) {
-                    Balancer(levels[level], format, encoded.levels[level]).run();
-                  });
+  jobs::run_tiles(
+      levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
+      [&](std::size_t level, std::size_t /*worker*/) { Balancer(levels[level], format, encoded.levels[level]).run(); });
   return encoded;
 }
 

@@ -36,12 +36,15 @@ constexpr Named<SampleType> kTypes[] = {{"automatic", SampleType::automatic},
                                         {"float", SampleType::float32},
                                         {"uint8", SampleType::uint8},
                                         {"uint16", SampleType::uint16}};
-constexpr Named<TexelFormat> kFormats[] = {
-    {"rgba16f", TexelFormat::rgba16f},           {"rgba32f", TexelFormat::rgba32f},
-    {"b10g11r11", TexelFormat::b10g11r11},       {"e5b9g9r9", TexelFormat::e5b9g9r9},
-    {"bc6h_ufloat", TexelFormat::bc6h_ufloat},   {"bc6h_sfloat", TexelFormat::bc6h_sfloat},
-    {"astc_4x4_hdr", TexelFormat::astc_4x4_hdr}, {"astc_6x6_hdr", TexelFormat::astc_6x6_hdr},
-    {"uastc_hdr_4x4", TexelFormat::uastc_hdr_4x4}};
+constexpr Named<TexelFormat> kFormats[] = {{"rgba16f", TexelFormat::rgba16f},
+                                           {"rgba32f", TexelFormat::rgba32f},
+                                           {"b10g11r11", TexelFormat::b10g11r11},
+                                           {"e5b9g9r9", TexelFormat::e5b9g9r9},
+                                           {"bc6h_ufloat", TexelFormat::bc6h_ufloat},
+                                           {"bc6h_sfloat", TexelFormat::bc6h_sfloat},
+                                           {"astc_4x4_hdr", TexelFormat::astc_4x4_hdr},
+                                           {"astc_6x6_hdr", TexelFormat::astc_6x6_hdr},
+                                           {"uastc_hdr_4x4", TexelFormat::uastc_hdr_4x4}};
 constexpr Named<Supercompression> kSupercompression[] = {
     {"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}};
 
@@ -335,17 +338,16 @@ void bind_files(py::module_& module) {
              "--\n\n"
              "Reads a .ktx2, .ktx or .dds cubemap with all its mips, identified by its first bytes. Returns a\n"
              "`Texture`.");
-  module.def(
-      "write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
-      "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
-      "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "
-      "threads=None)\n"
-      "--\n\n"
-      "Writes a `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`\n"
-      "to .ktx2, .ktx, .dds or .exr. `format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\",\n"
-      "\"bc6h_ufloat\", \"bc6h_sfloat\", \"astc_4x4_hdr\", \"astc_6x6_hdr\",\n"
-      "\"uastc_hdr_4x4\". `supercompression` (.ktx2): \"none\",\n"
-      "\"zlib\", \"zstd\". Returns {\"files\", \"values_clamped\"}.");
+  module.def("write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
+             "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
+             "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "
+             "threads=None)\n"
+             "--\n\n"
+             "Writes a `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`\n"
+             "to .ktx2, .ktx, .dds or .exr. `format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\",\n"
+             "\"bc6h_ufloat\", \"bc6h_sfloat\", \"astc_4x4_hdr\", \"astc_6x6_hdr\",\n"
+             "\"uastc_hdr_4x4\". `supercompression` (.ktx2): \"none\",\n"
+             "\"zlib\", \"zstd\". Returns {\"files\", \"values_clamped\"}.");
   module.def("write_env", &write_env, py::arg("path"), py::arg("specular"), py::arg("radiance"),
              "write_env(path, specular, radiance)\n"
              "--\n\n"

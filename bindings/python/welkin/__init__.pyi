@@ -27,8 +27,15 @@ _Transfer: TypeAlias = Literal["automatic", "srgb", "linear"]
 _Primaries: TypeAlias = Literal["rec709", "as-stored"]
 _SampleType: TypeAlias = Literal["automatic", "half", "float", "uint8", "uint16"]
 _TexelFormat: TypeAlias = Literal[
-    "rgba16f", "rgba32f", "b10g11r11", "e5b9g9r9", "bc6h_ufloat", "bc6h_sfloat", "astc_4x4_hdr", "astc_6x6_hdr",
-    "uastc_hdr_4x4"
+    "rgba16f",
+    "rgba32f",
+    "b10g11r11",
+    "e5b9g9r9",
+    "bc6h_ufloat",
+    "bc6h_sfloat",
+    "astc_4x4_hdr",
+    "astc_6x6_hdr",
+    "uastc_hdr_4x4",
 ]
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
