@@ -900,15 +900,13 @@ WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* lig
 
 /* Formats of written texels. Values out of range are clamped and counted; NaN becomes 0, except in RGBA32F. B10G11R11
  * has a precision of 1 part in 32 from 0 to 64512; E5B9G9R9 of 1 part in 512 of the largest channel from 0 to 65408.
- * OpenEXR holds the first two only; BC6H needs KTX2, KTX or DDS; ASTC needs KTX2 and a build with astcenc; UASTC HDR
- * needs KTX2. */
+ * OpenEXR holds the first two only; BC6H needs KTX2, KTX or DDS; ASTC (with astcenc) and UASTC HDR need KTX2. */
 typedef int32_t welkin_texel_format; /* clang-format off */
 enum { WELKIN_TEXEL_RGBA16F = 0, WELKIN_TEXEL_RGBA32F = 1, WELKIN_TEXEL_B10G11R11 = 2, WELKIN_TEXEL_E5B9G9R9 = 3,
        WELKIN_TEXEL_BC6H_UFLOAT = 4, WELKIN_TEXEL_BC6H_SFLOAT = 5,
        WELKIN_TEXEL_ASTC_4X4_HDR = 6, WELKIN_TEXEL_ASTC_6X6_HDR = 7, WELKIN_TEXEL_UASTC_HDR_4X4 = 8 }; /* clang-format on */
 
-/* Search effort of the BC6H, UASTC HDR and ASTC encoders; docs/reference/textures.md has errors and times. DEFAULT:
- * NORMAL. */
+/* Search effort of encoders for blocks; docs/reference/textures.md has errors and times. DEFAULT: NORMAL. */
 typedef int32_t welkin_effort; /* clang-format off */
 enum { WELKIN_EFFORT_DEFAULT = 0, WELKIN_EFFORT_FASTEST = 1, WELKIN_EFFORT_FAST = 2,
        WELKIN_EFFORT_NORMAL = 3, WELKIN_EFFORT_SLOW = 4 }; /* clang-format on */
