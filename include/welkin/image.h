@@ -240,7 +240,7 @@ enum class TexelFormat {
   /// HDR ASTC in blocks of 4 x 4, 1 byte per texel, up to 65504. KTX2 files only (bake_file.h).
   astc_4x4_hdr,
   astc_6x6_hdr,  ///< HDR ASTC in blocks of 6 x 6, 4/9 byte per texel. KTX2 files only.
-  /// UASTC HDR, 1 byte per texel, up to 65504: HDR ASTC 4 x 4 that web loaders turn into BC6H. KTX2 files only.
+  /// UASTC HDR, 1 byte per texel, up to 65216: HDR ASTC 4 x 4 that web loaders turn into BC6H. KTX2 files only.
   uastc_hdr_4x4,
 };
 

@@ -6,6 +6,7 @@
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 
 namespace welkin::image {
@@ -217,11 +218,7 @@ class Balancer {
     kernels.prepare(group_, is_signed, clamped.data(), light);
     kernels.single_lines(group_, is_signed, true, single_);
     kernels.two_lines(group_, is_signed, 1, pair_);
-    std::array<std::uint8_t, kBlockBytes> bytes{};
-    for (std::size_t k = 0; k < kBlockBytes; ++k) {
-      bytes[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(single_.words[k / 4][0]) >> (8 * (k % 4)));
-    }
-    return {unpack_bc6h(bytes.data()), fields_of(pair_, 0)};
+    return {unpack_bc6h(block_of(single_, 0).data()), fields_of(pair_, 0)};
   }
 
   /// `anew`: the block may also be encoded again in another way.

@@ -1,4 +1,5 @@
-// The light of a level in BC6H: the ends of its brightest blocks are changed to keep its mean (block_light.h).
+// The light of a level in BC6H: the ends of its brightest blocks are changed to keep its mean (block_light.h). And how
+// blocks are read from pictures, for all formats of blocks.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,6 @@
 #include "image/bc6h_balance.h"
 #include "image/bc6h_kernels.h"
 #include "image/block_pictures.h"
-#include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
@@ -34,7 +33,7 @@ void encode_two_lines(const image::BlockGroup& group, const image::BlockFormat& 
   for (std::size_t lane = 0; lane < simd::kLanes; ++lane) {
     std::array<std::uint8_t, image::kBlockBytes> block;
     image::pack_bc6h(image::fields_of(pair, lane), block.data());
-    to.set(lane, block.data(), pair.errors[lane]);
+    image::set_block(to, lane, block.data(), pair.errors[lane]);
   }
 }
 

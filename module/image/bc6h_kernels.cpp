@@ -68,7 +68,9 @@ WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* cl
   }
   for (int c = 0; c < 3; ++c) channels[c].store_aligned(sums + c * kLanes);
   const Lanes sum = channels[0] + channels[1] + channels[2];
-  const Lanes inverse = select(sum > Lanes(0.0F), count / select(sum > Lanes(0.0F), sum, Lanes(1.0F)), Lanes(0.0F));
+  // Below this all halves are 0, and a quotient could be infinite.
+  const Mask lit = sum > Lanes(1.0e-30F);
+  const Lanes inverse = select(lit, count / select(lit, sum, Lanes(1.0F)), Lanes(0.0F));
   for (int k = 0; k < kTexels; ++k) {
     float* const at = weights + k * kLanes;
     (Lanes::load_aligned(at) * (Lanes(1.0F) + Lanes(kBrightness) * light[k] * inverse)).store_aligned(at);

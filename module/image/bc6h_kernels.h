@@ -28,19 +28,6 @@ using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* 
 struct alignas(64) EncodedBlocks {
   std::int32_t words[4][simd::kLanes];  ///< of a block, the lowest bits first
   float errors[simd::kLanes];           ///< sums of squares, in units of the halves' last bits
-
-  void set(std::size_t lane, const std::uint8_t* block, float error) noexcept {
-    for (std::size_t k = 0; k < 4; ++k, block += 4) {
-      words[k][lane] =
-          static_cast<std::int32_t>(block[0] | block[1] << 8 | block[2] << 16 | std::uint32_t{block[3]} << 24);
-    }
-    errors[lane] = error;
-  }
-  void get(std::size_t lane, std::uint8_t* block) const noexcept {
-    for (std::size_t k = 0; k < 16; ++k) {
-      block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(words[k / 4][lane]) >> (8 * (k % 4)));
-    }
-  }
 };
 
 /// Modes 11 to 14. `refine`: the line is fitted once more to the indices that came of its first ends.

@@ -1,10 +1,10 @@
 // Lines through the texels of a block, one block in each lane: fitted, rounded to what a block can store, and looked at
 // for what they leave out. Only for kernel sources.
 //
-// All is computed in the halves' bits as numbers h, which is nearly a logarithm. A decoder works on v of 16 bits and
-// ends with h = floor(31 v / 64) (signed: 31 v / 32, towards 0); so v = (64 h + 32) / 31 is the middle of what becomes
-// h. Every number of the decoder is a whole one below 2^24 or a whole number of 64ths below 2^17, which floats hold
-// exactly: errors are exact.
+// BC6H computes in the halves' bits as numbers h, which is nearly a logarithm (UASTC HDR in ASTC's own). A decoder
+// works on v of 16 bits and ends with h = floor(31 v / 64) (signed: 31 v / 32, towards 0); so v = (64 h + 32) / 31 is
+// the middle of what becomes h. Every number of the decoder is a whole one below 2^24 or a whole number of 64ths below
+// 2^17, which floats hold exactly: errors are exact.
 #pragma once
 
 #include "simd/vec.h"

@@ -1,5 +1,5 @@
 // BC6H blocks with two lines, one block a lane: the partition that leaves out least, the mode that its ends allow, and
-// the ends and indices. Only for the source of the kernels.
+// the ends and indices. Only for the sources of kernels.
 #pragma once
 
 #include "image/bc6h_kernels.h"

@@ -6,7 +6,6 @@
 
 #include "image/bc6h.h"
 #include "image/bc6h_balance.h"
-#include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/standard_library.h"
@@ -162,7 +161,8 @@ class TileEncoder {
 
   void keep(int block, std::size_t lane) {
     scratch_.errors[static_cast<std::size_t>(block)] = scratch_.encoded.errors[lane];
-    scratch_.encoded.get(lane, bytes_of(block));
+    const auto bytes = block_of(scratch_.encoded, lane);
+    std::copy(bytes.begin(), bytes.end(), bytes_of(block));
   }
 
   void encode_two_lines() {

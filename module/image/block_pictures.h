@@ -2,17 +2,38 @@
 // they go. BC6H and UASTC HDR are formats of such blocks.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
 #include "image/block_light.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::image {
+
+/// Puts a block into its lane.
+inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_t* block, float error) noexcept {
+  for (std::size_t k = 0; k < 4; ++k, block += 4) {
+    const std::uint32_t word = block[0] | block[1] << 8U | block[2] << 16U | std::uint32_t{block[3]} << 24U;
+    blocks.words[k][lane] = static_cast<std::int32_t>(word);
+  }
+  blocks.errors[lane] = error;
+}
+
+/// Returns a lane's block.
+[[nodiscard]] inline std::array<std::uint8_t, kBlockBytes> block_of(const EncodedBlocks& blocks,
+                                                                    std::size_t lane) noexcept {
+  std::array<std::uint8_t, kBlockBytes> block{};
+  for (std::size_t k = 0; k < kBlockBytes; ++k) {
+    block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(blocks.words[k / 4][lane]) >> (8 * (k % 4)));
+  }
+  return block;
+}
 
 /// A format, and how its blocks are encoded.
 struct BlockFormat {

@@ -100,7 +100,7 @@ constexpr std::array<EndMode, 8> kEndModes{{
 }};
 using Numbers = std::array<std::int32_t, 6>;
 
-/// Ends with the brightest channel first.
+/// [low, high][channel]; of modes, the brightest channel first.
 using FloatEnds = std::array<std::array<float, 3>, 2>;
 
 template <class Ends>

@@ -4,7 +4,7 @@
 // fits the lines.
 //
 // As in BC6H, a block has one or two lines in colour space. All is computed in ASTC's logarithms: numbers l of 16 bits,
-// 2048 for each power of two, linear between eighths of it. A line's ends have the upper 12 bits.
+// 2048 for each power of two, in three straight pieces. A line's ends have the upper 12 bits.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ enum class UastcLines : std::uint8_t {
   pair,    ///< two lines, 4 steps, ends of 40 levels
 };
 
-/// The ends of a line, 0 to 3967 (65504): [low, high][channel].
+/// The ends of a line, 0 to 3967 (65216): [low, high][channel]. Only blocks of one colour reach 65504.
 using UastcEnds = std::array<std::array<std::int32_t, 3>, 2>;
 
 /// A line as it is stored: endpoint format 11 ("HDR RGB, direct").

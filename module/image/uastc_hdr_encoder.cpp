@@ -122,7 +122,7 @@ void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (flat[lane] != 0 || (turn > 0 && !(lines.error(lane) < to.errors[lane]))) continue;
       lines.pack(lane, block.data());
-      to.set(lane, block.data(), lines.error(lane));
+      set_block(to, lane, block.data(), lines.error(lane));
       if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
     }
   }
@@ -130,7 +130,7 @@ void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to
     if (flat[lane] == 0) continue;
     const BlockHalves all = flat_halves(group, lane);
     pack_uastc_flat({all[0], all[1], all[2]}, block.data());
-    to.set(lane, block.data(), 0.0F);
+    set_block(to, lane, block.data(), 0.0F);
     if (halves != nullptr) (*halves)[lane] = all;
   }
 }
@@ -147,7 +147,7 @@ void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to,
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!(lines.error(lane) < to.errors[lane])) continue;
         lines.pack(lane, block.data());
-        to.set(lane, block.data(), lines.error(lane));
+        set_block(to, lane, block.data(), lines.error(lane));
         if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
       }
     }
@@ -166,7 +166,8 @@ BlockFormat format_with(Bc6hEffort effort) {
 }
 
 /// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: 16 times at once, with
-/// their texels scaled by a little. Of these it takes what leaves the mean best (block_light.h).
+/// their texels scaled by a little. Of those that leave the means better it takes the one of the least cost, the means'
+/// excess (block_light.h) and the squared error.
 class Balancer {
  public:
   Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
@@ -174,6 +175,7 @@ class Balancer {
     for (const auto& [share, block] : brightest_blocks(level.lights, total_)) {
       brightest_.push_back({share, block, tried(block, {1.0, 1.0, 1.0}, 0.0)[0]});
       off_ = sum(off_, brightest_.back().now.light);
+      keep(brightest_.back());  // two lines are tried here whatever one leaves out
     }
   }
 
@@ -187,8 +189,8 @@ class Balancer {
   }
 
  private:
-  static constexpr int kSweeps = 4;
-  /// A total error of the means of this size costs as much as a mean squared relative error of 1.
+  static constexpr int kSweeps = 12;
+  /// A mean squared relative error of this size costs as much as means that are off by all of their light.
   static constexpr double kWorth = 0.01;
   static constexpr std::size_t kValues = 3 * kBlockTexels;
 
@@ -268,7 +270,7 @@ class Balancer {
     Trials trials;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       trials[lane] = measured(texels, halves[lane]);
-      encoded.get(lane, trials[lane].block.data());
+      trials[lane].block = block_of(encoded, lane);
     }
     return trials;
   }
@@ -303,6 +305,10 @@ class Balancer {
     }
     bright.now = *best;
     off_ = sum(rest, bright.now.light);
+    keep(bright);
+  }
+
+  void keep(const Bright& bright) {
     std::copy_n(bright.now.block.data(), kBlockBytes, level_.blocks.data() + kBlockBytes * bright.block);
   }
 

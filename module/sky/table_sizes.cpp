@@ -175,7 +175,8 @@ std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOption
   }
   const bool with_aerosol = sky::scatters(atmosphere.aerosol);
   const std::uint64_t sun_nodes = std::uint64_t{128} * 256;
-  const std::uint64_t sunlight = sun_nodes * (sizeof(sky::Amounts) + 4 * sizeof(float));
+  const std::uint64_t kept_rays = sun_nodes + sky::transmittance_floats(options) / 3;  // and their lengths
+  const std::uint64_t sunlight = kept_rays * (sizeof(sky::Amounts) + sizeof(sky::Ray)) + sun_nodes * 4 * sizeof(float);
   const std::uint64_t ray_suns =
       static_cast<std::uint64_t>(sky::angles_of(options)) * static_cast<std::uint64_t>(options.sun_zeniths) + 1024;
   const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);

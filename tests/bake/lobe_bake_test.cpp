@@ -109,8 +109,9 @@ TEST_CASE("lobes: Lambert's is irradiance over pi, and looser bounds take fewer 
     BakeOptions options{.background = {}, .specular = {}, .bands = 0, .brdf = {}};
     options.irradiance = IrradianceOptions{.size = 16, .rms_error = bound};
     const BakeResult made = bake(cube.view(), options);
-    // Below the default bound a chain begins with the default's bands, and its estimate says that they are enough.
-    const double same = bound < 1e-3 ? 4e-5 : 1e-5;
+    // Below the default bound a chain begins with the bands of its own lobe and takes more where its estimate wants
+    // them; both are within 1e-5 rms of the integral, a dark texel is off by more.
+    const double same = bound < 1e-3 ? 5e-4 : 1e-5;
     for (std::size_t k = 0; k < made.irradiance->pixels().size(); ++k)
       REQUIRE(lambert.cubemap.face(0, 0)[k] * std::numbers::pi == Approx(made.irradiance->pixels()[k]).epsilon(same));
   }

@@ -78,7 +78,9 @@ TEST_CASE("ends of lines in UASTC HDR are stored near to what was wanted", "[ima
     return static_cast<float>(std::uniform_real_distribution<double>(least, most)(random));
   };
   double largest = 0.0;
-  for (int trial = 0; trial < 20000; ++trial) {
+  double sum = 0.0;
+  constexpr int trials = 20000;
+  for (int trial = 0; trial < trials; ++trial) {
     // A line of at most four octaves, and colours within one: what most blocks have.
     std::array<std::array<float, 3>, 2> ends{};
     const float middle = number(600.0, 3300.0);
@@ -98,15 +100,24 @@ TEST_CASE("ends of lines in UASTC HDR are stored near to what was wanted", "[ima
       other = std::max(other, std::abs(stored - static_cast<double>(ends[1 - k / 3][k % 3])));
     }
     largest = std::max(largest, std::min(off, other));
+    sum += std::min(off, other);
   }
-  CAPTURE(largest);
-  CHECK(largest < 16.0);  // an eighth of an octave; the mean is far less
+  CAPTURE(largest, sum / trials);
+  CHECK(sum / trials < 2.5);  // of 128 in an octave
+  CHECK(largest < 48.0);      // where only the ends' upper bits are stored, blue in steps of 32
 }
 
 TEST_CASE("UASTC HDR has the kinds of blocks that transcoders know, with ASTC's 27 of BC6H's partitions",
           "[codec][textures][uastc]") {
   CHECK(std::popcount(image::kUastcPartitions) == 27);
-  const Cubemap chain = noisy_chain(32, 6, 3);
+  const Cubemap noise = noisy_chain(32, 1, 3);
+  // A half of it smooth, in rows: one line is enough there.
+  Cubemap chain = noise;
+  for (int face = 0; face < 3; ++face) {
+    for (int k = 0; k < 32 * 32; ++k) {
+      for (int c = 0; c < 3; ++c) chain.face(0, face)[3 * k + c] = 1.0F + 0.01F * static_cast<float>(k / 32);
+    }
+  }
   std::vector<std::vector<LatLongView>> levels;
   for (const CubemapView& view : chain.views()) levels.push_back(image::pictures_of(view));
   const image::EncodedLevels encoded = image::encode_uastc_hdr_pictures(levels, Bc6hEffort::slow, {});
@@ -192,7 +203,7 @@ TEST_CASE("UASTC HDR keeps the mean of each channel where a sun has most of the 
     const Cubemap decoded = read_back(written(chain, effort));
     for (int level = 0; level < 4; ++level) {  // down to 16 texels
       CAPTURE(static_cast<int>(effort), level);
-      CHECK(largest_bias(decoded, chain, level) < 0.01);
+      CHECK(largest_bias(decoded, chain, level) < 0.01);  // up to 0.05 where nothing is done
     }
   }
 }

@@ -19,7 +19,12 @@ void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmo
   const glm::dvec3 direction(0.36, -0.48, 0.8);
   const glm::dquat rotation(0.4, 0.2, -0.4, 0.8);
   const glm::dvec3 colour(0.1, 1.7, 3.3);
-  calls.call("evaluate(SphericalHarmonics", [&] { return evaluate(a, direction); });
+  calls.call("evaluate(SphericalHarmonics const&, dvec3", [&] { return evaluate(a, direction); });
+  calls.call("evaluate(SphericalHarmonics const&, span", [&] {
+    dvec3 value;
+    evaluate(a, {&direction, 1}, {&value, 1});
+    return value;
+  });
   calls.call("irradiance_from_radiance(", [&] { return irradiance_from_radiance(a); });
   calls.call("lambertian_from_irradiance(", [&] { return lambertian_from_irradiance(a); });
   calls.call("mean_radiance(", [&] { return mean_radiance(a); });

@@ -40,6 +40,11 @@ void call_tables(Calls& calls, const Atmosphere& air) {
   options.orders = 2;
   calls.call("sky_table_bytes(", [&] { return sky_table_bytes(air, options); });
   const SkyTables tables = calls.call("precompute_sky(", [&] { return precompute_sky(air, options); });
+  calls.call("interpolate_sky(", [&] {
+    const std::vector<SkyTables> both{tables, tables};
+    const std::array places{0.0, 1.0};
+    return interpolate_sky(air, both, places, 0.3);
+  });
   options.colour = SkyColour::linear_srgb;
   options.layout = ScatteringLayout::compact;
   calls.call("precompute_sky(", [&] { return precompute_sky(earth({400.0, 500.0, 600.0, 700.0}), options); });

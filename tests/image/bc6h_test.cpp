@@ -2,6 +2,7 @@
 #include "image/bc6h.h"
 
 #include "image/bc6h_kernels.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "support/bc6h_files.h"
 #include "support/catch.h"
@@ -224,11 +225,7 @@ TEST_CASE("BC6H kernels give the same blocks on every instruction set, and their
         kernels.single_lines(*group, is_signed, true, single);
         kernels.two_lines(*group, is_signed, 4, pair);
         for (std::size_t lane = 0; lane < 16; ++lane) {
-          std::array<std::uint8_t, 16> block{};
-          for (std::size_t k = 0; k < 16; ++k) {
-            block[k] =
-                static_cast<std::uint8_t>(static_cast<std::uint32_t>(single.words[k / 4][lane]) >> (8 * (k % 4)));
-          }
+          const auto block = image::block_of(single, lane);
           const double wanted = squares(*group, lane, block.data(), is_signed);
           CHECK(std::abs(static_cast<double>(single.errors[lane]) - wanted) <= 1e-6 * wanted);
           const double of_pair = squares(*group, lane, packed(pair, lane).data(), is_signed);

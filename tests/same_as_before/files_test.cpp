@@ -256,6 +256,13 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
                            [&odd, file_name = file_name, texture] { return texture_back(file_name, odd, texture); });
     }
   }
+  for (const auto& [name, effort] :
+       {std::pair{"uastc_fast", Bc6hEffort::fast}, std::pair{"uastc_normal", Bc6hEffort::normal},
+        std::pair{"uastc_slow", Bc6hEffort::slow}}) {
+    const TextureOptions texture{.format = TexelFormat::uastc_hdr_4x4, .bc6h_effort = effort};
+    results.emplace_back(name, [&chain, texture] { return texture_bytes("a.ktx2", chain, texture); });
+    results.emplace_back(std::string(name) + "_odd", [&odd, texture] { return texture_bytes("a.ktx2", odd, texture); });
+  }
   results.emplace_back("ktx2_with_metadata", [&] {
     return texture_bytes("a.ktx2", chain, {.metadata = {{"welkin.roughness", "0 0.25 0.5 0.75 1"}, {"b", "c"}}});
   });

@@ -6,6 +6,7 @@
 // DDSLoader knows no float formats but BC6H.) What is written here beside them: the unpacking of two 32-bit texels, by the
 // formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
 import { existsSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
@@ -196,11 +197,12 @@ for (const [name, number, edge, format] of [
   }
 }
 
-// UASTC HDR: Basis Universal's transcoder, which three.js's KTX2Loader asks where a GPU has no ASTC, makes BC6H of every
-// block; the halves that it makes are those that were written, as far as blocks hold them.
+// UASTC HDR: Basis Universal's transcoder, which three.js's KTX2Loader asks where a GPU has no ASTC, accepts every block for
+// BC6H; the halves that it makes are those that were written, as far as blocks of this noise hold them.
 {
   const home = `${resolve(modules)}/node_modules/three/examples/jsm/libs/basis/basis_transcoder`;
-  const { BASIS } = new Function(`${readFileSync(`${home}.js`, "utf8")}; return { BASIS };`)();
+  const BASIS = new Function("require", "__filename", "__dirname", `${readFileSync(`${home}.js`, "utf8")}; return BASIS;`)(
+    createRequire(import.meta.url), `${home}.js`, resolve(home, ".."));
   const basis = await BASIS({ wasmBinary: readFileSync(`${home}.wasm`) });
   basis.initializeBasis();
   const BC6H = 22, RGBA_HALF = 25; // basist::transcoder_texture_format
