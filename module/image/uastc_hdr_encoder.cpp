@@ -199,7 +199,7 @@ class Balancer {
     double squares;     ///< of relative errors
     ChannelSums light;  ///< too much
   };
-  using Trials = std::array<Trial, kLanes>;
+  using Trials = std::array<Trial, std::size_t{2} * kLanes>;
 
   struct Bright {
     double share;
@@ -242,7 +242,8 @@ class Balancer {
     return given;
   }
 
-  /// The block as it is, and 15 times with its channels scaled by `scale`, give or take `spread`.
+  /// The block as it is, and 15 times with its channels scaled by `scale`, give or take `spread`; then the same with
+  /// one line, whose ends have finer steps.
   [[nodiscard]] Trials tried(std::size_t block, const ChannelSums& scale, double spread) {
     const Given texels = given(block);
     BlockGroup group;
@@ -263,15 +264,19 @@ class Balancer {
     bc6h_kernels().prepare(group, false, clamped.data(), light);
     EncodedBlocks encoded;
     AllHalves halves;
+    Trials trials;
+    const auto measure = [&](std::size_t first) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        trials[first + lane] = measured(texels, halves[lane]);
+        trials[first + lane].block = block_of(encoded, lane);
+      }
+    };
     encode_single_lines(group, format_.effort, encoded, &halves);
+    measure(kLanes);
     if (format_.effort != Bc6hEffort::fast) {
       improve_by_two_lines(group, format_.partitions_tried(), encoded, &halves);
     }
-    Trials trials;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      trials[lane] = measured(texels, halves[lane]);
-      trials[lane].block = block_of(encoded, lane);
-    }
+    measure(0);
     return trials;
   }
 
@@ -292,14 +297,15 @@ class Balancer {
     ChannelSums scale{};
     for (std::size_t c = 0; c < 3; ++c) {
       const auto whole = static_cast<double>(level_.lights[bright.block][c]);
-      scale[c] = whole > 0.0 ? std::clamp(1.0 - off_[c] / whole, 0.9, 1.1) : 1.0;
+      scale[c] = whole > 0.0 ? std::clamp(1.0 - off_[c] / whole, 0.7, 1.4) : 1.0;
     }
     const double values = 3.0 * static_cast<double>(texels_of(pictures_));
     const auto cost = [&](const Trial& trial) {
       return excess(sum(rest, trial.light)) + trial.squares / (kWorth * values);
     };
     const Trial* best = &bright.now;
-    const Trials trials = tried(bright.block, scale, sweep % 2 == 0 ? 0.02 : 0.08);
+    constexpr std::array spreads{0.02, 0.08, 0.3};  // ends far apart have steps of 9 % and more
+    const Trials trials = tried(bright.block, scale, spreads[static_cast<std::size_t>(sweep) % spreads.size()]);
     for (const Trial& trial : trials) {
       if (cost(trial) < cost(*best) && excess(sum(rest, trial.light)) < excess(off_)) best = &trial;
     }

@@ -27,10 +27,12 @@ void write_floats(const std::filesystem::path& path, const float* values, std::s
   stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(float)));
 }
 
-/// Blocks of ASTC, and texels of each level as our own reader decodes them. In a build without astcenc there are none.
+/// Blocks of ASTC and UASTC, and texels of each level as our own reader decodes them. In a build without astcenc there
+/// are none.
 void write_astc(const std::filesystem::path& directory, const Cubemap& chain) {
   const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::astc_4x4_hdr, "astc4x4"},
-                                                         {TexelFormat::astc_6x6_hdr, "astc6x6"}};
+                                                         {TexelFormat::astc_6x6_hdr, "astc6x6"},
+                                                         {TexelFormat::uastc_hdr_4x4, "uastc_hdr"}};
   for (const auto& [format, name] : formats) {
     const std::filesystem::path path = directory / (std::string(name) + ".ktx2");
     try {
@@ -68,10 +70,6 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   write_floats(directory / "bc6h.f32", decoded.face(0, 0), decoded.bytes() / sizeof(float));
   write_astc(directory, chain);
-  for (const auto& [packing, name] : {std::pair{Supercompression::none, "uastc_hdr.ktx2"},
-                                      std::pair{Supercompression::zstd, "uastc_hdr_zstd.ktx2"}}) {
-    write_texture(directory / name, chain.views(), {.format = TexelFormat::uastc_hdr_4x4, .supercompression = packing});
-  }
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
   }
