@@ -19,7 +19,8 @@ namespace welkin::image {
 /// Puts a block into its lane.
 inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_t* block, float error) noexcept {
   for (std::size_t k = 0; k < 4; ++k, block += 4) {
-    const std::uint32_t word = block[0] | block[1] << 8U | block[2] << 16U | std::uint32_t{block[3]} << 24U;
+    std::uint32_t word = 0;
+    for (std::size_t byte = 4; byte-- > 0;) word = word << 8U | block[byte];
     blocks.words[k][lane] = static_cast<std::int32_t>(word);
   }
   blocks.errors[lane] = error;

@@ -71,7 +71,7 @@ const LevelTable& table_of(UastcLines lines) noexcept {
 
 // ---- A line's six bytes
 
-// Of the channel that is brightest at the high end, and the two others:
+// Channels are ordered: the one that is brightest at the high end, then the two others.
 //   high = (a, a - b0, a - b1), low = (a - c, a - b0 - c - d0, a - b1 - c - d1), all times 2^shift.
 // Bytes 0 to 5 have the lower bits of a, c, b0, b1, d0, d1. What else they hold is said by the mode.
 enum Number : std::uint8_t { kA, kC, kB0, kB1, kD0, kD1 };
@@ -108,10 +108,10 @@ void exchange_channel(Ends& ends, std::size_t brightest) noexcept {
   for (auto& end : ends) std::swap(end[0], end[brightest]);
 }
 
-/// Of a number between -65536 and 65536.
+/// Rounds a number between -65536 and 65536.
 std::int32_t nearest(float value) noexcept { return static_cast<std::int32_t>(value + 65536.5F) - 65536; }
 
-/// What the numbers mean, in their own unit.
+/// Returns the ends that the numbers stand for, in their own unit.
 UastcEnds ends_of(const Numbers& n) noexcept {
   return {{{n[kA] - n[kC], n[kA] - n[kB0] - n[kC] - n[kD0], n[kA] - n[kB1] - n[kC] - n[kD1]},
            {n[kA], n[kA] - n[kB0], n[kA] - n[kB1]}}};
