@@ -106,10 +106,10 @@ class LightTree {
         directions_(shape),
         lights_(lights),
         rule_(math::gauss_legendre(kOrder)),
+        smooth_(smooth_points(widest_edge_of(shape, lobes.of), lobes.least_alpha, reach, lobes.of)),
         most_cut_radius_(most_cut_radius),
         use_(lobes.of) {
     const double edge = edge_of(shape);
-    smooth_ = smooth_points(widest_edge_of(shape, lobes.of), lobes.least_alpha, reach, lobes.of);
     lights.edge_ = widest_edge_of(shape, lobes.of);
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
@@ -444,7 +444,7 @@ class LightTree {
   mutable Directions directions_;
   BrightLights& lights_;
   math::GaussRule rule_;
-  int smooth_ = 2;
+  int smooth_;
   int parts_ = 2;
   std::vector<Place> places_;
   std::vector<Sample> samples_;
