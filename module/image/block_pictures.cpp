@@ -15,7 +15,8 @@ namespace {
 
 using simd::kLanes;
 
-/// Of a tile: enough that the lanes of blocks with two lines are mostly full, and few enough for a second-level cache.
+/// Blocks in a tile: enough that the lanes of blocks with two lines are mostly full, and few enough for a second-level
+/// cache.
 constexpr int kTileBlocks = 512;
 constexpr int kTileGroups = kTileBlocks / kLanes;
 
@@ -33,7 +34,7 @@ struct Place {
   int picture, row, column;  ///< the first texel's
 };
 
-/// What one worker needs.
+/// The buffers of one worker.
 struct Scratch {
   std::array<BlockGroup, kTileGroups> groups;
   BlockGroup hard;  ///< blocks that one line is not enough for
@@ -123,7 +124,7 @@ class TileEncoder {
     if (beyond) for_each_inner(place, [&](std::size_t texel) { group.weights[texel][lane] = 1.0F; });
   }
 
-  /// What is repeated beyond the edge is not counted again.
+  /// Counts clamped values. Texels beyond the edge repeat others and are not counted.
   void count_clamped(const Place& place, std::size_t lane, std::int32_t of_block) {
     if (!reaches_beyond(place)) {
       result_.clamped += static_cast<std::uint64_t>(of_block);

@@ -292,7 +292,7 @@ constexpr std::array<std::uint8_t, 243> kTrits = [] {
   return table;
 }();
 
-/// Three digits of base 5 in 7 bits, likewise.
+/// Three digits of base 5 in 7 bits: for d0 + 5 d1 + 25 d2 the smallest number that is decoded to them.
 constexpr std::array<std::uint8_t, 125> kQuints = [] {
   std::array<std::uint8_t, 125> table{};
   for (int n = 127; n >= 0; --n) {

@@ -100,7 +100,7 @@ class Lines {
   BlockIndices found_;
 };
 
-/// Of a block of equal texels, from their logarithms.
+/// Returns the halves of a block of equal texels, from their logarithms.
 BlockHalves flat_halves(const BlockGroup& group, std::size_t lane) {
   BlockHalves halves{};
   for (std::size_t k = 0; k < halves.size(); ++k) {
@@ -109,7 +109,7 @@ BlockHalves flat_halves(const BlockGroup& group, std::size_t lane) {
   return halves;
 }
 
-/// What the blocks in `EncodedBlocks` are decoded to, if somebody asks.
+/// The halves that the blocks of an `EncodedBlocks` are decoded to.
 using AllHalves = std::array<BlockHalves, kLanes>;
 
 void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {

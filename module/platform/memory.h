@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
 
 #include "platform/working_memory.h"
 
@@ -41,5 +42,29 @@ class AlignedBuffer {
   std::unique_ptr<Value, Free> values_;
   std::size_t size_ = 0;
 };
+
+/// For vectors that grow or are filled in turn and are large in every call: their memory, too, is kept between calls. A
+/// cache line before the values says which block they lie in.
+template <class Value>
+class WorkingAllocator {
+ public:
+  using value_type = Value;
+
+  WorkingAllocator() = default;
+  template <class Other>
+  explicit WorkingAllocator(const WorkingAllocator<Other>& /*other*/) noexcept {}
+
+  [[nodiscard]] Value* allocate(std::size_t size) {
+    const WorkingMemory block = take_working_memory(kCacheLine + size * sizeof(Value));
+    ::new (block.data) WorkingMemory(block);
+    return reinterpret_cast<Value*>(static_cast<std::byte*>(block.data) + kCacheLine);
+  }
+  void deallocate(Value* values, std::size_t /*size*/) noexcept {
+    const WorkingMemory block = *reinterpret_cast<WorkingMemory*>(reinterpret_cast<std::byte*>(values) - kCacheLine);
+    give_working_memory(block);
+  }
+  bool operator==(const WorkingAllocator& /*other*/) const noexcept { return true; }
+};
+static_assert(sizeof(WorkingMemory) <= kCacheLine);
 
 }  // namespace welkin::platform

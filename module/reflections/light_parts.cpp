@@ -36,7 +36,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Shares its light among the samples from `first` on by the weights that stand there.
-void share_light(const BrightTexel& texel, std::size_t first, std::vector<Sample>& samples) {
+void share_light(const BrightTexel& texel, std::size_t first, Samples& samples) {
   double whole = 0.0;
   for (std::size_t k = first; k < samples.size(); ++k) whole += samples[k].light[0];
   for (std::size_t k = first; k < samples.size(); ++k) {
@@ -57,7 +57,7 @@ Sample sample_at(Directions& directions, const BrightTexel& texel, double across
 
 }  // namespace
 
-void add_points(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples) {
+void add_points(const BrightTexel& texel, Directions& directions, int count, Samples& samples) {
   const math::GaussRule rule = math::gauss_legendre(count);
   const std::size_t first = samples.size();
   for (int j = 0; j < count; ++j) {
@@ -82,8 +82,7 @@ double below_middle(Directions& directions, double row, double high) {
 
 }  // namespace
 
-void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use,
-               std::vector<Sample>& samples) {
+void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use, Samples& samples) {
   const std::size_t first = samples.size();
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i)

@@ -9,6 +9,7 @@
 
 #include "image/geometry.h"
 #include "math/elementary.h"
+#include "platform/memory.h"
 #include "platform/standard_library.h"
 #include "reflections/bright_lights.h"
 
@@ -60,16 +61,17 @@ struct Sample {
   double row = 0.0;
   std::array<double, 3> light{};
 };
+using Samples = std::vector<Sample, platform::WorkingAllocator<Sample>>;
 
 /// Returns the same light on a picture with `cuts` times as many rows and columns.
 [[nodiscard]] std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape,
                                                   int cuts);
 
 /// Adds Gauss points on a texel, `count` x `count` of them.
-void add_points(const BrightTexel& texel, Directions& directions, int count, std::vector<Sample>& samples);
+void add_points(const BrightTexel& texel, Directions& directions, int count, Samples& samples);
 
 /// Adds `count` x `count` equal parts of a texel.
-void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use, std::vector<Sample>& samples);
+void add_parts(const BrightTexel& texel, Directions& directions, int count, LightsOf use, Samples& samples);
 
 [[nodiscard]] LobeLight light_of(Directions& directions, const Sample& sample);
 

@@ -446,9 +446,9 @@ class LightTree {
   math::GaussRule rule_;
   int smooth_;
   int parts_ = 2;
-  std::vector<Place> places_;
-  std::vector<Sample> samples_;
-  std::vector<Sample> cut_;  ///< of a texel
+  std::vector<Place, platform::WorkingAllocator<Place>> places_;
+  Samples samples_;
+  Samples cut_;  ///< of a texel
   double most_cut_radius_ = 0.0;
   LightsOf use_;
 };

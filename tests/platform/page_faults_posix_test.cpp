@@ -43,7 +43,7 @@ long warm_faults(const std::function<void()>& call) {
 }  // namespace
 
 TEST_CASE("A warm bake takes no page faults beyond its result", "[platform][memory][pages]") {
-  constexpr long few = 96;  // stacks, tables of pointers, points of lights and the like
+  constexpr long few = 64;  // stacks, tables of pointers and the like
   const FreshHeap fresh;
   BakeOptions options;
   options.specular->size = 128;
