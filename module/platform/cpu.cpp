@@ -6,14 +6,16 @@
 
 #include "welkin/core.h"
 
-#if defined(__x86_64__) || defined(_M_X64)
+// A build for sanitizers carries SSE2's kernels alone (cmake/instruction_sets.cmake).
+#if (defined(__x86_64__) || defined(_M_X64)) && !defined(WELKIN_ONLY_INSTRUCTION_SET)
+#define WELKIN_ASKS_PROCESSOR
 #include "platform/cpuid.h"
 #endif
 
 namespace welkin {
 namespace {
 
-#if defined(__x86_64__) || defined(_M_X64)
+#if defined(WELKIN_ASKS_PROCESSOR)
 
 using platform::cpuid, platform::CpuidRegisters, platform::saved_register_state;
 
@@ -57,7 +59,9 @@ bool runs(InstructionSet set) {
 /// Another processor's binary carries one set, which its processors all run: NEON is part of 64-bit ARM (AArch64), and
 /// all that the kernels use of it is there from the first version on; a WebAssembly module that uses vectors loads
 /// nowhere else than where there are any.
-#if defined(__wasm__)
+#if defined(WELKIN_ONLY_INSTRUCTION_SET)
+constexpr InstructionSet kOnly = InstructionSet::WELKIN_ONLY_INSTRUCTION_SET;
+#elif defined(__wasm__)
 constexpr InstructionSet kOnly = InstructionSet::simd128;
 #else
 constexpr InstructionSet kOnly = InstructionSet::neon;

@@ -12,7 +12,8 @@ namespace welkin::simd {
 /// Kernels count in groups of as many logical lanes: 1 register of AVX-512, 2 of AVX2, 4 of SSE2 or NEON.
 inline constexpr int kLanes = 16;
 
-#if defined(__aarch64__) || defined(_M_ARM64)
+#if defined(WELKIN_ONLY_INSTRUCTION_SET)  // said by the build
+#elif defined(__aarch64__) || defined(_M_ARM64)
 #define WELKIN_ONLY_INSTRUCTION_SET neon
 #elif defined(__wasm__)
 #define WELKIN_ONLY_INSTRUCTION_SET simd128

@@ -20,13 +20,13 @@ namespace {
 
 double power(double roughness) { return 2.0 / (roughness * roughness * roughness * roughness) - 2.0; }
 
-struct Family {
+struct FamilyOptions {
   PrefilterOptions options;
   std::vector<ZonalKernel> kernels;  ///< of the direct call; none: that is the call by family
 };
 
 /// Wide lobes: narrow ones take long.
-std::vector<Family> all_families() {
+std::vector<FamilyOptions> all_families() {
   const std::vector<double> two{0.5, 0.8};
   const std::vector<std::vector<double>> spectra{{2.0, 1.0, 0.5}, {3.0, 1.0, 0.25, -0.5}};
   return {
@@ -47,7 +47,7 @@ BakeOptions bake_of(const PrefilterOptions& specular) {
   return {.background = {}, .specular = specular, .irradiance = {}, .bands = 0, .brdf = {}};
 }
 
-PrefilteredSpecular direct(const EnvironmentView& view, const Family& family) {
+PrefilteredSpecular direct(const EnvironmentView& view, const FamilyOptions& family) {
   if (family.kernels.empty()) return prefilter_specular(view, family.options);
   return prefilter_by_kernels(view, {.size = family.options.size, .kernels = family.kernels});
 }
@@ -77,7 +77,7 @@ std::vector<std::byte> stored(const Cubemap& chain) {
 TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call", "[bake][lobes]") {
   const TestLatLong wide = make_lat_long(Content::high_range, 32, 16, 5);
   const TestCubemap cube = make_cubemap(Content::one_texel_sun, 8, 3, 6);
-  const auto check = [](const auto& view, const Family& family) {
+  const auto check = [](const auto& view, const FamilyOptions& family) {
     INFO(name(family.options.lobe));
     const PrefilteredSpecular truth = direct(view, family);
     const PrefilteredSpecular alone = prefilter_specular(view, family.options);
@@ -91,7 +91,7 @@ TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call",
     CHECK(planned.pass("specular").reason.find(name(family.options.lobe)) != std::string::npos);
     CHECK(planned.pass("specular").bytes > 0);
   };
-  for (const Family& family : all_families()) {
+  for (const FamilyOptions& family : all_families()) {
     check(wide.view(), family);
     check(cube.view(), family);
   }
@@ -142,7 +142,7 @@ TEST_CASE("lobes: a chain has as many mips, and as rough ones, as its family has
 
 TEST_CASE("lobes: bakes into targets and of many probes have the bits of the direct call", "[bake][many][lobes]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
-  for (const Family& family : all_families()) {
+  for (const FamilyOptions& family : all_families()) {
     INFO(name(family.options.lobe));
     const std::vector<std::byte> truth = stored(direct(cube.view(), family).cubemap);
     const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 8, .levels = mips_of_chain(family.options)};
@@ -159,7 +159,7 @@ TEST_CASE("lobes: bakes into targets and of many probes have the bits of the dir
 TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][cache][lobes][slow]") {
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
   std::vector<PrefilterOptions> all;
-  for (const Family& family : all_families()) all.push_back(family.options);
+  for (const FamilyOptions& family : all_families()) all.push_back(family.options);
   const auto add = [&](std::size_t from, const std::function<void(PrefilterOptions&)>& change) {
     PrefilterOptions changed = all[from];
     change(changed);
