@@ -48,6 +48,8 @@ target_link_libraries(welkin_tests PRIVATE welkin_internal welkin_reference welk
                                            OpenEXR::OpenEXR SPNG::SPNG WebP::WebP nlohmann_json::nlohmann_json)
 if(sources MATCHES "(report|reflections|sky|stability)/")
   target_link_libraries(welkin_tests PRIVATE welkin_report)
+else()
+  target_include_directories(welkin_tests PRIVATE ${PROJECT_SOURCE_DIR}/cmake)  # standard_headers.h, else the report's
 endif()
 # Tests run the command through a shell, which cannot run programs for another processor: a script that can stands in.
 set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin${CMAKE_EXECUTABLE_SUFFIX})
