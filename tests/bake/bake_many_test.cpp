@@ -152,7 +152,7 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
 
 namespace {
 
-BakeOptions small_bake() {
+BakeOptions quick_bake() {
   BakeOptions options;
   options.background = BackgroundOptions{.size = 16};
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
@@ -208,7 +208,7 @@ TEST_CASE("targets: a bake writes the texels that store_texels writes of its res
   const TestLatLong wide = make_lat_long(Content::high_range, 32, 16, 5);
   const TestCubemap cube = make_cubemap(Content::high_range, 8, 3, 6);
   const auto check = [](const auto& view) {
-    const BakeOptions options = small_bake();
+    const BakeOptions options = quick_bake();
     const BakeResult whole = bake(view, options);
     Block background(TexelFormat::b10g11r11, 16, 5);
     Block specular(TexelFormat::rgba16f, 8, 3);
@@ -234,7 +234,7 @@ TEST_CASE("targets: a bake writes the texels that store_texels writes of its res
 TEST_CASE("targets: what has none stays in the result, and what formats cannot hold is counted", "[bake]") {
   TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 5);
   picture.pixels[0] = 1e9F;
-  const BakeOptions options = small_bake();
+  const BakeOptions options = quick_bake();
   Block background(TexelFormat::rgba16f, 16, 5);
   const BakeResult result = bake_to({.background = background.targets}, picture.view(), options);
   CHECK(result.values_clamped > 0);
@@ -250,14 +250,14 @@ TEST_CASE("targets: those that do not fit are refused before anything is written
   };
   Block specular(TexelFormat::rgba16f, 8, 3);
   Block background(TexelFormat::rgba16f, 16, 4);
-  const ThrownError few = refused({.background = background.targets, .specular = specular.targets}, small_bake());
+  const ThrownError few = refused({.background = background.targets, .specular = specular.targets}, quick_bake());
   CHECK(few.code == ErrorCode::invalid_argument);
   CHECK(few.says("the background has 5 levels, and there are 4 targets"));
   CHECK(specular.memory == std::vector<std::byte>(specular.memory.size()));
 
   Block large(TexelFormat::rgba16f, 16, 3);
-  CHECK(refused({.specular = large.targets}, small_bake()).says("have 16 texels per edge"));
-  BakeOptions without = small_bake();
+  CHECK(refused({.specular = large.targets}, quick_bake()).says("have 16 texels per edge"));
+  BakeOptions without = quick_bake();
   without.irradiance.reset();
   CHECK(refused({.irradiance = specular.targets.front()}, without).says("the irradiance cubemap has 0 levels"));
   without.specular.reset();
@@ -269,9 +269,9 @@ TEST_CASE("memory: chains of results are taken from the caller's resource, and g
   CountingResource memory;
   const Control control{.memory = &memory};
   {
-    const BakeResult result = bake(picture.view(), small_bake(), control);
+    const BakeResult result = bake(picture.view(), quick_bake(), control);
     CHECK(memory.held() == result.background->bytes() + result.specular->cubemap.bytes());
-    const BakeResult same = bake(picture.view(), small_bake());
+    const BakeResult same = bake(picture.view(), quick_bake());
     CHECK(std::ranges::equal(std::span(result.background->face(0, 0), result.background->bytes() / sizeof(float)),
                              std::span(same.background->face(0, 0), same.background->bytes() / sizeof(float))));
     const Cubemap cube = to_cubemap(picture.view(), 8);
@@ -289,7 +289,7 @@ TEST_CASE("memory: chains of results are taken from the caller's resource, and g
 TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bake][cache]") {
   const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
   ResultCache cache({.memory_bytes = 1 << 20});
-  const BakeOptions options = small_bake();
+  const BakeOptions options = quick_bake();
   BakeOptions others = options;
   others.specular->roughness = {0.0, 0.3, 0.8};
   for (const BakeOptions& each : {options, options, others}) {  // nothing is known, all, and two mips of three
