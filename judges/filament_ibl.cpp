@@ -5,6 +5,13 @@
 // The cubemap of SIZE texels that Welkin makes of IMAGE is given to both, in memory. One thread: Filament's JobSystem
 // has the calling one alone, Welkin one too. Times are processor time, the least of several runs. Errors are those
 // against the integral in double of the same cubemap. Prints tables in Markdown.
+//
+// For `welkin report` (perf/report/filament_peer.cpp), Filament's calls alone; CUBE has faces of floats, BUDGET is the
+// seconds for repeats. Prints the time of each, and after that of --harmonics their 27 numbers:
+//
+//   filament_ibl --chain CUBE SIZE MIPS BUDGET FOLDER SAMPLES...      writes FOLDER/filament_SAMPLES.f32, mip after mip
+//   filament_ibl --harmonics CUBE SIZE BUDGET
+//   filament_ibl --table SIZE BUDGET FILE                             writes FILE, rows of RGB floats, roughest first
 #include <ibl/Cubemap.h>
 #include <ibl/CubemapIBL.h>
 #include <ibl/CubemapSH.h>
@@ -16,8 +23,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "welkin/environment_file.h"
@@ -50,11 +59,11 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// The least of at least three runs, and of half a second's.
-double least_seconds(const std::function<void()>& run) {
+/// The least of at least `fewest` runs, and of `budget` seconds'.
+double least_seconds(const std::function<void()>& run, double budget = 0.5, int fewest = 3) {
   double least = 1e9;
   double spent = 0.0;
-  for (int i = 0; i < 3 || (spent < 0.5 && i < 200); ++i) {
+  for (int i = 0; i < fewest || (spent < budget && i < 200); ++i) {
     const double before = processor_seconds();
     run();
     const double took = processor_seconds() - before;
@@ -112,48 +121,58 @@ double rms_error(const welkin::CubemapView& source, double roughness, int size,
   return std::sqrt(squares / scale);
 }
 
+/// Filament's filter wants box-filtered levels of the source, as cmgen makes them; not counted in its time.
+class Chain {
+ public:
+  Chain(utils::JobSystem& js, const welkin::Cubemap& cube, int mips)
+      : js_(js), roughness_(welkin::roughness_of_mips(welkin::RoughnessSchedule::filament, mips, cube.size())) {
+    sources_.reserve(16);
+    for (int size = cube.size(); size >= 1; size /= 2) sources_.emplace_back(static_cast<std::size_t>(size));
+    fill(sources_[0], cube, 0);
+    for (std::size_t i = 1; i < sources_.size(); ++i) {
+      ibl::CubemapUtils::downsampleCubemapLevelBoxFilter(js, sources_[i].cube, sources_[i - 1].cube);
+      sources_[i].cube.makeSeamless();
+    }
+    for (Peer& each : sources_) levels_.push_back(std::move(each.cube));
+    for (int mip = 0; mip < mips; ++mip) found_.emplace_back(static_cast<std::size_t>(cube.size() >> mip));
+  }
+
+  void filter(int samples) {
+    for (std::size_t mip = 0; mip < found_.size(); ++mip) {
+      ibl::CubemapIBL::roughnessFilter(js_, found_[mip].cube, levels_,
+                                       static_cast<float>(roughness_[mip] * roughness_[mip]),
+                                       static_cast<std::size_t>(samples), {1, 1, 1}, true);
+    }
+  }
+  [[nodiscard]] filament::math::float3 texel(int mip, int face, int x, int y) {
+    const ibl::Image& image =
+        found_[static_cast<std::size_t>(mip)].cube.getImageForFace(static_cast<ibl::Cubemap::Face>(face));
+    return ibl::Cubemap::sampleAt(image.getPixelRef(static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
+  }
+
+ private:
+  utils::JobSystem& js_;
+  std::vector<double> roughness_;
+  std::vector<Peer> sources_;
+  std::vector<ibl::Cubemap> levels_;
+  std::vector<Peer> found_;
+};
+
 void chains(utils::JobSystem& js, const welkin::Cubemap& cube, const std::vector<int>& samples) {
   const int size = cube.size();
-  // Filament's filter wants box-filtered levels of the source, as cmgen makes them; not counted in its time.
-  std::vector<Peer> sources;
-  sources.reserve(16);
-  for (int level_size = size; level_size >= 1; level_size /= 2)
-    sources.emplace_back(static_cast<std::size_t>(level_size));
-  fill(sources[0], cube, 0);
-  for (std::size_t i = 1; i < sources.size(); ++i) {
-    ibl::CubemapUtils::downsampleCubemapLevelBoxFilter(js, sources[i].cube, sources[i - 1].cube);
-    sources[i].cube.makeSeamless();
-  }
-  std::vector<ibl::Cubemap> levels;
-  for (Peer& each : sources) levels.push_back(std::move(each.cube));
   const int mips = static_cast<int>(std::log2(size / 16)) + 1;
   std::printf("| chain of %d, %d mips | time, ms | error of each mip, rms percent |\n|---|---|---|\n", size, mips);
   const std::vector<double> roughness = welkin::roughness_of_mips(welkin::RoughnessSchedule::filament, mips, size);
+  Chain theirs(js, cube, mips);
   for (const int count : samples) {
-    std::vector<Peer> found;
-    for (int mip = 0; mip < mips; ++mip) found.emplace_back(static_cast<std::size_t>(size >> mip));
-    const auto run = [&] {
-      for (int mip = 0; mip < mips; ++mip) {
-        const auto alpha =
-            static_cast<float>(roughness[static_cast<std::size_t>(mip)] * roughness[static_cast<std::size_t>(mip)]);
-        ibl::CubemapIBL::roughnessFilter(js, found[static_cast<std::size_t>(mip)].cube, levels, alpha,
-                                         static_cast<std::size_t>(count), {1, 1, 1}, true);
-      }
-    };
-    const double before = processor_seconds();
-    run();
-    const double seconds = processor_seconds() - before;
+    const double seconds = least_seconds([&] { theirs.filter(count); }, 0.0, 1);
     std::printf("| Filament's libs/ibl, %d samples | %.1f |", count, 1e3 * seconds);
     for (int mip = 1; mip < mips; ++mip) {
-      ibl::Cubemap& chain = found[static_cast<std::size_t>(mip)].cube;
-      std::printf(" %.2g",
-                  100.0 * rms_error(cube.view(0), roughness[static_cast<std::size_t>(mip)], size >> mip,
-                                    [&](int face, int x, int y) {
-                                      const auto& rgb = ibl::Cubemap::sampleAt(
-                                          chain.getImageForFace(static_cast<ibl::Cubemap::Face>(face))
-                                              .getPixelRef(static_cast<std::size_t>(x), static_cast<std::size_t>(y)));
-                                      return glm::dvec3(rgb.x, rgb.y, rgb.z);
-                                    }));
+      std::printf(" %.2g", 100.0 * rms_error(cube.view(0), roughness[static_cast<std::size_t>(mip)], size >> mip,
+                                             [&](int face, int x, int y) {
+                                               const auto rgb = theirs.texel(mip, face, x, y);
+                                               return glm::dvec3(rgb.x, rgb.y, rgb.z);
+                                             }));
     }
     std::printf(" |\n");
   }
@@ -287,25 +306,77 @@ void tables(utils::JobSystem& js, int size) {
   std::printf("| Welkin, brdf_table | %.1f | %.1e |\n", 1e3 * our_seconds, worst.y);
 }
 
+welkin::Cubemap read_cube(const char* path, int size) {
+  welkin::Cubemap cube(size, 1);
+  std::ifstream(path, std::ios::binary)
+      .read(reinterpret_cast<char*>(cube.face(0, 0)), static_cast<std::streamsize>(cube.bytes()));
+  return cube;
+}
+
+void print_chain(utils::JobSystem& js, char** words, int count) {
+  const int size = std::atoi(words[1]);
+  const int mips = std::atoi(words[2]);
+  Chain chain(js, read_cube(words[0], size), mips);
+  for (int i = 5; i < count; ++i) {
+    const int samples = std::atoi(words[i]);
+    std::printf("%.9g\n", least_seconds([&] { chain.filter(samples); }, std::atof(words[3]), 1));
+    std::ofstream file(std::string(words[4]) + "/filament_" + words[i] + ".f32", std::ios::binary);
+    for (int mip = 0; mip < mips; ++mip)
+      for (int texel = 0; texel < 6 * (size >> mip) * (size >> mip); ++texel) {
+        const int edge = size >> mip;
+        const auto rgb = chain.texel(mip, texel / (edge * edge), texel % edge, texel / edge % edge);
+        file.write(reinterpret_cast<const char*>(&rgb), sizeof rgb);
+      }
+  }
+}
+
+void print_harmonics(utils::JobSystem& js, char** words) {
+  const int size = std::atoi(words[1]);
+  Peer peer(static_cast<std::size_t>(size));
+  fill(peer, read_cube(words[0], size), 0);
+  std::unique_ptr<filament::math::float3[]> found;
+  const auto run = [&] { found = ibl::CubemapSH::computeSH(js, peer.cube, 3, false); };
+  std::printf("%.9g\n", least_seconds(run, std::atof(words[2])));
+  for (int k = 0; k < 9; ++k) std::printf("%.9g %.9g %.9g\n", found[k].x, found[k].y, found[k].z);
+}
+
+void print_table(utils::JobSystem& js, char** words) {
+  const auto size = static_cast<std::size_t>(std::atoi(words[0]));
+  ibl::Image image(size, size);
+  std::printf("%.9g\n", least_seconds([&] { ibl::CubemapIBL::DFG(js, image, true, false); }, std::atof(words[1]), 1));
+  std::ofstream file(words[2], std::ios::binary);
+  for (std::size_t row = 0; row < size; ++row)
+    file.write(static_cast<const char*>(image.getPixelRef(0, row)), static_cast<std::streamsize>(12 * size));
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
+  const std::string task = count > 1 ? arguments[1] : "";
   if (count < 3) {
     std::fputs("usage: filament_ibl IMAGE SIZE [SAMPLES...]\n", stderr);
     return 2;
   }
-  const int size = std::atoi(arguments[2]);
-  std::vector<int> samples;
-  for (int i = 3; i < count; ++i) samples.push_back(std::atoi(arguments[i]));
-  const welkin::Environment environment = welkin::read_environment(arguments[1]);
-  const welkin::Cubemap cube = welkin::to_cubemap(environment.view(), size);
   const auto js = std::make_unique<utils::JobSystem>(1);
   js->adopt();
-  welkin::run_with_threads(1, [&] {
-    chains(*js, cube, samples);
-    harmonics(*js, cube);
-    tables(*js, 128);
-  });
+  if (task == "--chain" && count > 7) {
+    print_chain(*js, arguments + 2, count - 2);
+  } else if (task == "--harmonics" && count == 5) {
+    print_harmonics(*js, arguments + 2);
+  } else if (task == "--table" && count == 5) {
+    print_table(*js, arguments + 2);
+  } else {
+    const int size = std::atoi(arguments[2]);
+    std::vector<int> samples;
+    for (int i = 3; i < count; ++i) samples.push_back(std::atoi(arguments[i]));
+    const welkin::Environment environment = welkin::read_environment(arguments[1]);
+    const welkin::Cubemap cube = welkin::to_cubemap(environment.view(), size);
+    welkin::run_with_threads(1, [&] {
+      chains(*js, cube, samples);
+      harmonics(*js, cube);
+      tables(*js, 128);
+    });
+  }
   js->emancipate();
   return 0;
 }

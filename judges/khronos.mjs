@@ -1,4 +1,5 @@
-// Asks Khronos' own reader, libktx as WebAssembly in npm's @khronosgroup/gltf-viewer, what is in our .ktx2 and .ktx files.
+// Asks Khronos' own reader, libktx as WebAssembly in npm's @khronosgroup/gltf-viewer, what is in our .ktx2 and .ktx files,
+// and WebGL for their texels. (tests/textures/khronos.mjs compares the bytes that libktx uploads, without a browser, in CI.)
 //
 //   node khronos.mjs MODULES SAMPLES           SAMPLES is the folder that texture_samples wrote
 //
@@ -10,7 +11,7 @@ import { join, resolve } from "node:path";
 import { pageOf, show } from "./browser.mjs";
 
 const [modules, samples] = process.argv.slice(2).map((each) => resolve(each));
-const files = readdirSync(samples).filter((name) => /\.ktx2?$/.test(name)).sort();
+const files = readdirSync(samples).filter((name) => /\.ktx2?$/.test(name) && !/^(octahedral|probes)/.test(name)).sort();
 
 const page = pageOf(`
 const files = ${JSON.stringify(files)};

@@ -201,7 +201,10 @@ std::vector<Measurement> by_size(const PassContext& context, BrdfModel model) {
     progress(context, all.size(), sizes.size() + 1);
   }
   if (model != BrdfModel::multiple_scattering) return all;
-  for (const PeerTable& peer : context.peers.brdf_table(sizes, context.folder, context.stopwatch)) {
+  std::vector<PeerTable> peers = context.peers.brdf_table(sizes, context.folder, context.stopwatch);
+  for (PeerTable& peer : context.peers.table_in_process(sizes, context.folder, context.stopwatch))
+    peers.push_back(std::move(peer));
+  for (const PeerTable& peer : peers) {
     const ErrorNorms errors = errors_of({peer.values.data(), peer.size, peer.size, 3}, *truth);
     all.push_back(
         {"", "table", size_words(peer.size), errors.rms, errors.maximum, peer.seconds, kTableTruth, peer.peer});

@@ -43,21 +43,26 @@ struct PeerTable {
   double seconds = 0.0;
 };
 
-/// Filament's cmgen (Debian package libfilament-tools) on the PATH; Babylon.js and three.js in Node.js, and in Chromium
-/// where they prefilter by WebGL. What is not there is left out and said in `notes`. Every call that a peer fails gives
-/// nothing for it.
+/// Returns a table's RGB rows in the opposite order: Filament's has the roughest on top, as OpenGL counts.
+[[nodiscard]] std::vector<float> rows_from_below(const float* rgb, int size);
+
+/// Filament's cmgen (Debian package libfilament-tools) on the PATH, and its libs/ibl in the program judge_filament_ibl
+/// (judges/, Debian package libfilament-dev), beside welkin-report or on the PATH; Babylon.js and three.js in Node.js,
+/// and in Chromium where they prefilter by WebGL. What is not there is left out and said in `notes`. Every call that a
+/// peer fails gives nothing for it.
 ///
-/// cmgen runs as a process, bound to as many processors as the stopwatch has threads, and its whole life counts, start,
-/// reading and writing included. The others are called in a running Node.js with their data in memory; they count like
-/// Welkin's calls, best of several, after a first one.
+/// judge_filament_ibl is given what is in memory here, with one thread, and times its own calls, best of several. It is
+/// left out where Welkin has more threads. cmgen runs as a process, bound to as many processors as the stopwatch has
+/// threads, and its whole life counts, start, reading and writing included. The others are called in a running Node.js
+/// with their data in memory; they count like Welkin's calls, best of several, after a first one.
 class Peers {
  public:
   /// None at all.
   Peers() = default;
 
-  /// `node_modules`: where @babylonjs/core and three are installed (the folder that holds node_modules); empty: they
-  /// are left out.
-  static Peers find(const std::filesystem::path& node_modules);
+  /// `programs`: welkin-report's folder, or empty. `threads`: of the stopwatch. `node_modules`: where @babylonjs/core
+  /// and three are installed (the folder that holds node_modules); empty: they are left out.
+  static Peers find(const std::filesystem::path& node_modules, const std::filesystem::path& programs, int threads);
 
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
 
@@ -79,11 +84,27 @@ class Peers {
   /// The DFG table of `BrdfModel::multiple_scattering`.
   [[nodiscard]] std::vector<PeerTable> brdf_table(std::span<const int> sizes, const std::filesystem::path& folder,
                                                   const Stopwatch& stopwatch) const;
+  /// Filament's libs/ibl: three bands of a cubemap of floats, chains of it by `RoughnessSchedule::filament`, and the
+  /// DFG table.
+  [[nodiscard]] std::vector<PeerProjection> project_in_process(const CubemapView& cube,
+                                                               const std::filesystem::path& folder,
+                                                               const Stopwatch& stopwatch) const;
+  [[nodiscard]] std::vector<PeerChain> prefilter_in_process(const CubemapView& cube, int mips,
+                                                            std::span<const int> samples,
+                                                            const std::filesystem::path& folder,
+                                                            const Stopwatch& stopwatch) const;
+  [[nodiscard]] std::vector<PeerTable> table_in_process(std::span<const int> sizes, const std::filesystem::path& folder,
+                                                        const Stopwatch& stopwatch) const;
 
  private:
-  std::optional<std::string> cmgen_;    ///< "cmgen 1.9.25" or as the package has it
-  std::optional<std::string> node_;     ///< the program
-  std::optional<std::string> browser_;  ///< Chromium's program
+  /// What judge_filament_ibl prints; nothing where it is missing or fails.
+  [[nodiscard]] std::vector<double> ask_filament(std::vector<std::string> words,
+                                                 const std::filesystem::path& folder) const;
+
+  std::optional<std::string> filament_;  ///< the program
+  std::optional<std::string> cmgen_;     ///< "cmgen 1.9.25" or as the package has it
+  std::optional<std::string> node_;      ///< the program
+  std::optional<std::string> browser_;   ///< Chromium's program
   std::filesystem::path node_modules_;
   std::vector<std::string> notes_;
 };

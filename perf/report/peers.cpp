@@ -71,16 +71,6 @@ Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
   return chain;
 }
 
-/// cmgen's table has the roughest row on top, as OpenGL counts.
-std::vector<float> rows_from_below(const float* rgb, int size) {
-  const std::ptrdiff_t row_values = std::ptrdiff_t{3} * size;
-  std::vector<float> turned;
-  for (int row = size - 1; row >= 0; --row) {
-    turned.insert(turned.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
-  }
-  return turned;
-}
-
 /// The chain that webgl_peers.mjs wrote and said this of.
 PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
   const bool is_three = said.at("engine") == "three";
@@ -107,6 +97,15 @@ PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::vector<float> rows_from_below(const float* rgb, int size) {
+  const std::ptrdiff_t row_values = std::ptrdiff_t{3} * size;
+  std::vector<float> turned;
+  for (int row = size - 1; row >= 0; --row) {
+    turned.insert(turned.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
+  }
+  return turned;
+}
+
 Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
   Cubemap result(chain.level_size(0), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
@@ -125,12 +124,23 @@ Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
   return result;
 }
 
-Peers Peers::find(const std::filesystem::path& node_modules) {
+Peers Peers::find(const std::filesystem::path& node_modules, const std::filesystem::path& programs, int threads) {
   Peers peers;
   if (on_path("cmgen")) {
     peers.cmgen_ = "cmgen";
   } else {
     peers.notes_.emplace_back("Filament's cmgen is not on this machine (Debian: libfilament-tools): left out.");
+  }
+  constexpr const char* kFilament = "judge_filament_ibl";
+  if (threads > 1) {
+    peers.notes_.emplace_back("Filament's libs/ibl is measured with one thread alone: left out.");
+  } else if (!programs.empty() && std::filesystem::exists(programs / kFilament)) {
+    peers.filament_ = (programs / kFilament).string();
+  } else if (on_path(kFilament)) {
+    peers.filament_ = kFilament;
+  } else {
+    peers.notes_.emplace_back(
+        "Filament's libs/ibl is not in a program here (Debian: libfilament-dev; target judge_filament_ibl): left out.");
   }
   if (node_modules.empty()) {
     peers.notes_.emplace_back("Babylon.js and three.js were not requested (--node-modules): left out.");

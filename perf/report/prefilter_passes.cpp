@@ -224,12 +224,17 @@ std::vector<Measurement> chain(const PassContext& context, const std::string& pa
   for (Measurement& one : first_calls(context, pass, file, all)) all.push_back(std::move(one));
   all.push_back(truth.reference(shape, context.stopwatch));
   progress(context, 2, 3);
-  if (pass != kFromFile) return all;
   const std::vector<int> samples = sample_counts(std::min(context.scale.most_samples, 1024));
-  std::vector<PeerChain> peers =
-      context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch);
-  for (PeerChain& peer : context.peers.prefilter_by_webgl(file, shape.size, context.folder))
-    peers.push_back(std::move(peer));
+  std::vector<PeerChain> peers;
+  if (pass == kFromFile) {
+    peers = context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch);
+    for (PeerChain& peer : context.peers.prefilter_by_webgl(file, shape.size, context.folder))
+      peers.push_back(std::move(peer));
+  } else {
+    const Environment cube = read_environment(file);
+    peers = context.peers.prefilter_in_process(cube.cubemap(), static_cast<int>(shape.roughness.size()), samples,
+                                               context.folder, context.stopwatch);
+  }
   for (const PeerChain& peer : peers) {
     const Cubemap& chain = peer.cubemap;
     const ErrorNorms errors =

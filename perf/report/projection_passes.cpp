@@ -54,7 +54,10 @@ std::vector<Measurement> by_target(const PassContext& context) {
   const std::vector<int> targets = targets_below(cube.size());
   std::vector<Measurement> all = projections_by_target(chain, targets, truth, context.stopwatch);
   progress(context, 1, 2);
-  for (const PeerProjection& peer : context.peers.project(cube, {0, 64}, context.folder, context.stopwatch)) {
+  std::vector<PeerProjection> peers = context.peers.project(cube, {0, 64}, context.folder, context.stopwatch);
+  for (PeerProjection& peer : context.peers.project_in_process(cube.view(), context.folder, context.stopwatch))
+    peers.push_back(std::move(peer));
+  for (const PeerProjection& peer : peers) {
     const ErrorNorms errors = harmonic_errors(peer.radiance, truth);
     all.push_back(
         {"", peer.method, target_words(peer.target), errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});

@@ -182,7 +182,9 @@ Report run_report(const ReportOptions& options, const Control& control) {
   const WorkFolder folder;
   const std::filesystem::path file = folder.path() / "environment.hdr";
   write_environment(file, environment.image.view());
-  const Peers peers = options.peers && size.peers ? Peers::find(options.node_modules) : Peers();
+  const Peers peers = options.peers && size.peers
+                          ? Peers::find(options.node_modules, options.program.parent_path(), stopwatch.threads)
+                          : Peers();
 
   Report report{this_machine(stopwatch), size.name, environment.name, {}, {}, peers.notes()};
   double whole = 0.0;

@@ -1,13 +1,15 @@
 #!/bin/sh
 # Asks the real npm packages again and compares with what is recorded of them.
-#   live_test.sh RECORDER_DIR DATA_FILE WORK_DIR
-# RECORDER_DIR holds record.mjs and the package.json with the pinned packages, which are installed into WORK_DIR (once,
+#   live_test.sh RECORDER_DIR DATA_FILE WORK_DIR [PROGRAM ARGUMENTS...]
+# RECORDER_DIR holds PROGRAM (record.mjs) and the package.json with the pinned packages, which are installed into WORK_DIR (once,
 # 10 seconds; minutes where disks and processors are busy). Exit code 77, for ctest to call it skipped, where Node.js
 # or the packages cannot be had.
 set -eu
 here=$1
 data=$2
 work=$3
+shift 3
+[ $# -gt 0 ] || set -- record.mjs
 
 skip() {
   echo "SKIPPED: $1"
@@ -41,4 +43,6 @@ if ! cmp -s "$here/package-lock.json" "$work/package-lock.json" || ! [ -e "$work
   fi
 fi
 
-node "$here/record.mjs" --modules "$work" --check "$data"
+program=$1
+shift
+node "$here/$program" --modules "$work" --check "$data" "$@"

@@ -9,10 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "support/chains.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
+#include "welkin/probes.h"
+#include "welkin/resampling.h"
 
 namespace {
 
@@ -79,6 +82,19 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   write_texture(directory / "float.exr", chain.views(), {TexelFormat::rgba32f});
 }
 
+/// A map with its levels in one image, and the volumes of a grid of probes.
+void write_images(const std::filesystem::path& directory, const Cubemap& chain) {
+  const OctahedralMap map = to_octahedral(chain, {.size = 16, .levels = 3});
+  std::vector<float> values;
+  for (const std::vector<float>& level : map.levels) values.insert(values.end(), level.begin(), level.end());
+  write_floats(directory / "octahedral.f32", values.data(), values.size());
+  write_octahedral(directory / "octahedral_zstd.ktx2", map, {TexelFormat::rgba32f, Supercompression::zstd, {}});
+  write_octahedral(directory / "octahedral_bc6h.ktx2", map, {.format = TexelFormat::bc6h_sfloat});
+  const std::vector<CubemapView> captures(6, chain.view(0));
+  const std::vector<ProbeLayout> layouts{ProbeLayout::three, ProbeLayout::unity_l2, ProbeLayout::unity_l1};
+  write_probes(directory / "probes.json", bake_probes({.counts = {3, 2, 1}}, captures), layouts);
+}
+
 void write_env(const std::filesystem::path& directory, const Cubemap& chain) {
   BabylonEnvironment environment;
   environment.specular = test::changed(chain, [](float value) { return value; });
@@ -95,6 +111,7 @@ int run(const std::filesystem::path& directory) {
   const Cubemap chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
   write_floats(directory / "chain.f32", chain.face(0, 0), chain.bytes() / sizeof(float));
   write_textures(directory, chain);
+  write_images(directory, chain);
   write_env(directory, chain);
   // A level's 6 N x N texels make a lat-long too: 16 x 8 from the first 128 of them.
   const LatLongView lat_long{chain.face(0, 0), 16, 8, 0, PixelFormat::rgb32f};

@@ -3,13 +3,15 @@
 //   node record.mjs --modules DIR --check SAMPLES     DIR holds node_modules (npm ci)
 //
 // Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Filament's Ktx1Bundle; Babylon.js's DDSTools and its .env parser. (three's
-// DDSLoader knows no float formats but BC6H.) What is written here beside them: the unpacking of two 32-bit texels, by the
-// formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
+// DDSLoader knows no float formats but BC6H.) formats.mjs unpacks texels; written here is Babylon.js's
+// fromRGBD, which it has for the GPU alone.
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
+
+import { FORMATS, fromHalf, rgbOf } from "./formats.mjs";
 
 const flags = process.argv.slice(2);
 const flag = (name) => (flags.includes(name) ? flags[flags.indexOf(name) + 1] : undefined);
@@ -25,7 +27,6 @@ const floatsOf = (file) => new Float32Array(bytesOf(file).buffer);
 
 const three = await load("three/build/three.module.js");
 const ktx = await load("ktx-parse/dist/ktx-parse.modern.js");
-const fromHalf = three.DataUtils.fromHalfFloat;
 
 const SIZE = 8;
 const chain = floatsOf("chain.f32");
@@ -52,30 +53,7 @@ function same(found, wanted, relative, what) {
   }
   check(worst <= 0 && !found.some(Number.isNaN), `${what}: ${found.length} values, up to ${worst} more off than allowed`);
 }
-const rgbOf = (rgba, value = (x) => x) => {
-  const rgb = [];
-  for (let i = 0; i < rgba.length; i += 4) rgb.push(value(rgba[i]), value(rgba[i + 1]), value(rgba[i + 2]));
-  return rgb;
-};
-
 // --- KTX2
-const smallFloat = (bits, mantissaBits) => {
-  const exponent = bits >> mantissaBits;
-  const fraction = (bits & ((1 << mantissaBits) - 1)) / (1 << mantissaBits);
-  return exponent === 0 ? fraction * 2 ** -14 : (1 + fraction) * 2 ** (exponent - 15);
-};
-const FORMATS = {
-  rgba16f: { number: 97, tolerance: 0, rgb: (words) => rgbOf(words, fromHalf), array: Uint16Array },
-  rgba32f: { number: 109, tolerance: 0, rgb: (words) => rgbOf(words), array: Float32Array },
-  b10g11r11: {
-    number: 122, tolerance: 2 ** -6, array: Uint32Array,
-    rgb: (words) => [...words].flatMap((w) => [smallFloat(w & 2047, 6), smallFloat((w >>> 11) & 2047, 6), smallFloat(w >>> 22, 5)]),
-  },
-  e5b9g9r9: {
-    number: 123, tolerance: 2 ** -9 * 1.001, array: Uint32Array,
-    rgb: (words) => [...words].flatMap((w) => [w & 511, (w >>> 9) & 511, (w >>> 18) & 511].map((m) => m * 2 ** ((w >>> 27) - 24))),
-  },
-};
 const { KTX2Loader } = await load("three/examples/jsm/loaders/KTX2Loader.js");
 const loader = new KTX2Loader();
 loader.workerConfig = {}; // what detectSupport finds out, for transcoding alone
@@ -89,8 +67,7 @@ for (const [name, format] of Object.entries(FORMATS)) {
     check(container.keyValue.KTXorientation === "rd" && roughness === "0 0.25 1\0", `${file}: key/value data`);
     const descriptor = container.dataFormatDescriptor[0];
     check(descriptor.colorModel === 1 && descriptor.colorPrimaries === 1 && descriptor.transferFunction === 1, `${file}: colours`);
-    const bytes = { rgba16f: 8, rgba32f: 16, b10g11r11: 4, e5b9g9r9: 4 }[name];
-    check(descriptor.bytesPlane[0] === bytes, `${file}: ${descriptor.bytesPlane[0]} bytes per texel`); // packed or not
+    check(descriptor.bytesPlane[0] === format.bytes, `${file}: ${descriptor.bytesPlane[0]} bytes per texel`); // packed or not
     const bits = descriptor.samples.filter((sample) => !(sample.channelType & 0x20)).reduce((sum, sample) => sum + sample.bitLength + 1, 0);
     check(bits === { rgba16f: 64, rgba32f: 128, b10g11r11: 32, e5b9g9r9: 27 }[name], `${file}: ${bits} bits`);
     if (packing === "_zlib") { // three.js has no zlib for it
