@@ -223,7 +223,7 @@ RingWeights::Workspace::Workspace(const RingWeights& weights)
   side.cut(0, weights.texels_, 1.0, false);
 }
 
-RingWeights::RingWeights(int face_size, int rows, const RingWeightKernels& kernels)
+RingWeights::RingWeights(int face_size, int rows, const RingKernels& kernels)
     : texels_((face_size + 1) / 2),
       rows_(rows),
       columns_(2 * rows),

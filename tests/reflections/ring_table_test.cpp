@@ -118,7 +118,7 @@ TEST_CASE("Weights of rings are the same on all instruction sets", "[prefilter][
     CAPTURE(size, rows);
     std::vector<float> first;
     for (const InstructionSet set : available_instruction_sets()) {
-      const reflections::RingWeights weights(size, rows, reflections::ring_weight_kernels(set));
+      const reflections::RingWeights weights(size, rows, reflections::ring_kernels(set));
       std::vector<float> found;
       for (int band = 0; band < weights.bands(); ++band) {
         const int rings = weights.first_ring(band + 1) - weights.first_ring(band);
