@@ -60,7 +60,7 @@ class RingWeights {
   [[nodiscard]] int bands() const noexcept;
   [[nodiscard]] int first_ring(int band) const noexcept;  ///< of band `bands()`: one beyond the last
 
-  /// Writes to `counts`, [ring of the band][column], how many taps each of the texels has.
+  /// Adds to `counts`, [ring of the band][column], how many taps each of the texels has.
   void count(int band, std::uint32_t* counts) const;
 
   /// Writes the band's taps, in an order that depends on the sizes alone. `next`: as `count` has it, where the taps of
@@ -99,7 +99,6 @@ class RingWeights {
   [[nodiscard]] std::uint32_t images_of(const RingWindow& window) const noexcept;
   [[nodiscard]] Clip clip_of(int band) const noexcept;
   [[nodiscard]] Range range_of(int row, const Clip& clip) const;
-  void mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring, int* marks) const;
   void weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const;
   void weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const;
   [[nodiscard]] WeighedTexel texel(int row, int column, const Clip& clip) const noexcept;

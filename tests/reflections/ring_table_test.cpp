@@ -1,7 +1,6 @@
 // A cubemap's light on rings of latitude: the same harmonics, whatever the sizes.
-#include "reflections/ring_table.h"
-
 #include "image/pixels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/ring_kernels.h"
 #include "reflections/ring_weights.h"
 #include "support/catch.h"
