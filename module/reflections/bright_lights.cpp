@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
+#include <utility>
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
@@ -65,7 +66,7 @@ double BrightLights::ggx_error(double alpha, int size, double rms) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
-  const double horizon = kHorizon * square / kPi / integral / (width * width) * norm(cut_);
+  const double horizon = kHorizon * square / kPi / integral / (width * width) * glm::length(cut_);
   // Int k^2 is at most its peak times Int k, and less for a narrow lobe
   const double squares = std::min(integral / (kPi * square), 4.0 / (3.0 * kPi * square * std::max(1e-9, 1.0 - square)));
   const double of_width = std::min(1.0, far_ * most_merged_ * std::sqrt(1.0 - square) / (2.0 * alpha)) * kFar / far_;
@@ -74,7 +75,8 @@ double BrightLights::ggx_error(double alpha, int size, double rms) const {
   const double looser = kFar / far_;
   const double interpolated = size < kSmallMip ? 0.0 : kField * looser * looser * looser * looser;
   const double lost = kLost + std::sqrt(share * share + smooth * smooth + interpolated * interpolated);
-  const double field = norm(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;  // of one light with all of it
+  const double field =
+      glm::length(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;  // of one light with all of it
   const double merged = lost * std::min(field, rms);
   return std::sqrt(horizon * horizon + merged * merged);
 }
@@ -91,7 +93,7 @@ double BrightLights::table_error(const Lobe& lobe, int size, double rms) const {
   const bool fields = size >= kSmallMip;  // no block of a smaller one is as small as `kWidestField`
   const double block = fields ? kOfField * fourth_power(std::min(kFieldOfScale * tighter, kWidestField / scale)) : 0.0;
   const double smooth = lobe.annular() ? 0.0 : smooth_table_error(edge_, lobe.width_alpha(), smooth_points_);
-  const double field = norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
+  const double field = glm::length(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
   // A mip of few texels may see the lights' flanks alone, which err by more of their value than the peaks.
   const bool misses = 0.5 * kPi / size > lobe.scale();
   const double seen = misses ? std::sqrt(field * std::min(field, rms)) : std::min(field, rms);
@@ -112,78 +114,118 @@ double BrightLights::error(const Lobe& lobe, int size, double rms) const {
 
 /// A lobe, and what all blocks need of it.
 struct BrightLights::Blur : LightsLobe {
-  float scale = 1.0F;     ///< of the kernels' sums
-  double farthest = 2.0;  ///< distance of a light, more of which nothing is seen
+  LobeBlock shape{};             ///< all but the texels
+  float scale = 1.0F;            ///< of the kernels' sums
+  double far = kFar;             ///< see `kFar`
+  double width_squared = 0.0;    ///< of GGX: it has its poles at such distances, squared and negative
+  double smooth = 0.0;           ///< of GGX, see `even_enough`
+  bool by_table = false;         ///< whatever the distance, the radii below decide
+  double most_merged = 0.0;      ///< the radius over which the lobe is all but a polynomial
+  double widest = kWidestField;  ///< radius up to which a field over a block is all but a cubic
+  bool annular = false;          ///< a leaf is seen as a parallelogram
+  bool horizon = true;           ///< whether nothing comes from below it
+  double nearest = 0.0;          ///< distance of a light, less and more of which nothing is seen
+  double farthest = 2.0;
   double left_out = 0.0;  ///< see `add`
 };
 
 /// Where all lights together would be dimmer than `least` at a distance, none is looked at that is farther.
 BrightLights::Blur BrightLights::blur_of(const LightsLobe& lights) const {
+  constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
+  const Lobe& lobe = lights.lobe;
+  const double square = lobe.alpha() * lobe.alpha();
   Blur blur{lights};
-  const double square = lights.lobe.alpha() * lights.lobe.alpha();
+  blur.far = far_;
+  blur.smooth = kSmoothOfFar * far_;
+  blur.horizon = lobe.hemisphere();
+  blur.nearest = 2.0 * lobe.nearest();
   if (square == 0.0) {
-    blur.farthest = 2.0 * lights.lobe.farthest();
+    find_table(blur);
     return blur;
   }
-  const double peak = square / kPi / lobe_integral(lights.lobe.alpha());  // times 1 / width^2
+  blur.width_squared = 4.0 * square / std::max(1e-6, 1.0 - square);
+  blur.shape.alpha_squared = static_cast<float>(square);
+  blur.shape.half_slope = static_cast<float>(0.25 * (1.0 - square));
+  blur.shape.far_scale = static_cast<float>(lights.far_end > 0.0 ? 1.0 / (lights.far_end * (1.0 - square)) : 0.0);
+  const double peak = square / kPi / lobe_integral(lobe.alpha());  // times 1 / width^2
   blur.scale = static_cast<float>(peak);
   if (lights.least > 0.0 && square < 1.0) {
-    const double width = std::sqrt(peak * std::max({power_[0], power_[1], power_[2]}) / lights.least);
+    const double width = std::sqrt(peak * std::max({power_.r, power_.g, power_.b}) / lights.least);
     blur.farthest = std::min(2.0, std::sqrt(std::max(0.0, 4.0 * (width - square) / (1.0 - square))));
     if (blur.farthest < 2.0) blur.left_out = lights.least;
   }
   return blur;
 }
 
+/// What decides through a table.
+void BrightLights::find_table(Blur& blur) {
+  constexpr double kSmall = 0.2;  // size of a light, which is 100 times its `least`: see `smooth_points`
+  const Lobe& lobe = blur.lobe;
+  const KernelTable& table = lobe.table();
+  const double scale = kFar / blur.far * table.smooth_scale;
+  blur.by_table = true;
+  blur.widest = std::min(kWidestField, kFieldOfScale * scale);
+  blur.most_merged = kMergedOfScale * scale;
+  blur.annular = lobe.annular();
+  blur.farthest = 2.0 * lobe.farthest();
+  LobeBlock& shape = blur.shape;
+  shape.half_slope = 0.25F;
+  shape.lines = table.lines.data();
+  shape.cells = table.cells();
+  shape.first_cell = static_cast<float>(table.first_cell);
+  shape.cells_of_s = static_cast<float>(table.cells_of_s);
+  shape.nearest = static_cast<float>(4.0 * lobe.nearest() * lobe.nearest());
+  shape.farthest = static_cast<float>(4.0 * lobe.farthest() * lobe.farthest());
+  shape.twice_integrated = table.twice_integrated.data();
+  shape.cosine_cells = table.cosine_cells();
+  shape.cells_of_c = static_cast<float>(table.cells_of_c);
+  shape.small = static_cast<float>(0.01 * kSmall * lobe.scale());
+  shape.annular = blur.annular;
+}
+
 /// Some texels of a face that lie together.
 struct BrightLights::Block {
-  std::array<double, 3> centre{};
+  Block(const FaceArea& area, const Blur& lobe_of_all)
+      : lobe(lobe_of_all),
+        centre(area.direction(0.5 * (area.column + area.end_column), 0.5 * (area.row + area.end_row))) {
+    for (const double column : {area.column + 0.5, area.end_column - 0.5}) {
+      for (const double row : {area.row + 0.5, area.end_row - 0.5})
+        radius = std::max(radius, glm::length(area.direction(column, row) - centre));
+    }
+    radius += 1e-6;
+  }
+
+  const Blur& lobe;
+  glm::dvec3 centre;
   double radius = 0.0;
-  double far = kFar;
-  double width_squared = 0.0;  ///< of the lobe: it has its poles at such distances, squared and negative
-  /// By a table, whatever the distance: the radius over which the lobe is all but a polynomial.
-  double most_merged = 0.0;
-  bool by_table = false;
-  bool annular = false;  ///< a leaf is seen as a parallelogram
-  double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
-  double farthest = 2.0;
-  double smooth = 0.0;  ///< of GGX, see `even_enough`
-  double widest = 0.0;  ///< through a kernel: the radius up to which a field over the block is all but a cubic
-  bool horizon = true;  ///< whether nothing comes from below it
 
   enum class Sight { below, cut, above };
 
-  /// Between the two centres.
-  [[nodiscard]] double distance_to(const Node& node) const noexcept {
-    const double x = centre[0] - node.centre[0];
-    const double y = centre[1] - node.centre[1];
-    const double z = centre[2] - node.centre[2];
-    return std::sqrt(x * x + y * y + z * z);
-  }
+  [[nodiscard]] double distance_to(const Node& node) const noexcept { return glm::length(centre - node.centre); }
 
   /// n.s is at least that of the two centres less both radii.
   [[nodiscard]] Sight sight_of(const Node& node) const noexcept {
-    if (!horizon) return Sight::above;
-    const double between = centre[0] * node.centre[0] + centre[1] * node.centre[1] + centre[2] * node.centre[2];
+    if (!lobe.horizon) return Sight::above;
+    const double between = glm::dot(centre, node.centre);
     const double margin = radius + node.radius;
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
   }
   [[nodiscard]] bool unseen(const Node& node) const noexcept {
-    if (nearest <= 0.0 && farthest >= 2.0) return false;
+    if (lobe.nearest <= 0.0 && lobe.farthest >= 2.0) return false;
     const double distance = distance_to(node);
     const double margin = radius + node.radius;
-    return distance + margin < nearest || distance - margin > farthest;
+    return distance + margin < lobe.nearest || distance - margin > lobe.farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
-    if (by_table) return node.merged <= most_merged && (node.merged > 0.0 || !annular);
+    if (lobe.by_table) return node.merged <= lobe.most_merged && (node.merged > 0.0 || !lobe.annular);
     const double distance = std::max(0.0, distance_to(node) - radius);
-    return distance * distance + width_squared >= far * far * node.merged * node.merged;
+    return distance * distance + lobe.width_squared >= lobe.far * lobe.far * node.merged * node.merged;
   }
   /// Returns whether the node's light, all of it above the horizon, is all but a cubic over the block along each axis.
   [[nodiscard]] bool even_enough(const Node& node) const noexcept {
-    if (by_table || radius > widest) return radius <= widest;
+    if (lobe.by_table || radius > lobe.widest) return radius <= lobe.widest;
     const double distance = std::max(0.0, distance_to(node) - node.radius);
-    return distance * distance + width_squared >= smooth * smooth * radius * radius;
+    return distance * distance + lobe.width_squared >= lobe.smooth * lobe.smooth * radius * radius;
   }
 };
 
@@ -249,69 +291,30 @@ std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& sha
 class BrightLights::Rooms {
  public:
   Rooms(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
-    all_.reserve(workers);
     free_.reserve(workers);
-    while (all_.size() < workers) {
-      all_.push_back(std::make_unique<Room>(leaves));
-      free_.push_back(all_.back().get());
-    }
+    while (free_.size() < workers) free_.push_back(std::make_unique<Room>(leaves));
   }
 
-  [[nodiscard]] Room& take() {
+  [[nodiscard]] std::unique_ptr<Room> take() {
     const std::scoped_lock lock(mutex_);
-    if (free_.empty()) {  // there are more threads than there were
-      all_.push_back(std::make_unique<Room>(leaves_));
-      free_.push_back(all_.back().get());
-    }
-    Room& room = *free_.back();
+    if (free_.empty()) return std::make_unique<Room>(leaves_);  // there are more threads than there were
+    std::unique_ptr<Room> room = std::move(free_.back());
     free_.pop_back();
     return room;
   }
-  void give_back(Room& room) {
+  void give_back(std::unique_ptr<Room> room) {
     const std::scoped_lock lock(mutex_);
-    free_.push_back(&room);
+    free_.push_back(std::move(room));
   }
 
  private:
   std::size_t leaves_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Room>> all_;
-  std::vector<Room*> free_;
+  std::vector<std::unique_ptr<Room>> free_;
 };
 
 void BrightLights::make_rooms() {
   rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
-}
-
-BrightLights::Block BrightLights::block_of(const FaceArea& area, const Blur& lobe) const {
-  constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
-  Block block;
-  const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
-                                                  0.5 * (area.row + area.end_row));
-  block.centre = {middle.x, middle.y, middle.z};
-  for (const double column : {area.column + 0.5, area.end_column - 0.5}) {
-    for (const double row : {area.row + 0.5, area.end_row - 0.5}) {
-      const glm::dvec3 corner = image::face_direction(area.size, area.face, column, row);
-      block.radius = std::max(block.radius, glm::length(corner - middle));
-    }
-  }
-  block.radius += 1e-6;
-  block.far = far_;
-  const double alpha = lobe.lobe.alpha();
-  block.width_squared = 4.0 * alpha * alpha / std::max(1e-6, 1.0 - alpha * alpha);
-  block.by_table = alpha == 0.0;
-  block.smooth = kSmoothOfFar * far_;
-  block.widest = kWidestField;
-  if (block.by_table) {
-    const double scale = kFar / far_ * lobe.lobe.table().smooth_scale;
-    block.widest = std::min(kWidestField, kFieldOfScale * scale);
-    block.most_merged = kMergedOfScale * scale;
-    block.annular = lobe.lobe.annular();
-  }
-  block.horizon = lobe.lobe.hemisphere();
-  block.nearest = 2.0 * lobe.lobe.nearest();
-  block.farthest = lobe.farthest;
-  return block;
 }
 
 /// Takes the stack's nodes to `runs`, and those that parts of the area must look at to `pending`; in the last parts,
@@ -325,8 +328,8 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
     if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
     const bool cut = sight == Block::Sight::cut;
-    const bool has_parts = leaf || ((cut || block.annular) && node.parts.count > 0);
-    const bool as_parts = block.annular && has_parts;
+    const bool has_parts = leaf || ((cut || block.lobe.annular) && node.parts.count > 0);
+    const bool as_parts = block.lobe.annular && has_parts;
     if (!cut && (leaf || as_parts || (node.smooth.count > 0 && block.far_enough(node))) &&
         (step != Step::field || block.even_enough(node))) {
       add_run(as_parts ? node.parts : node.smooth, as_parts ? room.parts : room.runs);
@@ -345,35 +348,14 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
 /// them.
 void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) const {
   const image::Frame& frame = image::face_frame(face);
-  const Lobe& shape = lobe.lobe;
-  const double square = shape.alpha() * shape.alpha();
-  LobeBlock of{{},
-               {},
-               {},
-               room.u.data(),
-               room.v.data(),
-               count,
-               static_cast<float>(square),
-               static_cast<float>(0.25 * (1.0 - square)),
-               static_cast<float>(lobe.far_end > 0.0 ? 1.0 / (lobe.far_end * (1.0 - square)) : 0.0)};
+  LobeBlock of = lobe.shape;
+  of.u = room.u.data();
+  of.v = room.v.data();
+  of.count = count;
   for (int axis = 0; axis < 3; ++axis) {
     of.normal[axis] = static_cast<float>(frame.normal[axis]);
     of.along[axis] = static_cast<float>(frame.u[axis]);
     of.down[axis] = static_cast<float>(frame.v[axis]);
-  }
-  if (shape.alpha() == 0.0) {
-    constexpr double kSmall = 0.2;  // size of a light, which is 100 times its `least`: see `smooth_points`
-    of.lines = shape.table().lines.data();
-    of.cells = shape.table().cells();
-    of.first_cell = static_cast<float>(shape.table().first_cell);
-    of.cells_of_s = static_cast<float>(shape.table().cells_of_s);
-    of.nearest = static_cast<float>(4.0 * shape.nearest() * shape.nearest());
-    of.farthest = static_cast<float>(4.0 * shape.farthest() * shape.farthest());
-    of.twice_integrated = shape.table().twice_integrated.data();
-    of.cosine_cells = shape.table().cosine_cells();
-    of.cells_of_c = static_cast<float>(shape.table().cells_of_c);
-    of.small = static_cast<float>(0.01 * kSmall * shape.scale());
-    of.annular = shape.annular();
   }
   const LobeKernels& kernels = lobe_kernels();
   kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
@@ -436,7 +418,7 @@ void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rg
   const GgxFunction ggx(lobe.lobe.alpha());
   for (int row = area.row; row < area.end_row; ++row) {
     for (int column = area.column; column < area.end_column; ++column) {
-      const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
+      const glm::dvec3 normal = area.direction(column + 0.5, row + 0.5);
       std::array<double, 3> sum{};
       for (const LobeRun& run : room.parts) {
         for (int k = run.first; k < run.first + run.count; ++k) {
@@ -473,7 +455,7 @@ void BrightLights::add_to_leaf(const FaceArea& area, const Blur& lobe, const Blo
   if (cut == end) return;
   for_each_part(area, edge, edge, [&](const FaceArea& part) {
     take_pending(end, cut);
-    choose(block_of(part, lobe), Step::parts, room);
+    choose(Block(part, lobe), Step::parts, room);
     add_to_texels(part, lobe, {}, rgb, room);
   });
   room.pending.resize(end);
@@ -484,7 +466,7 @@ void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightFiel
                                Room& room) const {
   const int edge = area.size < kSmallMip ? kPartEdge : kLeafEdge;
   const bool leaf = area.across() <= edge && area.down() <= edge;
-  const Block block = block_of(area, lobe);
+  const Block block(area, lobe);
   if (leaf && edge <= LightField::kEdge) {
     add_to_leaf(area, lobe, block, field, first, rgb, room);
     return;
@@ -516,14 +498,14 @@ double BrightLights::add(const LightsLobe& lights, int size, const std::array<fl
   const std::size_t workers = jobs::worker_count(placement);
   jobs::run_tiles(static_cast<std::size_t>(6 * across * across), placement, workers, control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
-                    Room& room = rooms_->take();
+                    std::unique_ptr<Room> room = rooms_->take();
                     const int face = static_cast<int>(tile) / (across * across);
                     const int row = static_cast<int>(tile) / across % across * edge;
                     const int column = static_cast<int>(tile) % across * edge;
-                    room.pending.assign(1, 0);
+                    room->pending.assign(1, 0);
                     add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
-                                lobe, {}, 0, faces[static_cast<std::size_t>(face)], room);
-                    rooms_->give_back(room);
+                                lobe, {}, 0, faces[static_cast<std::size_t>(face)], *room);
+                    rooms_->give_back(std::move(room));
                   });
   return lobe.left_out;
 }

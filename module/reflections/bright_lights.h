@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <vector>
 
@@ -27,10 +28,6 @@ struct PictureShape {
     return {source.cubemap(), source.columns(), source.cubemap() ? source.columns() : source.rows()};
   }
 };
-
-[[nodiscard]] inline double norm(const std::array<double, 3>& colour) noexcept {
-  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
-}
 
 /// What blurs lights.
 struct LightsLobe {
@@ -91,7 +88,7 @@ class BrightLights {
   friend class LightTree;
 
   struct Node {
-    std::array<double, 3> centre{};
+    glm::dvec3 centre{0.0};
     double radius = 0.0;  ///< of a sphere around the centre that holds all of its light
     double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
     std::array<int, 2> children{-1, -1};
@@ -122,7 +119,7 @@ class BrightLights {
 
   void make_rooms();
   [[nodiscard]] Blur blur_of(const LightsLobe& lights) const;
-  [[nodiscard]] Block block_of(const FaceArea& area, const Blur& lobe) const;
+  static void find_table(Blur& blur);
   void choose(const Block& block, Step step, Room& room) const;
   void sum_runs(int face, int count, const Blur& lobe, Room& room) const;
   void add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const;
@@ -149,11 +146,11 @@ class BrightLights {
   std::vector<CutLight> cut_lights_;
   std::shared_ptr<const projection::TexelIntegrals> texels_;  ///< null: there are cut lights. Else rectangles of them
   std::vector<Rectangle> rectangles_;
-  std::array<double, 3> power_{};
-  std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
-  double cut_square_ = 0.0;      ///< sizes^3 times squares of colours
-  double squares_ = 0.0;         ///< of texels' light
-  double leaning_ = 0.0;         ///< the same times squares of how much wider a part is at one end than in the middle
+  glm::dvec3 power_{0.0};
+  glm::dvec3 cut_{0.0};      ///< sizes of parts^2 times colours
+  double cut_square_ = 0.0;  ///< sizes^3 times squares of colours
+  double squares_ = 0.0;     ///< of texels' light
+  double leaning_ = 0.0;     ///< the same times squares of how much wider a part is at one end than in the middle
 };
 
 }  // namespace welkin::reflections

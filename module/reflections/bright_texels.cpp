@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -309,11 +310,9 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
 }
 
 double mean_excess(const std::vector<BrightTexel>& texels) noexcept {
-  std::array<double, 3> sum{};
-  for (const BrightTexel& texel : texels) {
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += texel.steradians * static_cast<double>(texel.excess[c]);
-  }
-  return std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (4.0 * kPi);
+  glm::dvec3 sum(0.0);
+  for (const BrightTexel& texel : texels) sum += texel.light();
+  return glm::length(sum) / (4.0 * kPi);
 }
 
 }  // namespace welkin::reflections

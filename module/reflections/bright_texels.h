@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "projection/sanitized_pixels.h"
@@ -16,6 +17,9 @@ struct BrightTexel {
   std::array<float, 3> rest{};    ///< what is left in the picture
   std::array<float, 3> excess{};  ///< radiance that is taken out
   double steradians = 0.0;
+
+  /// Returns radiance times steradians of what is taken out.
+  [[nodiscard]] glm::dvec3 light() const noexcept { return steradians * glm::dvec3(excess[0], excess[1], excess[2]); }
 };
 
 /// Texels that are, or are part of, light so bright that float harmonics, and harmonics that end, would lose what is

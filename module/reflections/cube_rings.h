@@ -1,18 +1,74 @@
-// An environment on rings of latitude, as transforms take it.
+// An environment on rings of latitude, as transforms take it. A cubemap's light comes there by a linear map that
+// depends on sizes alone, and is kept for each.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/halved_faces.h"
+#include "reflections/ring_weights.h"
 #include "transform/picture_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::reflections {
+
+struct RingTableKey {
+  int face_size;
+  int rows;  ///< a multiple of four, 16 or more
+
+  friend bool operator==(const RingTableKey&, const RingTableKey&) = default;
+};
+
+/// A lat-long of 2 rows x rows texels whose harmonics, its texels taken as areas, are those of a cubemap's texels taken
+/// as areas. The light of each point of a texel goes to `kSpread` columns of `kSpread` rings, in such shares that the
+/// moments below `kSpread` - 1 along both are those of the point. So what a function that is smooth over a few rings
+/// makes of the lat-long is what it makes of the cubemap: degree l is right to some 0.02 (l pi / rows)^4, and so a lobe
+/// needs no more rings than it is wide, however many texels the cube has. Values of single texels of the lat-long mean
+/// nothing; they may be below 0.
+///
+/// Sixteen mirror images and quarter turns have the same weights, so a sixteenth's are kept. Weights of faces so large
+/// that their table would take more than `kLargestTable` bytes are made again by each `fill`.
+class RingTable {
+ public:
+  static constexpr std::size_t kLargestTable = std::size_t{112} << 20U;
+
+  /// From a bounded cache. Throws `Error` (cancelled) while it makes one.
+  static std::shared_ptr<const RingTable> get(const RingTableKey& key, const Control& control = {});
+
+  /// By all threads. Keeps no weights if they would take more than `largest` bytes. Throws `Error` (cancelled).
+  explicit RingTable(const RingTableKey& key, const Control& control = {}, std::size_t largest = kLargestTable);
+
+  /// Writes 2 rows x rows texels. `faces`: rows of packed RGB, face after face. The same bits on any number of threads.
+  /// Throws `Error` (cancelled).
+  void fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const;
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
+  /// What `fill` takes while it runs.
+  [[nodiscard]] static std::size_t working_bytes(const RingTableKey& key) noexcept;
+  /// A bound on what making the table takes, the table included.
+  [[nodiscard]] static std::size_t making_bytes(const RingTableKey& key);
+
+ private:
+  /// A band's rings: see `RingWeights`.
+  struct Band {
+    std::vector<std::uint32_t> ends;  ///< [ring][columns / 8]: where taps begin; and the last one's end
+    platform::AlignedBuffer<RingTap> taps;
+  };
+
+  [[nodiscard]] Band weigh(int band) const;
+  void gather(const std::vector<const float*>& faces, const RingWeights::TexelRow& row, float* records) const;
+  void sum(const RingRun& run, int ring, float* rgb) const;
+
+  RingTableKey key_;
+  RingWeights weights_;
+  std::vector<Band> bands_;  ///< none: `fill` makes them again
+};
 
 /// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
 struct Rings {

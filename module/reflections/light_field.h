@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <glm/vec3.hpp>
+
+#include "image/geometry.h"
 
 namespace welkin::reflections {
 
@@ -22,6 +25,10 @@ struct FaceArea {
 
   [[nodiscard]] constexpr int across() const noexcept { return end_column - column; }
   [[nodiscard]] constexpr int down() const noexcept { return end_row - row; }
+  /// Returns the unit direction of a point of the face, in texels.
+  [[nodiscard]] glm::dvec3 direction(double texel_column, double texel_row) const noexcept {
+    return image::face_direction(size, face, texel_column, texel_row);
+  }
 };
 
 /// Cubics in u times cubics in v, by their values at 4 x 4 products of Chebyshev's points.

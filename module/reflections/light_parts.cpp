@@ -39,10 +39,7 @@ constexpr double kPi = std::numbers::pi;
 void share_light(const BrightTexel& texel, std::size_t first, Samples& samples) {
   double whole = 0.0;
   for (std::size_t k = first; k < samples.size(); ++k) whole += samples[k].light[0];
-  for (std::size_t k = first; k < samples.size(); ++k) {
-    for (std::size_t c = 0; c < 3; ++c)
-      samples[k].light[c] *= texel.steradians * static_cast<double>(texel.excess[c]) / whole;
-  }
+  for (std::size_t k = first; k < samples.size(); ++k) samples[k].light *= texel.light() / whole;
 }
 
 Sample sample_at(Directions& directions, const BrightTexel& texel, double across, double down, double weight) {
@@ -51,7 +48,7 @@ Sample sample_at(Directions& directions, const BrightTexel& texel, double across
                 texel.column + across,
                 (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
                 {}};
-  sample.light.fill(weight * directions.density_at(sample.column, sample.row));
+  sample.light = glm::dvec3(weight * directions.density_at(sample.column, sample.row));
   return sample;
 }
 
@@ -97,8 +94,8 @@ void add_parts(const BrightTexel& texel, Directions& directions, int count, Ligh
 LobeLight light_of(Directions& directions, const Sample& sample) {
   const glm::dvec3 direction = directions.at(sample.face, sample.column, sample.row);
   const auto single = [](double value) { return static_cast<float>(value); };
-  return {single(direction.x),     single(direction.y),     single(direction.z),
-          single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
+  return {single(direction.x),    single(direction.y),    single(direction.z),
+          single(sample.light.r), single(sample.light.g), single(sample.light.b)};
 }
 
 namespace {

@@ -59,7 +59,7 @@ struct Sample {
   int face = 0;
   double column = 0.0;
   double row = 0.0;
-  std::array<double, 3> light{};
+  glm::dvec3 light{0.0};
 };
 using Samples = std::vector<Sample, platform::WorkingAllocator<Sample>>;
 

@@ -172,7 +172,7 @@ class LightTree {
       if (k == first || places_[k].texel->row != places_[k - 1].texel->row)
         texel = std::max(texel, radius_of(places_[k].direction, box_of(k, k + 1)));
     }
-    node.centre = {centre.x, centre.y, centre.z};
+    node.centre = centre;
     node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
   }
 
@@ -282,12 +282,10 @@ class LightTree {
   void count_cut(const LobeRun& parts, double size) {
     for (int k = parts.first; k < parts.first + parts.count; ++k) {
       const LobeLight& light = lights_.cut_lights_[static_cast<std::size_t>(k)].light;
-      const double own =
-          norm({static_cast<double>(light.red), static_cast<double>(light.green), static_cast<double>(light.blue)});
+      const glm::dvec3 colour(light.red, light.green, light.blue);
+      const double own = glm::length(colour);
       lights_.cut_square_ += own * own * size * size * size;
-      lights_.cut_[0] += static_cast<double>(light.red) * size * size;
-      lights_.cut_[1] += static_cast<double>(light.green) * size * size;
-      lights_.cut_[2] += static_cast<double>(light.blue) * size * size;
+      lights_.cut_ += colour * size * size;
     }
   }
 
@@ -345,11 +343,7 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
-    double squares = 0.0;
-    for (const float excess : texel.excess) {
-      const double light = texel.steradians * static_cast<double>(excess);
-      squares += light * light;
-    }
+    const double squares = glm::dot(texel.light(), texel.light());
     lights_.squares_ += squares;
     if (use_ == LightsOf::any && !shape_.cubemap) {
       const double above = directions_.density_at(0.0, texel.row + 0.5 - 0.3 / parts_);
@@ -358,7 +352,7 @@ class LightTree {
       lights_.leaning_ += squares * lean * lean;
     }
     if (parts_ == 0) {
-      for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
+      lights_.power_ += texel.light();
       return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
     const auto first = static_cast<int>(lights_.cut_lights_.size());
@@ -366,7 +360,7 @@ class LightTree {
     add_parts(texel, directions_, parts_, use_, cut_);
     for (const Sample& sample : cut_) {
       lights_.cut_lights_.push_back(cut_light_of(directions_, sample, parts_, use_));
-      for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += sample.light[c];
+      lights_.power_ += sample.light;
     }
     return {first, static_cast<int>(cut_.size())};
   }
@@ -382,7 +376,7 @@ class LightTree {
     }
     const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMostTurns * shape_.columns;
     if (box.end.face - box.first.face > 1 || many_turns) return;
-    const double radius = std::max(node.radius, radius_of({node.centre[0], node.centre[1], node.centre[2]}, box));
+    const double radius = std::max(node.radius, radius_of(node.centre, box));
     if (radius > kWidest) return;
     node.merged = radius;
     lights_.most_merged_ = std::max(lights_.most_merged_, radius);
@@ -405,7 +399,7 @@ class LightTree {
         for (std::size_t j = 0; j < kOrder; ++j) {
           for (std::size_t i = 0; i < kOrder; ++i) {
             Sample& to = samples_[static_cast<std::size_t>(first) + j * kOrder + i];
-            for (std::size_t c = 0; c < 3; ++c) to.light[c] += across[i] * down[j] * from.light[c];
+            to.light += across[i] * down[j] * from.light;
           }
         }
       }

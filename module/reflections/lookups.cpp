@@ -180,7 +180,7 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
     std::vector<double> energies(static_cast<std::size_t>(bands));
     for (const BrightTexel& one : lights) {
       const glm::dvec3 direction = direction_of(one, shape);
-      const glm::dvec3 light = one.steradians * glm::dvec3(one.excess[0], one.excess[1], one.excess[2]);
+      const glm::dvec3 light = one.light();
       for (const BrightTexel* other = lights.data(); other <= &one; ++other) {
         const double both = (other == &one ? 1.0 : 2.0) * other->steradians;
         add_pair(both * glm::dot(light, glm::dvec3(other->excess[0], other->excess[1], other->excess[2])),

@@ -35,7 +35,6 @@
 #include "reflections/near_sums.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
-#include "reflections/ring_table.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
 

@@ -1,15 +1,16 @@
-#include "reflections/ring_shares.h"
-
+// How a point's light goes to the rings and columns about it.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <numbers>
-#include <utility>
 
 #include "image/geometry.h"
 #include "math/elementary.h"
-#include "reflections/ring_weight_kernels.h"
+#include "math/quadrature.h"
+#include "reflections/ring_weights.h"
 
 namespace welkin::reflections {
 namespace {
@@ -17,84 +18,31 @@ namespace {
 constexpr int kMiddle = kSpread / 2;
 constexpr std::size_t kCells = kSpread - 1;  ///< that take a point's light, of two groups of neighbours
 
-using Shares = std::array<double, kCells>;
 using Polynomial = std::array<double, kSharePowers>;  ///< the lowest power first
 
-/// [cell][power of the place]: the inverse of moments[j][k], the mean of x^j over cell k.
-using Spreading = std::array<Shares, kCells>;
+/// [cell][power of the place]: the inverse of the means of powers over the cells about an edge.
+using Spreading = glm::dmat4;
+static_assert(kCells == 4);
 
-/// By Gauss and Jordan.
-Spreading spreading_of(std::array<Shares, kCells> moments) {
-  Spreading inverse{};
-  for (std::size_t k = 0; k < kCells; ++k) inverse[k][k] = 1.0;
-  for (std::size_t pivot = 0; pivot < kCells; ++pivot) {
-    std::size_t best = pivot;
-    for (std::size_t row = pivot + 1; row < kCells; ++row) {
-      if (std::abs(moments[row][pivot]) > std::abs(moments[best][pivot])) best = row;
+/// `density(x)`: light at a place, counted in cells from the edge. Beyond a pole it is below 0, and so is a cell's sum.
+template <class Density>
+Spreading spreading_by(const Density& density) {
+  const math::GaussRule rule = math::gauss_legendre(6);
+  glm::dmat4 means(0.0);  // [power][cell]
+  for (int k = 0; k < 4; ++k) {
+    for (int i = 0; i < rule.order; ++i) {
+      const double x = k + 0.5 - kMiddle + 0.5 * rule.nodes[i];
+      double power = rule.weights[i] * density(x);
+      for (int j = 0; j < 4; ++j, power *= x) means[j][k] += power;
     }
-    std::swap(moments[pivot], moments[best]);
-    std::swap(inverse[pivot], inverse[best]);
-    const double scale = 1.0 / moments[pivot][pivot];
-    for (std::size_t k = 0; k < kCells; ++k) {
-      moments[pivot][k] *= scale;
-      inverse[pivot][k] *= scale;
-    }
-    for (std::size_t row = 0; row < kCells; ++row) {
-      const double factor = moments[row][pivot];
-      if (row == pivot || factor == 0.0) continue;
-      for (std::size_t k = 0; k < kCells; ++k) {
-        moments[row][k] -= factor * moments[pivot][k];
-        inverse[row][k] -= factor * inverse[pivot][k];
-      }
-    }
+    for (int j = 3; j >= 0; --j) means[j][k] /= means[0][k];
   }
-  return inverse;
+  return glm::inverse(means);
 }
 
-/// Integrals of x^j times cosine and sine of x `step` over the cells about an edge.
-struct Moments {
-  explicit Moments(double step) {
-    constexpr int kTerms = 12;
-    for (std::size_t k = 0; k < kCells; ++k) {
-      const double above = static_cast<double>(k) + 1.0 - kMiddle;
-      const double below = above - 1.0;
-      for (std::size_t j = 0; j < kCells; ++j) {
-        double factor = 1.0;  // step^n / n!
-        double high = above;
-        double low = below;
-        for (std::size_t i = 0; i < j; ++i) {
-          high *= above;
-          low *= below;
-        }
-        for (int n = 0; n < kTerms; ++n) {
-          const double term = factor * (high - low) / static_cast<double>(n + static_cast<int>(j) + 1);
-          const double sign = n / 2 % 2 == 0 ? 1.0 : -1.0;
-          (n % 2 == 0 ? cosine : sine)[j][k] += sign * term;
-          high *= above;
-          low *= below;
-          factor *= step / (n + 1);
-        }
-      }
-    }
-  }
-  std::array<Shares, kCells> cosine{};  ///< [power][cell]
-  std::array<Shares, kCells> sine{};
-};
-
-/// Of columns, all alike.
-Spreading spreading_of_columns() { return spreading_of(Moments(0.0).cosine); }
-
 /// Of the rings about the upper edge of ring `row`, which go on beyond the pole.
-Spreading spreading_of_rings(const Moments& moments, int row, int rows) {
-  const math::SineCosine edge = math::sine_cosine_of_turns(row / (2.0 * rows));
-  std::array<Shares, kCells> means{};
-  for (std::size_t k = 0; k < kCells; ++k) {
-    // Beyond a pole the sine is below 0, and so is the divisor.
-    const auto of = [&](std::size_t j) { return edge.sine * moments.cosine[j][k] + edge.cosine * moments.sine[j][k]; };
-    const double area = of(0);
-    for (std::size_t j = 0; j < kCells; ++j) means[j][k] = of(j) / area;
-  }
-  return spreading_of(means);
+Spreading spreading_of_rings(int row, int rows) {
+  return spreading_by([=](double x) { return math::sine_cosine_of_turns((row + x) / (2.0 * rows)).sine; });
 }
 
 Polynomial product(const Polynomial& a, const Polynomial& b) {
@@ -107,9 +55,9 @@ Polynomial product(const Polynomial& a, const Polynomial& b) {
 }
 
 /// p(x + by).
-Polynomial shifted(const Shares& p, double by) {
+Polynomial shifted(const glm::dvec4& p, double by) {
   Polynomial result{};
-  for (std::size_t k = kCells; k-- > 0;) {
+  for (int k = 3; k >= 0; --k) {
     for (std::size_t j = kCells - 1; j > 0; --j) result[j] = result[j] * by + result[j - 1];
     result[0] = result[0] * by + p[k];
   }
@@ -144,8 +92,9 @@ std::array<Polynomial, kSpread> blended(const Spreading& before, const Spreading
   constexpr Polynomial before_share{0.5, -1.875, 0.0, 5.0, 0.0, -6.0};
   std::array<Polynomial, kSpread> shares{};
   for (std::size_t k = 0; k < kCells; ++k) {
-    const Polynomial first = product(before_share, shifted(before[k], 0.5));
-    const Polynomial second = product(after_share, shifted(after[k], -0.5));
+    const auto cell = static_cast<glm::length_t>(k);
+    const Polynomial first = product(before_share, shifted(before[cell], 0.5));
+    const Polynomial second = product(after_share, shifted(after[cell], -0.5));
     for (std::size_t j = 0; j < first.size(); ++j) {
       shares[k][j] += first[j];
       shares[k + 1][j] += second[j];
@@ -174,12 +123,11 @@ double area_of(int ring, int rows) {
 
 std::vector<CellLight> light_of_rings(int rows) {
   const double step = std::numbers::pi / rows;
-  const Moments moments(step);
   std::vector<CellLight> light;
   light.reserve(static_cast<std::size_t>(rows / 2 + 1));
-  Spreading above = spreading_of_rings(moments, 0, rows);
+  Spreading above = spreading_of_rings(0, rows);
   for (int row = 0; row <= rows / 2; ++row) {
-    const Spreading below = spreading_of_rings(moments, row + 1, rows);
+    const Spreading below = spreading_of_rings(row + 1, rows);
     light.push_back(blended(above, below));
     above = below;
     const math::SineCosine middle = math::sine_cosine_of_turns((row + 0.5) / (2.0 * rows));
@@ -235,7 +183,7 @@ RingShares::RingShares(int rows)
     : columns(kCellFloats),
       columns_before(kCellFloats),
       rings_before(kCellFloats * static_cast<std::size_t>(rows / 2 + 1)) {
-  const Spreading across = spreading_of_columns();
+  const Spreading across = spreading_by([](double) { return 1.0; });
   std::array<Polynomial, kSpread> shares = blended(across, across);
   write(shares, columns.data());
   double before = 0.0;

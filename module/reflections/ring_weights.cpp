@@ -223,7 +223,7 @@ RingWeights::Workspace::Workspace(const RingWeights& weights)
   side.cut(0, weights.texels_, 1.0, false);
 }
 
-RingWeights::RingWeights(int face_size, int rows, const RingWeightKernels& kernels)
+RingWeights::RingWeights(int face_size, int rows, const RingKernels& kernels)
     : texels_((face_size + 1) / 2),
       rows_(rows),
       columns_(2 * rows),
@@ -352,41 +352,21 @@ RingWeights::Range RingWeights::range_of(int row, const Clip& clip) const {
   return {first, std::max(first, end)};
 }
 
-/// Marks where runs of columns begin and, by less, where they end.
-void RingWeights::mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring,
-                             int* marks) const {
-  const int width = columns_ / kEighths;
-  const int end = std::min(clip.end, window.first_ring + window.rings);
-  for (int ring = std::max(clip.first, window.first_ring); ring < end; ++ring) {
-    if (image_bits_[record] == 0) {
-      int* const run = marks + std::ptrdiff_t{width + 1} * (ring - first_ring) + window.first_column;
-      ++run[0];
-      --run[window.columns];
-      continue;
-    }
-    for_folded(ring, window.first_column, window.columns, rows_, width, [&](const RingCells& cells, int) {
-      const int first = cells.step > 0 ? cells.column : cells.column - cells.count + 1;
-      int* const run = marks + std::ptrdiff_t{width + 1} * (cells.ring - first_ring) + first;
-      ++run[0];
-      --run[cells.count];
-    });
-  }
-}
-
 void RingWeights::count(int band, std::uint32_t* counts) const {
   const Clip clip = clip_of(band);
   const int width = columns_ / kEighths;
-  const int rings = first_ring(band + 1) - first_ring(band);
-  std::vector<int> marks(static_cast<std::size_t>(rings) * static_cast<std::size_t>(width + 1));
   for (int row = 0; row < 2 * texels_; ++row) {
     const Range range = range_of(row, clip);
-    for (int column = range.first; column < range.end; ++column)
-      mark_texel(window(row, column), record_of(row, column), clip, first_ring(band), marks.data());
-  }
-  const int* mark = marks.data();
-  for (int ring = 0; ring < rings; ++ring, ++mark) {
-    int sum = 0;
-    for (int column = 0; column < width; ++column) *counts++ = static_cast<std::uint32_t>(sum += *mark++);
+    for (int column = range.first; column < range.end; ++column) {
+      const RingWindow here = window(row, column);
+      const int end = std::min(clip.end, here.first_ring + here.rings);
+      for (int ring = std::max(clip.first, here.first_ring); ring < end; ++ring) {
+        for_folded(ring, here.first_column, here.columns, rows_, width, [&](const RingCells& cells, int) {
+          std::uint32_t* count = counts + (cells.ring - first_ring(band)) * width + cells.column;
+          for (int k = 0; k < cells.count; ++k, count += cells.step) ++*count;
+        });
+      }
+    }
   }
 }
 

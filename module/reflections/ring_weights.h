@@ -6,11 +6,27 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "reflections/ring_shares.h"
-#include "reflections/ring_weight_kernels.h"
+#include "reflections/ring_kernels.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
+
+/// Polynomials of the shares that the `kSpread` cells about a point have of its light: along both axes in such shares
+/// that the moments below `kSpread` - 1 are the point's own (about the poles nearly so: uniform light is uniform
+/// there). They pass smoothly from one `kSpread` - 1 neighbours to the next ones. All are [cell][power][lane],
+/// `kSharePowers` and `kShareLanes`, the highest power first, of the place from the cell's middle; lane k stands for
+/// the cell k - `kSpread` / 2 further on.
+struct RingShares {
+  /// `rows`: rings from pole to pole; twice as many columns.
+  explicit RingShares(int rows);
+
+  std::vector<float> columns;         ///< one cell: shares of the columns
+  std::vector<float> columns_before;  ///< one cell: their integrals, in columns, from before all of them to the place
+  /// Cells 0 to rows / 2: shares of the rings over the ring's area, integrated over the sphere from the pole to the
+  /// place. Rings go on beyond the pole.
+  std::vector<float> rings_before;
+  std::vector<float> whole;  ///< of ring k - 2, to rows / 2 + 2: the same integral over all places
+};
 
 /// The texels of a sixteenth of the cube, from -Z's middle towards +x and up to +Y, and the weights with which they and
 /// their images reach the rings' texels of the same sixteenth.
@@ -21,7 +37,7 @@ namespace welkin::reflections {
 /// are made to add up to the columns' exact integrals over the part.
 class RingWeights {
  public:
-  RingWeights(int face_size, int rows, const RingWeightKernels& kernels = ring_weight_kernels());
+  RingWeights(int face_size, int rows, const RingKernels& kernels = ring_kernels());
 
   /// Rows of texels: of -Z from the equator upwards, then of +Y from the middle of the face on.
   struct TexelRow {
@@ -44,7 +60,7 @@ class RingWeights {
   [[nodiscard]] int bands() const noexcept;
   [[nodiscard]] int first_ring(int band) const noexcept;  ///< of band `bands()`: one beyond the last
 
-  /// Writes to `counts`, [ring of the band][column], how many taps each of the texels has.
+  /// Adds to `counts`, [ring of the band][column], how many taps each of the texels has.
   void count(int band, std::uint32_t* counts) const;
 
   /// Writes the band's taps, in an order that depends on the sizes alone. `next`: as `count` has it, where the taps of
@@ -83,7 +99,6 @@ class RingWeights {
   [[nodiscard]] std::uint32_t images_of(const RingWindow& window) const noexcept;
   [[nodiscard]] Clip clip_of(int band) const noexcept;
   [[nodiscard]] Range range_of(int row, const Clip& clip) const;
-  void mark_texel(const RingWindow& window, std::size_t record, const Clip& clip, int first_ring, int* marks) const;
   void weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const;
   void weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const;
   [[nodiscard]] WeighedTexel texel(int row, int column, const Clip& clip) const noexcept;
@@ -94,7 +109,7 @@ class RingWeights {
   int rows_;
   int columns_;
   RingShares shares_;
-  const RingWeightKernels& kernels_;
+  const RingKernels& kernels_;
   std::vector<double> lines_;      ///< between texels, on the face
   std::vector<int> side_columns_;  ///< [line]: that it lies on
   std::vector<int> side_rings_;    ///< of -Z's corners, [row][column]

@@ -1,7 +1,6 @@
 // A cubemap's light on rings of latitude: the same harmonics, whatever the sizes.
-#include "reflections/ring_table.h"
-
 #include "image/pixels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/ring_kernels.h"
 #include "reflections/ring_weights.h"
 #include "support/catch.h"
@@ -118,7 +117,7 @@ TEST_CASE("Weights of rings are the same on all instruction sets", "[prefilter][
     CAPTURE(size, rows);
     std::vector<float> first;
     for (const InstructionSet set : available_instruction_sets()) {
-      const reflections::RingWeights weights(size, rows, reflections::ring_weight_kernels(set));
+      const reflections::RingWeights weights(size, rows, reflections::ring_kernels(set));
       std::vector<float> found;
       for (int band = 0; band < weights.bands(); ++band) {
         const int rings = weights.first_ring(band + 1) - weights.first_ring(band);
