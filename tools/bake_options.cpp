@@ -37,13 +37,14 @@ const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   return words;
 }
 
+}  // namespace
+
 std::string schedule_names() {
   std::vector<std::string> names;
   for (const auto& [word, schedule] : schedule_words()) names.push_back(word);
   return alternatives(names);
 }
 
-/// The name of a schedule, or numbers with commas between them.
 RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   RoughnessChoice choice;
   if (words.size() == 1) {
@@ -67,6 +68,8 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   }
   return choice;
 }
+
+namespace {
 
 std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& options) {
   const std::string engine = convention(options.turn.to).name;

@@ -58,6 +58,12 @@ struct RoughnessChoice {
   std::vector<double> table;  ///< empty: the schedule's
 };
 
+/// The names of schedules, and of engines that use them, as --help lists words.
+[[nodiscard]] std::string schedule_names();
+
+/// The name of a schedule, or numbers with commas between them. Throws `BadValue`.
+[[nodiscard]] RoughnessChoice roughness_choice(const std::vector<std::string>& words);
+
 struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes

@@ -14,6 +14,7 @@ struct BakeCommandOptions;
 [[nodiscard]] Command sh_command();
 [[nodiscard]] Command sky_command();
 [[nodiscard]] Command info_command();
+[[nodiscard]] Command check_command();
 [[nodiscard]] Command convert_command();
 [[nodiscard]] Command testmap_command();
 [[nodiscard]] Command sample_command();

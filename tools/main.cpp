@@ -46,10 +46,11 @@ Command completion_command() {
 }
 
 Program welkin_program() {
-  return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
-          embedded_text("help/welkin.txt"),
-          {bake_command(), batch_command(), sh_command(), sky_command(), info_command(), convert_command(),
-           testmap_command(), sample_command(), importance_command(), report_command(), completion_command()}};
+  return {
+      "Welkin turns environments (photographed skies and rooms, computed skies) into light.",
+      embedded_text("help/welkin.txt"),
+      {bake_command(), batch_command(), sh_command(), sky_command(), info_command(), check_command(), convert_command(),
+       testmap_command(), sample_command(), importance_command(), report_command(), completion_command()}};
 }
 
 /// Reports are measured by a program of their own, which is no part of this one's build.

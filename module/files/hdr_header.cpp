@@ -117,7 +117,9 @@ void read_line(const platform::ByteFile& file, HdrHeader& header, std::string_vi
   if (const auto format = value_of("FORMAT="sv)) {
     read_format(file, header, *format);
   } else if (const auto exposure = value_of("EXPOSURE="sv)) {
-    multiply_divisor(file, header, line, glm::dvec3(read_numbers<1>(file, line, *exposure)[0]));
+    // Filament's cmgen writes EXPOSURE=0 into every file, and means stops.
+    const double factor = read_numbers<1>(file, line, *exposure)[0];
+    if (factor != 0.0) multiply_divisor(file, header, line, glm::dvec3(factor));
   } else if (const auto correction = value_of("COLORCORR="sv)) {
     const auto numbers = read_numbers<3>(file, line, *correction);
     multiply_divisor(file, header, line, {numbers[0], numbers[1], numbers[2]});

@@ -1,0 +1,122 @@
+// A chain of any maker against its source: how its faces lie, its scale, the roughness of each mip, and the errors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "welkin/core.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+#include "welkin/reflections.h"
+
+namespace welkin::tool {
+
+/// What a face of the chain shows: a face of the source's cubemap, mirrored in its columns, in its rows or transposed.
+struct FacePlace {
+  int face = 0;
+  bool columns_mirrored = false;
+  bool rows_mirrored = false;
+  bool transposed = false;  ///< before the two above
+
+  friend bool operator==(const FacePlace&, const FacePlace&) = default;
+};
+
+/// How a chain's texels lie: their faces, and their channels.
+struct ChainPlacement {
+  std::array<FacePlace, 6> faces{};
+  /// Direction d of the chain shows direction matrix * d of the source. Empty if its faces do not fit together.
+  std::optional<glm::dmat3> matrix = glm::dmat3(1.0);
+  std::array<int, 3> channels = {0, 1, 2};  ///< the source's channel in each of the chain's
+
+  [[nodiscard]] bool is_identity() const;
+};
+
+/// A texel of a mip.
+struct TexelPlace {
+  int face = 0;
+  int column = 0;
+  int row = 0;
+};
+
+/// A placement, and the sum of squared differences that it leaves.
+struct PlacementFit {
+  ChainPlacement placement{};
+  double difference = 0.0;
+};
+
+/// The texel of the source's cubemap that texel (column, row) of a face with this place shows.
+[[nodiscard]] TexelPlace shown_by(const FacePlace& place, int size, int column, int row);
+
+/// Errors of a mip. All are relative: `rms` to the truth's root mean square, `bias` to its mean, and `largest` to the
+/// truth at that texel and channel, or to a hundredth of its root mean square where it is darker.
+struct MipErrors {
+  double rms = 0.0;
+  double largest = 0.0;
+  double bias = 0.0;
+  TexelPlace place{};  ///< of the largest
+};
+
+struct MipCheck {
+  int size = 0;
+  double roughness = 0.0;        ///< as stated, else of the best schedule: the truth of `errors` has it
+  std::optional<double> fitted;  ///< the roughness whose truth is nearest, free of scale
+  glm::dvec3 scale{1.0};         ///< means over the truth's
+  MipErrors errors{};
+  double rest = 0.0;  ///< the rms error that roughness and scale do not explain
+  /// Pairs of faces at whose edges the rest is more than three times that a few texels inside: "+X/+Y"
+  std::vector<std::string> seams{};
+  std::optional<double> clipped_at{};  ///< its largest value, if what remains comes from cutting the truth there
+  std::uint64_t odd_values = 0;        ///< NaN and infinities, counted as 0
+};
+
+/// What a chain's mips are convolved with.
+enum class ChainLobe { ggx, lambert };
+
+struct ChainCheck {
+  ChainPlacement placement{};
+  ChainLobe lobe = ChainLobe::ggx;
+  double unit = 1.0;      ///< what a uniform environment of 1 gives: pi for irradiance that is not divided by it
+  glm::dvec3 scale{1.0};  ///< the median of the mips'
+  std::vector<MipCheck> mips{};
+  std::optional<RoughnessSchedule> schedule{};  ///< the one that is nearest to the fitted roughness, if one is near
+  double schedule_distance = 0.0;               ///< the root mean square distance in roughness
+  std::vector<std::string> findings{};          ///< what is wrong, in words
+
+  /// The largest rms error of a mip.
+  [[nodiscard]] double rms() const;
+};
+
+/// All schedules that a chain may follow.
+inline constexpr std::array kRoughnessSchedules = {RoughnessSchedule::linear, RoughnessSchedule::filament,
+                                                   RoughnessSchedule::babylon, RoughnessSchedule::unity,
+                                                   RoughnessSchedule::unreal};
+
+/// A chain, mip by mip: the sizes need not halve.
+using ChainMips = std::vector<Cubemap>;
+
+/// Checks a chain. `stated`: the roughness of each mip, or empty. Truths are Welkin's own, within 1e-4. Throws `Error`.
+[[nodiscard]] ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source,
+                                     const std::vector<double>& stated, const PixelPolicy& pixels,
+                                     const Control& control);
+
+/// Returns the truth of a mip as the chain's maker would have stored it: by its size, lobe and placement, in its unit.
+[[nodiscard]] Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const EnvironmentView& source,
+                               const PixelPolicy& pixels, const Control& control);
+
+/// Finds how `image` shows `truth`, of the same size: by what differs least with radiance compressed, so that a sun
+/// counts as much as a cloud. Of equal ones the simplest: as it is, one of a cube's 48 symmetries, each face for
+/// itself.
+[[nodiscard]] PlacementFit placement_of(const Cubemap& image, const Cubemap& truth);
+
+/// "mirrored in x", "rotated by 90 degrees about y"; for other placements what each axis or face shows.
+[[nodiscard]] std::string words_of(const ChainPlacement& placement);
+
+/// "pi times", "1/2 of" the source's, or nothing if no such factor is near.
+[[nodiscard]] std::string scale_words(double scale);
+
+}  // namespace welkin::tool

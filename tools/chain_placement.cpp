@@ -1,0 +1,293 @@
+// How a chain's faces and channels lie, found by comparing small images.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "image/geometry.h"
+#include "tools/chain_check.h"
+#include "tools/text.h"
+#include "welkin/engines.h"
+#include "welkin/image.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+
+TexelPlace shown_by(const FacePlace& place, int size, int column, int row) {
+  if (place.transposed) std::swap(column, row);
+  return {place.face, place.columns_mirrored ? size - 1 - column : column, place.rows_mirrored ? size - 1 - row : row};
+}
+
+namespace {
+
+constexpr int kPlaces = 8;  // of one face: the symmetries of a square
+constexpr double kNearlyAsGood = 1.2;
+
+FacePlace face_place(int face, int symmetry) {
+  return {face, (symmetry & 1) != 0, (symmetry & 2) != 0, (symmetry & 4) != 0};
+}
+
+int symmetry_of(const FacePlace& place) {
+  return (place.columns_mirrored ? 1 : 0) + (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0);
+}
+
+/// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
+std::array<FacePlace, 6> faces_of(const glm::dmat3& matrix) {
+  constexpr int kSize = 3;  // two texels of it tell all eight symmetries apart
+  std::array<FacePlace, 6> places{};
+  for (int face = 0; face < 6; ++face) {
+    const auto shown = [&](int column, int row) {
+      const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
+      return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
+    };
+    const image::CubeTexel left = shown(0, 1);
+    const image::CubeTexel top = shown(1, 0);
+    for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
+      const FacePlace place = face_place(left.face, symmetry);
+      const TexelPlace a = shown_by(place, kSize, 0, 1);
+      const TexelPlace b = shown_by(place, kSize, 1, 0);
+      if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
+        places[static_cast<std::size_t>(face)] = place;
+      }
+    }
+  }
+  return places;
+}
+
+/// All 48: permutations of the axes with signs, the identity first.
+std::vector<glm::dmat3> cube_symmetries() {
+  std::vector<glm::dmat3> symmetries;
+  std::array<int, 3> axes = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 matrix(0.0);
+      for (int axis = 0; axis < 3; ++axis) {
+        matrix[axis][axes[static_cast<std::size_t>(axis)]] = (signs >> axis & 1) != 0 ? -1.0 : 1.0;
+      }
+      symmetries.push_back(matrix);
+    }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  return symmetries;
+}
+
+/// Channels compressed to x / (x + median): differences of a lamp and of a wall count alike, and a clipped sun does not
+/// change the rest.
+std::vector<glm::dvec3> compressed(const Cubemap& image) {
+  const std::span<const float> values = image.pixels();
+  std::vector<float> sorted(values.begin(), values.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double median = std::max(static_cast<double>(*middle), 1e-30);
+  std::vector<glm::dvec3> texels(values.size() / 3);
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const double x = values[3 * i + static_cast<std::size_t>(channel)];
+      texels[i][channel] = x > 0.0 ? x / (x + median) : 0.0;
+    }
+  }
+  return texels;
+}
+
+/// Squares of differences between each face of the image and each face of the truth in each place.
+class Differences {
+ public:
+  Differences(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size) {
+    for (int face = 0; face < 6; ++face) {
+      for (int shown = 0; shown < 6; ++shown) {
+        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
+          at(face, shown, symmetry) = compare(image, truth, size, face, face_place(shown, symmetry));
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double of(const std::array<FacePlace, 6>& places) const {
+    double sum = 0.0;
+    for (std::size_t face = 0; face < 6; ++face) {
+      sum += squares_[face][static_cast<std::size_t>(places[face].face)]
+                     [static_cast<std::size_t>(symmetry_of(places[face]))];
+    }
+    return sum;
+  }
+
+  /// The best place of each face for itself.
+  [[nodiscard]] std::array<FacePlace, 6> each() const {
+    std::array<FacePlace, 6> places{};
+    for (std::size_t face = 0; face < 6; ++face) {
+      double least = std::numeric_limits<double>::max();
+      for (int shown = 0; shown < 6; ++shown) {
+        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
+          const double squares = squares_[face][static_cast<std::size_t>(shown)][static_cast<std::size_t>(symmetry)];
+          if (squares >= least) continue;
+          least = squares;
+          places[face] = face_place(shown, symmetry);
+        }
+      }
+    }
+    return places;
+  }
+
+ private:
+  [[nodiscard]] double& at(int face, int shown, int symmetry) {
+    return squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(shown)]
+                   [static_cast<std::size_t>(symmetry)];
+  }
+
+  // By the sum of channels, whatever their order.
+  static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
+                        const FacePlace& place) {
+    double sum = 0.0;
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const TexelPlace shown = shown_by(place, size, column, row);
+        const auto index = [&](int of_face, int i, int j) {
+          return static_cast<std::size_t>((of_face * size + j) * size + i);
+        };
+        const glm::dvec3 difference =
+            image[index(face, column, row)] - truth[index(shown.face, shown.column, shown.row)];
+        const double total = difference.x + difference.y + difference.z;
+        sum += total * total;
+      }
+    }
+    return sum;
+  }
+
+  std::array<std::array<std::array<double, kPlaces>, 6>, 6> squares_{};
+};
+
+/// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
+std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size,
+                               const std::array<FacePlace, 6>& faces) {
+  const auto differences = [&](const std::array<int, 3>& channels) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const int column = static_cast<int>(i) % size;
+      const int row = static_cast<int>(i) / size % size;
+      const TexelPlace shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
+      const glm::dvec3& from = truth[static_cast<std::size_t>((shown.face * size + shown.row) * size + shown.column)];
+      for (int channel = 0; channel < 3; ++channel) {
+        const double difference = image[i][channel] - from[channels[static_cast<std::size_t>(channel)]];
+        sum += difference * difference;
+      }
+    }
+    return sum;
+  };
+  const std::array<int, 3> same = {0, 1, 2};
+  std::array<int, 3> best = same;
+  double least = differences(same) / 2.0;
+  std::array<int, 3> order = same;
+  while (std::next_permutation(order.begin(), order.end())) {
+    if (const double sum = differences(order); sum < least) {
+      least = sum;
+      best = order;
+    }
+  }
+  return best;
+}
+
+std::string axis_words(const glm::dvec3& axis) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(axis[i]) > 0.5) return std::string(axis[i] < 0.0 ? "-" : "+") + "xyz"[i];
+  }
+  return "?";
+}
+
+std::string place_words(const FacePlace& place) {
+  std::string text = face_name(place.face);
+  if (place.transposed) text += " transposed";
+  if (place.columns_mirrored && place.rows_mirrored) return text + " rotated by 180 degrees";
+  if (place.columns_mirrored) text += " with columns mirrored";
+  if (place.rows_mirrored) text += " with rows mirrored";
+  return text;
+}
+
+std::string matrix_words(const glm::dmat3& matrix) {
+  const glm::dmat3 identity(1.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dmat3 mirror = identity;
+    mirror[axis][axis] = -1.0;
+    if (matrix == mirror) return std::string("mirrored in ") + "xyz"[axis];
+  }
+  for (const int degrees : {90, 180, 270}) {
+    // Direction d shows `matrix` d, so the surroundings are turned the other way.
+    const glm::dmat3 turn = turn_about_y(-degrees);
+    if (matrix == glm::dmat3(glm::round(turn[0]), glm::round(turn[1]), glm::round(turn[2]))) {
+      return "rotated by " + std::to_string(degrees) + " degrees about y";
+    }
+  }
+  return "+x, +y and +z show the source's " + axis_words(matrix[0]) + ", " + axis_words(matrix[1]) + " and " +
+         axis_words(matrix[2]);
+}
+
+/// " (the faces of Babylon.js)" if an engine stores them so.
+std::string engine_words(const glm::dmat3& matrix) {
+  std::vector<std::string> engines;
+  for (const Convention& each : conventions()) {
+    if (!each.faces_from_engine) continue;
+    if (glm::transpose(*each.faces_from_engine * each.from_welkin) == matrix) engines.emplace_back(each.title);
+  }
+  return engines.empty() ? "" : ", as " + joined(engines, " and ") + " has them";
+}
+
+}  // namespace
+
+bool ChainPlacement::is_identity() const {
+  return matrix && *matrix == glm::dmat3(1.0) && channels == std::array{0, 1, 2};
+}
+
+PlacementFit placement_of(const Cubemap& image, const Cubemap& truth) {
+  const int size = image.size();
+  const std::vector<glm::dvec3> compared = compressed(image);
+  const std::vector<glm::dvec3> source = compressed(truth);
+  const Differences differences(compared, source, size);
+  const std::array<FacePlace, 6> each = differences.each();
+  const double rounding = 1e-6 * static_cast<double>(source.size());
+  const auto is_as_good_as = [&](double squares, double best) { return squares <= kNearlyAsGood * best + rounding; };
+
+  ChainPlacement placement{each, std::nullopt};
+  double least = std::numeric_limits<double>::max();
+  const std::vector<glm::dmat3> symmetries = cube_symmetries();
+  const double as_it_is = differences.of(faces_of(symmetries.front()));
+  for (const glm::dmat3& matrix : symmetries) {
+    const std::array<FacePlace, 6> faces = faces_of(matrix);
+    const double squares = differences.of(faces);
+    if (squares >= least || !is_as_good_as(squares, differences.of(each))) continue;
+    least = squares;
+    placement.faces = faces;
+    placement.matrix = matrix;
+  }
+  if (is_as_good_as(as_it_is, std::min(least, differences.of(each)))) {
+    placement.faces = faces_of(symmetries.front());
+    placement.matrix = symmetries.front();
+  }
+  placement.channels = channels_of(compared, source, size, placement.faces);
+  return {placement, differences.of(placement.faces)};
+}
+
+std::string words_of(const ChainPlacement& placement) {
+  std::vector<std::string> words;
+  if (!placement.matrix) {
+    std::vector<std::string> faces;
+    for (int face = 0; face < 6; ++face) {
+      const FacePlace& place = placement.faces[static_cast<std::size_t>(face)];
+      if (place != FacePlace{face}) faces.push_back(std::string(face_name(face)) + " shows " + place_words(place));
+    }
+    words.push_back("faces do not fit together: " + joined(faces));
+  } else if (*placement.matrix != glm::dmat3(1.0)) {
+    words.push_back(matrix_words(*placement.matrix) + engine_words(*placement.matrix));
+  }
+  if (placement.channels != std::array{0, 1, 2}) {
+    std::string order;
+    for (const int channel : placement.channels) order += "RGB"[channel];
+    words.push_back("channels in the order " + order);
+  }
+  return joined(words, "; ");
+}
+
+}  // namespace welkin::tool
