@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -353,21 +354,38 @@ WrittenFile rgbd_file(WrittenFile file, const Baked& baked) {
   return file;
 }
 
+/// The radiance of a white surface.
+Cubemap over_pi(const Cubemap& irradiance) {
+  Cubemap radiance = irradiance;
+  for (float& value : radiance.pixels()) value *= std::numbers::inv_pi_v<float>;
+  return radiance;
+}
+
 /// environment.env, in Babylon.js's axes.
 void write_env(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = rgbd_chain(baked);
   const SphericalHarmonics& radiance = rgbd_radiance(baked);
-  BabylonEnvironment environment = to_babylon(specular.cubemap, radiance);
+  const Cubemap diffuse = baked.light.irradiance ? over_pi(*baked.light.irradiance) : Cubemap();
+  BabylonEnvironment environment = to_babylon(specular.cubemap, radiance, diffuse);
+  if (diffuse.size() > 0) {
+    // For materials whose diffuse light depends on its direction (Burley, EON).
+    const glm::dmat3& into_babylon = convention(Engine::babylon).from_welkin;
+    if (const auto light = dominant_light(radiance)) environment.dominant_direction = into_babylon * light->direction;
+  }
   const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
   const Json details = {{"size", environment.specular.size()},
                         {"mips", environment.specular.levels()},
                         {"roughness", roughness_json(specular.mips)},
                         {"axes", "babylon"},
                         {"lod_generation_scale", environment.lod_generation_scale},
+                        {"irradiance_size", environment.irradiance.size()},
                         {"polynomial", baked.stored_light ? "as stored in the input" : "from the source's harmonics"}};
-  folder.add(rgbd_file({file, "for Babylon.js: specular cubemap, and diffuse light as a polynomial",
-                        "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details},
-                       baked));
+  folder.add(
+      rgbd_file({file,
+                 diffuse.size() > 0 ? "for Babylon.js: specular cubemap, diffuse light as a cubemap and as a polynomial"
+                                    : "for Babylon.js: specular cubemap, and diffuse light as a polynomial",
+                 "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details},
+                baked));
 }
 
 /// environment.glb, a light of EXT_lights_image_based.

@@ -73,8 +73,9 @@ const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignor
 
 /** Bakes PICTURE into a folder; where its specular chain is, as the page sees it. */
 function bake(picture, folder, of, ...options) {
-  run("bake", join(files, picture), "-o", join(files, folder), "--irradiance", "0", "--no-brdf", "--no-previews",
-      "--background-size", "16", ...(options.includes("--size") ? [] : ["--size", `${SIZE}`]), ...options);
+  // Of the files only an .env has diffuse light beside its chain.
+  run("bake", join(files, picture), "-o", join(files, folder), ...(of.endsWith(".env") ? [] : ["--irradiance", "0"]),
+      "--no-brdf", "--no-previews", "--background-size", "16", ...(options.includes("--size") ? [] : ["--size", `${SIZE}`]), ...options);
   return `/${folder}/${of}`;
 }
 
