@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "image/geometry.h"
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
 #include "reflections/light_field.h"
@@ -24,6 +25,9 @@ struct PictureShape {
   int columns = 1;  ///< of a cubemap: texels along an edge
   int rows = 1;     ///< of a lat-long
 
+  [[nodiscard]] image::TexelGrid grid() const noexcept {
+    return cubemap ? image::TexelGrid::cubemap(columns) : image::TexelGrid::lat_long(columns, rows);
+  }
   [[nodiscard]] static PictureShape of(const projection::SanitizedSource& source) noexcept {
     return {source.cubemap(), source.columns(), source.cubemap() ? source.columns() : source.rows()};
   }

@@ -16,6 +16,7 @@
 #include "math/elementary.h"
 #include "platform/memory.h"
 #include "platform/standard_library.h"
+#include "reflections/bright_lights.h"
 #include "reflections/lobe.h"
 
 namespace welkin::reflections {
@@ -58,8 +59,7 @@ class Search {
  public:
   Search(const projection::SanitizedSource& source, double alpha)
       : source_(source),
-        grid_(source.cubemap() ? image::TexelGrid::cubemap(source.columns())
-                               : image::TexelGrid::lat_long(source.columns(), source.rows())),
+        grid_(PictureShape::of(source).grid()),
         face_rows_(source.cubemap() ? source.columns() : source.rows()) {
     if (source.cubemap()) {
       of_face_ = image::FaceSolidAngles::get(source.columns());

@@ -24,9 +24,8 @@ std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, cons
       }
     }
   }
-  const image::TexelGrid grid = shape.cubemap ? image::TexelGrid::cubemap(cuts * shape.columns)
-                                              : image::TexelGrid::lat_long(cuts * shape.columns, cuts * shape.rows);
-  const std::vector<double> steradians = image::solid_angles_of(grid, places);
+  const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
+  const std::vector<double> steradians = image::solid_angles_of(cut.grid(), places);
   for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
   return parts;
 }

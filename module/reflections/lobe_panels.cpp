@@ -33,15 +33,10 @@ double cosine_of(double s) noexcept { return 1.0 - 2.0 * s * s; }
 
 /// Sum (2 l + 1) / (4 pi) k_l P_l(c).
 double sum_of_degrees(const std::vector<double>& factors, double cosine) noexcept {
-  double before = 0.0;
-  double legendre = 1.0;
   double sum = 0.0;
-  for (std::size_t l = 0; l < factors.size(); ++l) {
-    const auto degree = static_cast<double>(l);
-    sum += (2.0 * degree + 1.0) * factors[l] * legendre;
-    const double next = ((2.0 * degree + 1.0) * cosine * legendre - degree * before) / (degree + 1.0);
-    before = std::exchange(legendre, next);
-  }
+  for_each_legendre(cosine, factors.size(), [&](std::size_t l, double legendre) {
+    sum += (2.0 * static_cast<double>(l) + 1.0) * factors[l] * legendre;
+  });
   return sum / (4.0 * kPi);
 }
 
@@ -111,13 +106,9 @@ void Lobe::follow(const std::function<double(double)>& value) {
     }
     std::fill_n(panel.coefficients, kOrder, 0.0);
     for (int i = 0; i < kOrder; ++i) {
-      double before = 0.0;
-      double legendre = 1.0;
-      for (int j = 0; j < kOrder; ++j) {
-        panel.coefficients[j] += (j + 0.5) * rule.weights[i] * values[i] * legendre;
-        const double next = ((2.0 * j + 1.0) * rule.nodes[i] * legendre - j * before) / (j + 1.0);
-        before = std::exchange(legendre, next);
-      }
+      for_each_legendre(rule.nodes[i], kOrder, [&](std::size_t j, double legendre) {
+        panel.coefficients[j] += (static_cast<double>(j) + 0.5) * rule.weights[i] * values[i] * legendre;
+      });
     }
   };
   // A first look at all of them, for the largest value.

@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
-#include <utility>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -153,23 +152,15 @@ double error_between(const MipPair& mips, const LookupFormula& formula, std::spa
 namespace {
 
 glm::dvec3 direction_of(const BrightTexel& light, const PictureShape& shape) {
-  const double column = light.column + 0.5;
-  return shape.cubemap
-             ? image::face_direction(shape.columns, light.row / shape.columns, column, light.row % shape.columns + 0.5)
-             : image::lat_long_direction(shape.columns, shape.rows, column, light.row + 0.5);
+  return shape.grid().direction(std::int64_t{light.row} * shape.columns + light.column);
 }
 
 /// Adds the energies of two points together for l < bands: by the addition theorem (2 l + 1) / 4 pi times the product
 /// of their light times P_l of the cosine between them.
 void add_pair(double light, double cosine, std::vector<double>& energies) {
-  double last = 0.0;
-  double legendre = 1.0;
-  for (std::size_t l = 0; l < energies.size(); ++l) {
-    const auto twice = static_cast<double>(2 * l + 1);
-    energies[l] += twice / (4.0 * std::numbers::pi) * light * legendre;
-    const double before = std::exchange(last, legendre);
-    legendre = (twice * cosine * last - static_cast<double>(l) * before) / static_cast<double>(l + 1);
-  }
+  for_each_legendre(cosine, energies.size(), [&](std::size_t l, double legendre) {
+    energies[l] += static_cast<double>(2 * l + 1) / (4.0 * std::numbers::pi) * light * legendre;
+  });
 }
 
 /// Returns energies of the lights alone for l < bands. Many are spread over the cells of a lat-long that they lie in.
