@@ -48,6 +48,32 @@ double exponential(double x) noexcept {
   return 2.0 * mantissa * platform::bit_cast<double>(static_cast<std::uint64_t>(n + 1022.0) << 52U);
 }
 
+// Four series side by side, none of which waits for another's sums.
+void exponentials(std::array<double, 4>& values) noexcept {
+  std::array<double, 4> n;
+  std::array<double, 4> r;
+  std::array<double, 4> series;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double x = values[i];
+    if (!(std::abs(x) < 700.0)) {
+      for (double& value : values) value = exponential(value);
+      return;
+    }
+    const double turns = x * std::numbers::log2e + 0.5;
+    const auto whole = static_cast<double>(static_cast<std::int32_t>(turns));
+    n[i] = whole > turns ? whole - 1.0 : whole;
+    r[i] = (x - n[i] * kLnTwoHigh) - n[i] * kLnTwoLow;
+    series[i] = kInverseFactorials[kTerms];
+  }
+  for (std::size_t k = kTerms; k-- > 2;) {
+    for (std::size_t i = 0; i < 4; ++i) series[i] = series[i] * r[i] + kInverseFactorials[k];
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    values[i] = 2.0 * (1.0 + (r[i] + r[i] * r[i] * series[i])) *
+                platform::bit_cast<double>(static_cast<std::uint64_t>(n[i] + 1022.0) << 52U);
+  }
+}
+
 // x = 2^e m with m from sqrt(1/2) to sqrt(2); ln m = 2 artanh z, z = (m - 1) / (m + 1), |z| < 0.1716: twelve terms of
 // its series leave out less than 1e-18.
 double logarithm(double x) noexcept {

@@ -2,6 +2,7 @@
 // to the angle, scalar products.
 #pragma once
 
+#include <array>
 #include <vector>
 
 namespace welkin::math {
@@ -9,6 +10,8 @@ namespace welkin::math {
 /// e^x for any x that is a number; 0 below -745.2, infinity above 709.8. Relative error below 4e-16 where the result is
 /// normal. Uses + - * and the number's own exponent.
 [[nodiscard]] double exponential(double x) noexcept;
+/// Of all four, with the same bits, in less than half of the time.
+void exponentials(std::array<double, 4>& values) noexcept;
 
 /// ln x for finite, normal x > 0. Absolute error below 4e-16 + 2e-16 |ln x|. Uses + - * / and the number's own
 /// exponent.

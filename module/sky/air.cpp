@@ -119,9 +119,23 @@ std::vector<std::vector<DensityLayer>> Air::profiles() const {
   return all;
 }
 
-void Air::densities(double altitude, Amounts& amounts) const noexcept {
+void Air::densities(const std::array<double, 4>& altitudes, std::array<Amounts, 4>& amounts) const noexcept {
   amounts = {};
-  for (std::size_t i = 0; i < matter_.size(); ++i) amounts[i] = density(matter_[i]->density, altitude);
+  for (std::size_t i = 0; i < matter_.size(); ++i) {
+    const std::vector<DensityLayer>& layers = matter_[i]->density;
+    if (layers.size() != 1 || layers.front().exponential_term == 0.0) {
+      for (std::size_t k = 0; k < 4; ++k) amounts[k][i] = density(layers, altitudes[k]);
+      continue;
+    }
+    const DensityLayer& layer = layers.front();
+    std::array<double, 4> falls;
+    for (std::size_t k = 0; k < 4; ++k) falls[k] = layer.exponential_scale_per_m * std::max(altitudes[k], 0.0);
+    math::exponentials(falls);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double rest = layer.linear_term_per_m * std::max(altitudes[k], 0.0) + layer.constant_term;
+      amounts[k][i] = std::clamp(rest + layer.exponential_term * falls[k], 0.0, 1.0);
+    }
+  }
 }
 
 double Air::scattering(std::size_t constituent, std::size_t wavelength) const noexcept {

@@ -30,8 +30,8 @@ class Air {
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
   [[nodiscard]] std::size_t constituents() const noexcept { return matter_.size(); }
 
-  /// Densities from 0 to 1 at an altitude, all entries written.
-  void densities(double altitude, Amounts& amounts) const noexcept;
+  /// Densities from 0 to 1 at four altitudes, all entries written.
+  void densities(const std::array<double, 4>& altitudes, std::array<Amounts, 4>& amounts) const noexcept;
 
   /// Densities of each constituent that matters.
   [[nodiscard]] std::vector<std::vector<DensityLayer>> profiles() const;

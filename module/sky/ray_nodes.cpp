@@ -104,14 +104,17 @@ Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcep
   const Collocation& rule = collocation();
   panels.cut(air, ray, air.length_shells());
   Amounts sums{};
-  Amounts density;
+  std::array<double, kPanelNodes> altitudes;
+  std::array<Amounts, kPanelNodes> density;
   for (std::size_t panel = 1; panel < panels.ends().size(); ++panel) {
     const double from = panels.ends()[panel - 1];
     const double size = panels.ends()[panel] - from;
     for (std::size_t k = 0; k < kPanelNodes; ++k) {
-      const double at = from + size * rule.nodes[k];
-      air.densities(altitude_along(air.bottom_radius(), ray.altitude, ray.zenith_cosine, at), density);
-      for (std::size_t i = 0; i < air.constituents(); ++i) sums[i] += size * rule.weights[k] * density[i];
+      altitudes[k] = altitude_along(air.bottom_radius(), ray.altitude, ray.zenith_cosine, from + size * rule.nodes[k]);
+    }
+    air.densities(altitudes, density);
+    for (std::size_t k = 0; k < kPanelNodes; ++k) {
+      for (std::size_t i = 0; i < air.constituents(); ++i) sums[i] += size * rule.weights[k] * density[k][i];
     }
   }
   return sums;
@@ -135,34 +138,44 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
     return false;
   }
   RayNode* const nodes = nodes_.data() + count_;
-  Amounts whole{};
+  std::array<double, kPanelNodes> altitudes;
+  std::array<Amounts, kPanelNodes> density;
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
     RayNode& node = nodes[k];
     node.distance = from + size * rule.nodes[k];
     node.weight = size * rule.weights[k];
     node.altitude = std::clamp(altitude_along(air.bottom_radius(), ray.altitude, ray.zenith_cosine, node.distance), 0.0,
                                air.thickness());
-    air.densities(node.altitude, node.density);
-    for (std::size_t i = 0; i < air.constituents(); ++i) whole[i] += node.weight * node.density[i];
+    altitudes[k] = node.altitude;
   }
-  std::array<double, 3> after{};
+  air.densities(altitudes, density);
+  Amounts whole{};
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    nodes[k].density = density[k];
+    for (std::size_t i = 0; i < air.constituents(); ++i) whole[i] += nodes[k].weight * density[k][i];
+  }
+  std::array<double, 4> after{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double depth = optical_depth(extinctions[c], whole);
-    after[c] = transmittance_[c] * math::exponential(-depth);
+    after[c] = -depth;
     if (!last_chance && depth > kThickest && transmittance_[c] > kFaintest) return false;
   }
-  for (std::size_t k = 0; k < kPanelNodes; ++k) {
-    for (std::size_t c = 0; c < 3; ++c) {
+  math::exponentials(after);
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<double, kPanelNodes> through;
+    for (std::size_t k = 0; k < kPanelNodes; ++k) {
       double depth = 0.0;
       for (std::size_t i = 0; i < air.constituents(); ++i) {
         double before = 0.0;
-        for (std::size_t j = 0; j < kPanelNodes; ++j) before += rule.before[k][j] * nodes[j].density[i];
+        for (std::size_t j = 0; j < kPanelNodes; ++j) before += rule.before[k][j] * density[j][i];
         depth += extinctions[c][i] * before;
       }
-      nodes[k].transmittance[c] = transmittance_[c] * math::exponential(-std::max(0.0, size * depth));
+      through[k] = -std::max(0.0, size * depth);
     }
+    math::exponentials(through);
+    for (std::size_t k = 0; k < kPanelNodes; ++k) nodes[k].transmittance[c] = transmittance_[c] * through[k];
+    transmittance_[c] *= after[c];
   }
-  transmittance_ = after;
   count_ += kPanelNodes;
   return true;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "jobs/tiles.h"
@@ -16,14 +17,15 @@
 namespace welkin::sky {
 namespace {
 
-using solver::index, solver::kSunBlock, solver::kZeniths;
+using solver::each, solver::fill, solver::index, solver::kSunBlock, solver::kZeniths;
 using std::numbers::pi;
 
 constexpr int kPhaseNodes = 513;
 constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
 constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
-constexpr int kFewestAzimuths = 8;  ///< that orders from the second on are followed along
+constexpr int kFewestAzimuths = 8;  ///< that the second order is followed along; further ones along three quarters
+constexpr int kFewestHeights = 24;  ///< that every other one of which carries further orders
 
 // Of what orders beyond the last one add.
 constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths, ...
@@ -95,6 +97,9 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       scalar_(index(shape.heights) * 3 * index(shape.suns)),
       order_irradiance_(scalar_.size()),
       irradiance_(scalar_.size()) {
+  heights_.resize(index(shape.heights));
+  std::iota(heights_.begin(), heights_.end(), std::size_t{0});
+  followed_ = heights_;
   if (with_aerosol_ && shape.narrow) source_.glow = Glow(spectra_);
   total_.glow = source_.glow;
   set_rules();
@@ -208,8 +213,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   OrderSums sums;
   for (int order = 1; order <= options.orders; ++order) {
     if (order > 1) next_source(part(2 * order - 3));
-    // Half of the azimuths carry them: errors below 2e-3, of the Earth 3e-4.
-    if (order == 2 && !shape_.narrow) set_azimuths(smooth_azimuths());
+    if (order > 1 && !shape_.narrow) follow_less(order);
     march(order == 1, part(2 * order - 2));
     measure();
     add_order({}, {});
@@ -221,7 +225,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     next_source(part(2 * order - 3));
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
-    set_azimuths(smooth_azimuths());
+    follow_less(order);
     march(false, part(2 * order - 2));
     measure();
     sums.add(scattered());
@@ -280,7 +284,7 @@ void SourceSolver::add_order(const std::vector<double>& factors, const std::vect
   for (std::size_t i = 0; i < factors.size(); ++i) {
     rows[(i / suns / 3 * suns + i % suns) * 4 + i / suns % 3] = static_cast<float>(factors[i]);
   }
-  each_height([&](std::size_t height) { add_order_at(height, factors, rows.data() + height * 4 * suns); });
+  each(heights_, [&](std::size_t height) { add_order_at(height, factors, rows.data() + height * 4 * suns); });
 }
 
 void SourceSolver::add_order_at(std::size_t height, const std::vector<double>& factors, const float* row) {
@@ -302,9 +306,16 @@ void SourceSolver::add_order_at(std::size_t height, const std::vector<double>& f
   add(source_.aerosol, total_.aerosol);
 }
 
-// Half of them, but no fewer than carry the bands that twice scattered light has.
-int SourceSolver::smooth_azimuths() const noexcept {
-  return std::max(shape_.azimuths / 2, std::min(shape_.azimuths, kFewestAzimuths));
+// Light that was scattered twice is smooth: half of the azimuths carry it, and every other height what it leaves for
+// the next orders. (Half of those azimuths for the third and on moved Mars by 6e-3 and the deepest twilight by 1e-2.)
+void SourceSolver::follow_less(int order) {
+  const int half = std::max(shape_.azimuths / 2, std::min(shape_.azimuths, kFewestAzimuths));
+  set_azimuths(order == 2 || shape_.narrow ? half : 3 * half / 4);
+  if (shape_.narrow || shape_.height_bend > 0.0 || shape_.heights < kFewestHeights || !skipped_.empty()) return;
+  followed_.clear();
+  for (const std::size_t height : heights_) {
+    (height % 2 == 0 || height + 1 == heights_.size() ? followed_ : skipped_).push_back(height);
+  }
 }
 
 void SourceSolver::march(bool single, const Control& control) {
@@ -313,10 +324,10 @@ void SourceSolver::march(bool single, const Control& control) {
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
   // Rays of about one zenith angle see the same pictures of the source: one after the other they find them in the
   // cache.
-  const std::size_t heights = index(shape_.heights);
+  const std::size_t heights = followed_.size();
   jobs::run_tiles(heights * kZeniths, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
-                    march_ray(single, tile % heights, tile / heights, scratch[worker]);
+                    march_ray(single, followed_[tile % heights], tile / heights, scratch[worker]);
                   });
 }
 
@@ -390,7 +401,11 @@ void SourceSolver::add_scattered(std::size_t height, std::size_t zenith, const R
 
 // Of the last order: irradiance from above, and the mean over all directions.
 void SourceSolver::measure() {
-  each_height([&](std::size_t height) { measure_at(height); });
+  each(followed_, [&](std::size_t height) { measure_at(height); });
+  for (const std::size_t height : skipped_) {
+    fill(height, heights_.size(), scalar_);
+    fill(height, heights_.size(), order_irradiance_);
+  }
 }
 
 void SourceSolver::measure_at(std::size_t height) {
@@ -410,13 +425,6 @@ void SourceSolver::measure_at(std::size_t height) {
       }
     }
   }
-}
-
-// Short work between passes, which the next one waits for.
-template <class Work>
-void SourceSolver::each_height(const Work& work) const {
-  jobs::run_tiles(index(shape_.heights), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
-                  [&](std::size_t tile, std::size_t) { work(tile); });
 }
 
 // Of all heights and suns alike.

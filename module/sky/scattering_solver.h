@@ -72,7 +72,7 @@ class SourceSolver {
                                                    const std::vector<double>& last) const;
   void set_lobe_scale(std::size_t lobe);
   [[nodiscard]] double aerosol_phase(std::size_t lobe, double cosine) const noexcept;
-  [[nodiscard]] int smooth_azimuths() const noexcept;
+  void follow_less(int order);
   void march(bool single, const Control& control);
   void march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker);
   void add_sunlit(std::size_t height, std::size_t zenith, Worker& worker);
@@ -82,8 +82,6 @@ class SourceSolver {
   void measure();
   void measure_at(std::size_t height);
   void add_order_at(std::size_t height, const std::vector<double>& factors, const float* row);
-  template <class Work>
-  void each_height(const Work& work) const;
   void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
   void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
@@ -115,6 +113,10 @@ class SourceSolver {
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]
   std::vector<double> ground_distance_;
+
+  std::vector<std::size_t> heights_;   ///< all of them
+  std::vector<std::size_t> followed_;  ///< those at which the order in hand is computed
+  std::vector<std::size_t> skipped_;   ///< ... and those that have it by interpolation
 
   SunAxis axis_;                          ///< of the source
   std::vector<ScatteringPanel> panels_;   ///< of rays that have few enough: [heights][zeniths][kKeptPanels]

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
+#include "jobs/tiles.h"
 #include "sky/ray_light.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
@@ -21,6 +23,31 @@ inline constexpr std::size_t kZeniths = DirectionRule::kZeniths;
 inline constexpr double kOffAxis = 0.5 / 360.0;
 
 inline std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Short work between passes, which the next one waits for.
+template <class Work>
+void each(const std::vector<std::size_t>& heights, const Work& work) {
+  jobs::run_tiles(heights.size(), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
+                  [&](std::size_t tile, std::size_t) { work(heights[tile]); });
+}
+
+/// What a height has by the cubic through the four nearest even ones; `rows` of all heights, not below 0 but for terms
+/// of molecules.
+template <class Value>
+void fill(std::size_t height, std::size_t heights, std::vector<Value>& rows, bool with_sign = false) {
+  const std::size_t size = rows.size() / heights;
+  const Cubic cubic = cubic_at(0.5 * static_cast<double>(height), static_cast<int>((heights + 1) / 2));
+  const Value* const from = rows.data() + 2 * index(cubic.first) * size;
+  Value weights[4];
+  for (std::size_t k = 0; k < 4; ++k) weights[k] = static_cast<Value>(cubic.weights[k]);
+  const Value least = with_sign ? std::numeric_limits<Value>::lowest() : Value{0};
+  Value* const to = rows.data() + height * size;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Value sum = weights[0] * from[i] + weights[1] * from[2 * size + i] + weights[2] * from[4 * size + i] +
+                      weights[3] * from[6 * size + i];
+    to[i] = sum > least ? sum : least;
+  }
+}
 
 }  // namespace solver
 

@@ -65,11 +65,16 @@ void SourceSolver::gather(const Control& control) {
   const std::size_t blocks = index(shape_.suns) / kSunBlock;
   std::vector<Worker> scratch;
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
-  jobs::run_tiles(index(shape_.heights) * blocks, jobs::Placement::arena, workers, control,
+  jobs::run_tiles(followed_.size() * blocks, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
-                    project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
-                    fold(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
+                    project(followed_[tile / blocks], tile % blocks * kSunBlock, scratch[worker]);
+                    fold(followed_[tile / blocks], tile % blocks * kSunBlock, scratch[worker]);
                   });
+  solver::each(skipped_, [&](std::size_t height) {
+    solver::fill(height, heights_.size(), source_.brightness);
+    solver::fill(height, heights_.size(), source_.rayleigh, true);
+    solver::fill(height, heights_.size(), source_.aerosol);
+  });
   source_.set_steps();
 }
 

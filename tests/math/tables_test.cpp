@@ -25,6 +25,15 @@ TEST_CASE("Exponentials agree with long double ones", "[tables][exponential]") {
   CHECK(static_cast<double>(worst) < 4e-16);
 }
 
+TEST_CASE("Four exponentials have the bits of one", "[tables][exponential]") {
+  for (double x = -760.0; x < 720.0; x += 0.37) {
+    const std::array<double, 4> from{x, 0.001 * x, -x, x - 300.0};
+    std::array<double, 4> four = from;
+    math::exponentials(four);
+    for (std::size_t k = 0; k < 4; ++k) CHECK(four[k] == math::exponential(from[k]));
+  }
+}
+
 TEST_CASE("Exponentials meet zero, one and infinity", "[tables][exponential]") {
   CHECK(math::exponential(0.0) == 1.0);
   CHECK(math::exponential(-0.0) == 1.0);
