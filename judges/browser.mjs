@@ -10,7 +10,7 @@ import { join, normalize } from "node:path";
 
 const TYPES = { js: "text/javascript", mjs: "text/javascript", wasm: "application/wasm", json: "application/json", html: "text/html" };
 
-export async function show(page, folders, received = () => {}, seconds = 240) {
+export async function show(page, folders, received = () => {}, seconds = 240, flags = []) {
   const program = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find((name) => existsSync(name));
   if (!program) throw new Error("Chromium is not on this machine (Debian: chromium)");
   const profile = mkdtempSync(join(tmpdir(), "welkin-judge-"));
@@ -38,7 +38,7 @@ export async function show(page, folders, received = () => {}, seconds = 240) {
   });
   await new Promise((done) => server.listen(0, "127.0.0.1", done));
   browser = spawn(program, ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-background-networking", "--enable-unsafe-webgpu", `--user-data-dir=${profile}`,
+    "--ignore-gpu-blocklist", "--disable-background-networking", "--enable-unsafe-webgpu", ...flags, `--user-data-dir=${profile}`,
     "--remote-debugging-port=0", `http://127.0.0.1:${server.address().port}/`], { stdio: "ignore" });
   browser.on("exit", () => finish.failed(new Error("Chromium ended")));
   const clock = setTimeout(() => finish.failed(new Error(`nothing in ${seconds} s`)), 1000 * seconds);
@@ -62,7 +62,7 @@ export const pageOf = (script, head = "") => `<!doctype html><meta charset="utf-
 <script type="module">
 const post = (path, body) => fetch(path, { method: "POST", body });
 const say = (text) => post("/say", String(text));
-addEventListener("error", (event) => post("/trouble", event.message));
+addEventListener("error", (event) => post("/trouble", event.message + " " + (event.error?.stack ?? event.error?.message ?? "")));
 addEventListener("unhandledrejection", (event) => post("/trouble", String(event.reason?.stack ?? event.reason)));
 ${script}
 </script>`;

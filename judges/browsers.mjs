@@ -182,11 +182,22 @@ const engine = await B.createEngine(canvas);
 const scene = B.createSceneContext(engine);
 B.addToScene(scene, await B.loadGltf(engine, "/files/spheres.glb"));
 await B.loadEnvironment(scene, "/files/babylon/environment.env", { skipSkybox: true, skipGround: true, brdfUrl: "/files/brdf.png" });
-B.createDefaultCamera(scene);
+const camera = B.createDefaultCamera(scene);
+camera.fov *= 0.2;
+camera.alpha += Math.PI;
 await B.registerScene(scene);
 await B.startEngine(engine);
 for (let i = 0; i < 10; ++i) await new Promise(requestAnimationFrame);
-await asPng(canvas, "babylon_lite");
+// The canvas is empty once it was shown: it is read within the task that draws it.
+const blob = await new Promise((done) => {
+  const submit = GPUQueue.prototype.submit;
+  GPUQueue.prototype.submit = function (commands) {
+    submit.call(this, commands);
+    GPUQueue.prototype.submit = submit;
+    queueMicrotask(() => canvas.toBlob(done));
+  };
+});
+await post("/babylon_lite.png", blob);
 await post("/end", JSON.stringify({ adapter: adapter.info?.description }));
 `, canvas),
 };
@@ -196,7 +207,9 @@ const folders = { files: resolve(folder), viewer: join(modules, "@khronosgroup/g
 for (const [name, page] of Object.entries(RENDERERS)) {
   if (only.length && !only.includes(name)) continue;
   try {
-    const found = await show(page, folders, (file, bytes) => writeFileSync(join(folder, file.replaceAll("/", "_")), bytes), 420);
+    const found = await show(page, folders, (file, bytes) => writeFileSync(join(folder, file.replaceAll("/", "_")), bytes), 420,
+      // Without Vulkan, a canvas of WebGPU ends the GPU process ("A valid external Instance reference no longer exists").
+      name === "babylon_lite" ? ["--enable-features=Vulkan", "--use-vulkan=swiftshader", "--use-webgpu-adapter=swiftshader"] : []);
     console.log(`${name}: ran; ${JSON.stringify(found)}`);
   } catch (trouble) {
     console.log(`${name}: ${trouble.message.split("\n").slice(0, 3).join(" / ")}`);
