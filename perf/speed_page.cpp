@@ -361,7 +361,7 @@ double clock_of_this_machine() {
 /// Babylon.js and three.js in Node.js on the same texels, next to Welkin.
 std::string peer_section(const PageOptions& options) {
   if (options.node_modules.empty()) return {};
-  const report::Peers peers = report::Peers::find(options.node_modules);
+  const report::Peers peers = report::Peers::find(options.node_modules, {}, 1);
   Table table({"cubemap of noise, three bands", "program", "time", "times Welkin's"});
   for (const int size : {64, 256}) {
     Cubemap cube(size, 1);
