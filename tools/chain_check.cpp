@@ -194,18 +194,22 @@ class RoughnessFit {
     const Cubemap truth = truths_.at(image_.size(), roughness, kFitError, lobe);
     const glm::dvec3 scale = sums_of(image_, truth, placement_).scale();
     const Sums sums = sums_of(image_, truth, placement_, scale);
+    worst_ = std::max(worst_, sums.rms());
     if (sums.squared_difference >= fit_.squares) return false;
     fit_ = {roughness, scale, sums.squared_difference, sums.rms()};
     return true;
   }
 
   [[nodiscard]] const Fit& best() const noexcept { return fit_; }
+  /// Whether roughness made a difference: in even light it makes none.
+  [[nodiscard]] bool is_telling() const noexcept { return worst_ > kExact && worst_ > 1.5 * fit_.rest; }
 
  private:
   const Cubemap& image_;
   const ChainPlacement& placement_;
   const Truths& truths_;
   Fit fit_;
+  double worst_ = 0.0;
 };
 
 /// Counts NaN and infinities, and puts 0 in their place.
@@ -398,13 +402,16 @@ std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, con
 /// The parts of a mip's check that need no roughness: what fits it best.
 void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double least,
              bool is_only_one) {
-  RoughnessFit fit(image, check.placement, truths);
+  // Many truths of a large mip would take minutes.
+  constexpr int kLargestFitted = 256;
+  const Cubemap fitted = image.size() > kLargestFitted ? to_cubemap(image.view(), kLargestFitted) : image;
+  RoughnessFit fit(fitted, check.placement, truths);
   // A mip that is what it says needs no search.
   if (mip.roughness >= 0.0 && fit.consider(mip.roughness) && fit.best().rest < kExact) {
     mip.fitted = mip.roughness;
   } else {
     fit.search(least);
-    mip.fitted = fit.best().roughness;
+    if (fit.is_telling()) mip.fitted = fit.best().roughness;
     if (is_only_one && fit.consider(1.0, ChainLobe::lambert)) {
       check.lobe = ChainLobe::lambert;
       mip.fitted.reset();

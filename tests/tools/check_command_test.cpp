@@ -152,6 +152,22 @@ TEST_CASE("command: check names what is wrong with a chain", "[tools][check]") {
   }
 }
 
+TEST_CASE("command: check finds nothing in even light, at any size", "[tools][check]") {
+  const TemporaryDirectory directory;
+  const auto source = directory.file("grey.pfm");
+  write_pfm(source, 16, 8, grey_picture(16, 8, 0.5F));
+  for (const int size : {1, 2, 3, 7, 64, 257}) {
+    Cubemap chain(size, std::min(full_chain_levels(size), 3));
+    std::ranges::fill(chain.pixels(), 0.5F);
+    write_texture(directory.file("chain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
+    const nlohmann::json report =
+        json_printed_by("check --json " + quoted(directory.file("chain.ktx2")) + " " + quoted(source));
+    CAPTURE(size, report["findings"]);
+    CHECK(report["findings"].empty());
+    CHECK(report["rms"].get<double>() < 2e-4);
+  }
+}
+
 TEST_CASE("command: check names edges that do not fit", "[tools][check]") {
   const Room room;
   Cubemap chain = room.chain();
