@@ -99,7 +99,7 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       irradiance_(scalar_.size()) {
   heights_.resize(index(shape.heights));
   std::iota(heights_.begin(), heights_.end(), std::size_t{0});
-  followed_ = heights_;
+  followed_.assign(heights_.begin(), heights_.end());
   if (with_aerosol_ && shape.narrow) source_.glow = Glow(spectra_);
   total_.glow = source_.glow;
   set_rules();
