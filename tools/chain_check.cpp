@@ -61,7 +61,7 @@ class Truths {
       try {
         return prefilter_specular(source_, options, control_).cubemap;
       } catch (const Error& error) {
-        if (error.code() != ErrorCode::limit_exceeded || options.rms_error > kLoosest) throw;
+        if (error.code() != ErrorCode::limit_exceeded || options.rms_error > 0.5 * kLoosest) throw;
       }
     }
   }

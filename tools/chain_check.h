@@ -16,7 +16,8 @@
 
 namespace welkin::tool {
 
-/// What a face of the chain shows: a face of the source's cubemap, mirrored in its columns, in its rows or transposed.
+/// The place of a face of the chain: a face of the source's cubemap, mirrored in its columns, in its rows or
+/// transposed.
 struct FacePlace {
   int face = 0;
   bool columns_mirrored = false;
@@ -74,7 +75,7 @@ struct MipCheck {
   std::uint64_t odd_values = 0;        ///< NaN and infinities, counted as 0
 };
 
-/// What a chain's mips are convolved with.
+/// Kernels of a chain's mips.
 enum class ChainLobe { ggx, lambert };
 
 struct ChainCheck {

@@ -244,7 +244,7 @@ void draw(const CheckOptions& options, const ChainFile& chain, const ChainCheck&
   picture.save(platform::path_of(options.image));
 }
 
-/// What a check says, and the error that `--error` bounds.
+/// The text of a check, and the error that `--error` bounds.
 struct Verdict {
   std::string text;
   double rms = 0.0;

@@ -117,7 +117,7 @@ std::optional<HarmonicsFile> read_own(const std::filesystem::path& file) {
   }
 }
 
-/// What three bands may stand for, by their factors over radiance.
+/// Meanings of three bands, by their factors over radiance.
 struct Form {
   const char* words;
   std::array<double, kBands> factors;

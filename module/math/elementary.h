@@ -10,7 +10,7 @@ namespace welkin::math {
 /// e^x for any x that is a number; 0 below -745.2, infinity above 709.8. Relative error below 4e-16 where the result is
 /// normal. Uses + - * and the number's own exponent.
 [[nodiscard]] double exponential(double x) noexcept;
-/// Of all four, with the same bits, in less than half of the time.
+/// Replaces each of four values by its exponential: the same bits as one by one, in less than half of the time.
 void exponentials(std::array<double, 4>& values) noexcept;
 
 /// ln x for finite, normal x > 0. Absolute error below 4e-16 + 2e-16 |ln x|. Uses + - * / and the number's own

@@ -157,7 +157,7 @@ BrightLights::Blur BrightLights::blur_of(const LightsLobe& lights) const {
   return blur;
 }
 
-/// What decides through a table.
+/// Sets the limits by which a lobe with a table decides: distances, sizes and fields of lights.
 void BrightLights::find_table(Blur& blur) {
   constexpr double kSmall = 0.2;  // size of a light, which is 100 times its `least`: see `smooth_points`
   const Lobe& lobe = blur.lobe;

@@ -49,7 +49,7 @@ class RingTable {
   void fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// What `fill` takes while it runs.
+  /// Working memory of `fill`.
   [[nodiscard]] static std::size_t working_bytes(const RingTableKey& key) noexcept;
   /// A bound on what making the table takes, the table included.
   [[nodiscard]] static std::size_t making_bytes(const RingTableKey& key);

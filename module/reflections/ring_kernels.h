@@ -91,7 +91,7 @@ struct RingEdges {
   const float* along;          ///< [part][point][lane]: shares of the rings from `rings` - 2 on, from the pole to there
 };
 
-/// What reaches columns of the longitudes of edges' parts.
+/// Shares of columns in the light of parts whose edges' longitudes they reach.
 struct ColumnShares {
   const int* end_columns;     ///< [part][end]
   const float* end_shares;    ///< [part][end][lane]: of the columns from `end_columns` - 2 on, integrated up to there

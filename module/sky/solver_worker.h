@@ -31,8 +31,8 @@ void each(const std::vector<std::size_t>& heights, const Work& work) {
                   [&](std::size_t tile, std::size_t) { work(heights[tile]); });
 }
 
-/// What a height has by the cubic through the four nearest even ones; `rows` of all heights, not below 0 but for terms
-/// of molecules.
+/// Fills the row of a height by the cubic through those of the four nearest even ones. `rows` are of all heights;
+/// values are not below 0 unless `with_sign`.
 template <class Value>
 void fill(std::size_t height, std::size_t heights, std::vector<Value>& rows, bool with_sign = false) {
   const std::size_t size = rows.size() / heights;

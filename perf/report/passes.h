@@ -97,7 +97,7 @@ class Peers {
                                                         const Stopwatch& stopwatch) const;
 
  private:
-  /// What judge_filament_ibl prints; nothing where it is missing or fails.
+  /// Returns the output of judge_filament_ibl; nothing where it is missing or fails.
   [[nodiscard]] std::vector<double> ask_filament(std::vector<std::string> words,
                                                  const std::filesystem::path& folder) const;
 

@@ -49,7 +49,7 @@ class Room {
     return prefilter_specular(view(), options).cubemap;
   }
 
-  /// What is said of a chain in floats.
+  /// The report on a chain in floats.
   [[nodiscard]] nlohmann::json check(const Cubemap& chain, const std::string& options = "--roughness filament") const {
     write_texture(file("chain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
     return check(file("chain.ktx2"), options);
