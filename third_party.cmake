@@ -32,6 +32,7 @@ endif()
 option(WELKIN_EXR "Read and write OpenEXR files" ON)
 option(WELKIN_PNG "Read and write PNG files, and .env files, whose pictures are PNG" ON)
 option(WELKIN_WEBP "Read .env files whose pictures are WebP" ON)
+option(WELKIN_JPEG "Read JPEG files that have a gain map (Ultra HDR, ISO 21496-1)" ON)
 option(WELKIN_ZLIB "Pack and unpack levels of KTX2 textures with zlib" ON)
 option(WELKIN_ZSTD "Pack and unpack levels of KTX2 textures with Zstandard" ON)
 set(welkin_codec_packages)   # that find_package knows
@@ -69,6 +70,9 @@ welkin_codec(WELKIN_ZSTD ZSTD ZSTD::ZSTD libzstd)
 
 # Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
 welkin_codec(WELKIN_WEBP WebP WebP::WebP libwebp)
+
+# Reading JPEG files with a gain map: photographs of phones. (libjpeg62-turbo-dev)
+welkin_codec(WELKIN_JPEG JPEG JPEG::JPEG libjpeg)
 
 # Blocks of ASTC in KTX2 textures. (libastcenc-dev) cmake/FindASTCENC.cmake finds it. Many systems do not package it: unless
 # told otherwise Welkin is built without it where it is not found. It has no pkg-config file: the linker's word stands for

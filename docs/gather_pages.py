@@ -18,7 +18,7 @@ ELSEWHERE = {
     "bindings/python/README.md": "reference/python.md",
     "bindings/wasm/README.md": "reference/npm.md",
 }
-EXAMPLES = ["start", "consumer", "frame_probes", "probes", "upload_chain", "own_executor", "sky_in_c"]
+EXAMPLES = ["start", "consumer", "frame_probes", "probes", "upload_chain", "own_executor", "sky_in_c", "window"]
 LANGUAGES = {".cpp": "cpp", ".h": "cpp", ".c": "c", ".txt": "cmake", ".html": "html"}
 COMMANDS = ["bake", "sh", "sky", "info", "convert", "importance", "batch", "report", "testmap", "sample", "completion"]
 

@@ -125,7 +125,7 @@ double rms_error(const welkin::CubemapView& source, double roughness, int size,
 class Chain {
  public:
   Chain(utils::JobSystem& js, const welkin::Cubemap& cube, int mips)
-      : js_(js), roughness_(welkin::roughness_of_mips(welkin::RoughnessSchedule::filament, mips, cube.size())) {
+      : js_(js), roughness_(welkin::mip_roughness(welkin::RoughnessSchedule::filament, mips, cube.size())) {
     sources_.reserve(16);
     for (int size = cube.size(); size >= 1; size /= 2) sources_.emplace_back(static_cast<std::size_t>(size));
     fill(sources_[0], cube, 0);
@@ -162,7 +162,7 @@ void chains(utils::JobSystem& js, const welkin::Cubemap& cube, const std::vector
   const int size = cube.size();
   const int mips = static_cast<int>(std::log2(size / 16)) + 1;
   std::printf("| chain of %d, %d mips | time, ms | error of each mip, rms percent |\n|---|---|---|\n", size, mips);
-  const std::vector<double> roughness = welkin::roughness_of_mips(welkin::RoughnessSchedule::filament, mips, size);
+  const std::vector<double> roughness = welkin::mip_roughness(welkin::RoughnessSchedule::filament, mips, size);
   Chain theirs(js, cube, mips);
   for (const int count : samples) {
     const double seconds = least_seconds([&] { theirs.filter(count); }, 0.0, 1);

@@ -61,7 +61,7 @@ row("basis, 16 bands", "scipy.special.sph_harm", np.abs(welkin.basis(d, bands=16
 
 f = welkin.SphericalHarmonics(random.normal(size=(144, 3)))
 turn = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
-turned = f.turned(turn)
+turned = f.rotate(turn)
 there = theirs(d @ turn, 12) @ np.asarray(f.coefficients)
 row("rotation, 12 bands", "scipy, basis at rotated directions", np.abs(theirs(d, 12) @ np.asarray(turned.coefficients) - there).max(), 1e-11)
 
@@ -92,8 +92,8 @@ row("product of 4 and 4 bands, all 7", "sympy.physics.wigner.gaunt", np.abs(prod
 lobe = [2 * np.pi * quad(lambda x: eval_legendre(l, x) * x, 0, 1, epsabs=1e-13)[0] for l in range(24)]
 row("cosine lobe, 24 bands", "scipy.integrate.quad", max(abs(welkin.cosine_lobe(l) - lobe[l]) for l in range(24)), 1e-11)
 for name, kernel, value, bound in (
-    ("Lambert's kernel, 24 bands", welkin.ZonalKernel.lambert(), lambda x: max(x, 0), 1e-9),
-    ("Phong, power 32, 24 bands", welkin.ZonalKernel.phong(32), lambda x: max(x, 0) ** 32, 1e-9),
+    ("Lambert's kernel, 24 bands", welkin.ZonalLobe.lambert(), lambda x: max(x, 0), 1e-9),
+    ("Phong, power 32, 24 bands", welkin.ZonalLobe.phong(32), lambda x: max(x, 0) ** 32, 1e-9),
 ):
     mine = np.asarray(kernel.spectrum(24))
     k = [quad(lambda x: eval_legendre(l, x) * value(x), 0, 1, epsabs=1e-14)[0] for l in range(24)]

@@ -38,9 +38,10 @@ Subject faces_of(const Environment& picture, PrefilterOptions options) {
       std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
   return {"of it linear in the faces, from half floats", [=](double bound) mutable {
             options.rms_error = bound;
-            const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, options.size);
+            const reflections::PrefilterPlan plan =
+                reflections::plan_prefilter(options).at_step(0, {true, options.size, options.size});
             const projection::SanitizedSource clean(source->view(), {}, {});
-            const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMostBright, {});
+            const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMaxBright, {});
             const auto coarse = reflections::halved_faces(reflections::rows_without(bright, clean),
                                                           plan.face_for_cubemap(options.size), {});
             const auto rings = reflections::rings_of_cubemap(coarse.rows, plan.rows_for_cubemap(), {});

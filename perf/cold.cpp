@@ -96,11 +96,10 @@ void add_reflections(std::vector<Operation>& operations) {
   }
   for (const int size : {64, 128}) operations.push_back(baked("cube", Kind::cube, size, size));
   operations.push_back(plain("sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) {
-    KernelChainOptions sheen;
+    LobeChainOptions sheen;
     sheen.size = 256;
-    for (const double roughness : charlie_roughness_of_mips(5, 256))
-      sheen.kernels.push_back(ZonalKernel::charlie(roughness));
-    return prefilter_by_kernels(pixels.lat_long.view(), sheen);
+    for (const double roughness : charlie_mip_roughness(5, 256)) sheen.lobes.push_back(ZonalLobe::charlie(roughness));
+    return prefilter_by_lobes(pixels.lat_long.view(), sheen);
   }));
 }
 

@@ -36,7 +36,7 @@ struct WithoutSun {
 
 template <typename Image>
 std::optional<WithoutSun> without_sun(Image image, const ProjectionOptions& options, const SphericalHarmonics& whole) {
-  const std::optional<Sun> sun = take_out_sun(image);
+  const std::optional<Sun> sun = extract_sun(image);
   if (!sun) return std::nullopt;
   const SphericalHarmonics rest = project(image.view(), options).radiance;
   return WithoutSun{*sun, irradiance_errors(image.view(), rest, kNormals),
@@ -110,7 +110,7 @@ void add_windows(Table& table, const Environment& environment, const std::string
   std::copy_n(radiance.coefficients().begin(), few.coefficients().size(), few.coefficients().begin());
   std::vector<std::string> cells{name};
   for (const Window window : kWindows) {
-    const Windowed windowed = apply_window(few, window);
+    const WindowResult windowed = apply_window(few, window);
     cells.push_back(percent(smallest(windowed.minimum_after / (std::numbers::pi * mean))));
     cells.push_back(percent(errors_of(environment, windowed.radiance).back().rms));
     if (window == Window::min_laplacian) cells.push_back(number("%.4f", windowed.parameter));

@@ -8,7 +8,8 @@
 //   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
-//   welkin_perf --page [--processor] [--before=PAGE] [--node-modules=FOLDER] [Google Benchmark options]
+//   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [--node-modules=FOLDER] [Google
+//   Benchmark options]
 //     every figure that Welkin is held to, beside its limit: docs/notes/speed.md
 #include "perf.h"
 
@@ -87,7 +88,11 @@ int main(int argc, char** argv) {
       if (word == "--processor") {
         page_options.processor = true;
       } else if (word.starts_with("--before=")) {
-        page_options.before = value(word, "--before=");
+        page_options.others.emplace_back("before", value(word, "--before="));
+      } else if (word.starts_with("--sse2=")) {  // of WELKIN_ISA=sse2 welkin_perf --page
+        page_options.others.emplace_back("SSE2", value(word, "--sse2="));
+      } else if (word.starts_with("--avx2=")) {
+        page_options.others.emplace_back("AVX2", value(word, "--avx2="));
       } else if (word.starts_with("--node-modules=")) {
         page_options.node_modules = value(word, "--node-modules=");
       } else {

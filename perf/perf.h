@@ -218,7 +218,7 @@ void add_result_cache();
 /// "--altitude=METRES" (0).
 [[nodiscard]] std::string sky_error_tables(const Paths& options);
 
-/// Harmonics/product-1000|turned-1000|evaluate-1000|evaluate-one-by-one-1000|sky-curve-1000/<bands>/1.
+/// Harmonics/product-1000|rotate-1000|evaluate-1000|evaluate-one-by-one-1000|sky-curve-1000/<bands>/1.
 void add_harmonics();
 
 /// SkyTables/LAYOUT/ORDERS/THREADS: precomputing an Earth of the usual sizes (compact: 32 x 64 x 32), all tables.
@@ -233,8 +233,9 @@ void add_sky_views(const std::vector<int>& thread_counts);
 void run_benchmarks();
 
 struct PageOptions {
-  bool processor = false;              ///< processor time, for machines with other programs
-  std::filesystem::path before;        ///< a page of an earlier version, whose times get a column; or none
+  bool processor = false;  ///< processor time, for machines with other programs
+  /// Other pages whose times get columns: their heads ("before", "SSE2") and files.
+  std::vector<std::pair<std::string, std::filesystem::path>> others;
   std::filesystem::path node_modules;  ///< folder that holds node_modules with @babylonjs/core and three; or none
 };
 

@@ -51,7 +51,7 @@ void add_cubemap(const std::string& variant, int size, int threads, const Prefil
 void add_sampled(int size, int threads) {
   const double texels = 6.0 * size * size * 4.0 / 3.0;
   const std::vector<double> roughness =
-      roughness_of_mips(RoughnessSchedule::filament, mips_of_chain(RoughnessSchedule::filament, size), size);
+      mip_roughness(RoughnessSchedule::filament, default_mip_count(RoughnessSchedule::filament, size), size);
   add_benchmark("Prefilter", "sampled", std::to_string(size), threads, texels, 12.0 * texels,
                 [=]() -> std::function<void()> {
                   const LatLongView view = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
@@ -60,10 +60,9 @@ void add_sampled(int size, int threads) {
 }
 
 /// Charlie sheen as glTF's sample renderer has it.
-KernelChainOptions sheen(int size) {
-  KernelChainOptions options{.size = size};
-  for (const double roughness : charlie_roughness_of_mips(5, size))
-    options.kernels.push_back(ZonalKernel::charlie(roughness));
+LobeChainOptions sheen(int size) {
+  LobeChainOptions options{.size = size};
+  for (const double roughness : charlie_mip_roughness(5, size)) options.lobes.push_back(ZonalLobe::charlie(roughness));
   return options;
 }
 
@@ -73,7 +72,7 @@ void add_kernels(int size, int threads) {
     add_benchmark("Prefilter", sun ? "sheen-bright" : "sheen", std::to_string(size), threads, texels, 12.0 * texels,
                   [=]() -> std::function<void()> {
                     return [=, image = with_sun(sun)] {
-                      benchmark::DoNotOptimize(prefilter_by_kernels(image.view(), sheen(size)));
+                      benchmark::DoNotOptimize(prefilter_by_lobes(image.view(), sheen(size)));
                     };
                   });
   }

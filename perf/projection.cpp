@@ -20,6 +20,58 @@ void add(const std::string& variant, PixelFormat format, int size, int threads, 
                 });
 }
 
+/// The sums of nine functions for each channel, as DirectXMath's SHProjectCubeMap adds them up: every texel's
+/// direction, functions at its centre in float, and its solid angle by the midpoint rule. Rebuilt from its method, as
+/// no package has it; only its time is compared.
+void sum_as_directxmath(const CubemapView& view, std::array<float, 27>& sums) {
+  static constexpr float kFrames[6][3][3] = {{{0, 0, -1}, {0, -1, 0}, {1, 0, 0}}, {{0, 0, 1}, {0, -1, 0}, {-1, 0, 0}},
+                                             {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},   {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
+                                             {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}},  {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+  sums.fill(0.0F);
+  float total = 0.0F;
+  for (std::size_t face = 0; face < 6; ++face) {
+    const auto* rgb = static_cast<const float*>(view.faces[face]);
+    for (int row = 0; row < view.size; ++row) {
+      for (int column = 0; column < view.size; ++column, rgb += 3) {
+        const float u = (2.0F * static_cast<float>(column) + 1.0F) / static_cast<float>(view.size) - 1.0F;
+        const float v = (2.0F * static_cast<float>(row) + 1.0F) / static_cast<float>(view.size) - 1.0F;
+        const float squared = 1.0F + u * u + v * v;
+        const float length = std::sqrt(squared);
+        const float weight = 4.0F / (squared * length);
+        float d[3];
+        for (int k = 0; k < 3; ++k) {
+          d[k] = (u * kFrames[face][0][k] + v * kFrames[face][1][k] + kFrames[face][2][k]) / length;
+        }
+        const float basis[9] = {0.282095F,
+                                -0.488603F * d[1],
+                                0.488603F * d[2],
+                                -0.488603F * d[0],
+                                1.092548F * d[0] * d[1],
+                                -1.092548F * d[1] * d[2],
+                                0.315392F * (3.0F * d[2] * d[2] - 1.0F),
+                                -1.092548F * d[0] * d[2],
+                                0.546274F * (d[0] * d[0] - d[1] * d[1])};
+        total += weight;
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (std::size_t f = 0; f < 9; ++f) sums[9 * c + f] += rgb[c] * basis[f] * weight;
+        }
+      }
+    }
+  }
+  for (float& sum : sums) sum *= 4.0F * std::numbers::pi_v<float> / total;
+}
+
+void add_directxmath(int size) {
+  add_benchmark("ProjectCubemap", "directxmath-method", std::to_string(size), 1, texels_of(size),
+                12.0 * texels_of(size), [=]() -> std::function<void()> {
+                  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
+                  return [view, sums = std::array<float, 27>{}]() mutable {
+                    sum_as_directxmath(view, sums);
+                    benchmark::DoNotOptimize(sums);
+                  };
+                });
+}
+
 void add_instruction_set(InstructionSet set, int size) {
   const double bytes = texels_of(size) * 12.0;
   add_benchmark("ProjectCubemap", std::string("rgb32f-") + name(set), std::to_string(size), 1, texels_of(size), bytes,
@@ -76,7 +128,7 @@ void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& 
     }
   }
   for (const PixelFormat format : {PixelFormat::rgb16f, PixelFormat::rgb8, PixelFormat::srgba8}) {
-    for (const int size : {64, 1024}) add(name(format), format, size, 1, {});
+    for (const int size : {64, 256, 1024}) add(name(format), format, size, 1, {});
   }
   for (const int bands : {1, 2, 4, 6, 10}) {
     ProjectionOptions options;
@@ -100,6 +152,7 @@ void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& 
     const std::string variant = quadrature == Quadrature::exact ? "rgb32f-target64" : "rgb32f-target64-midpoint";
     add(variant, PixelFormat::rgb32f, 1024, 1, options);
   }
+  for (const int size : {64, 256}) add_directxmath(size);
   for (const int threads : thread_counts) add_many(10'000, threads);
   for (const InstructionSet set : available_instruction_sets()) {
     for (const int size : {64, 1024}) add_instruction_set(set, size);

@@ -162,8 +162,13 @@ Section projection() {
       read(std::string(format) + '/' + size + "/2", 0.9);
     }
   }
-  for (const char* const variant : {"rgb8", "srgba8"}) counted(variant, 64, {});
-  for (const char* const variant : {"rgb32f-bands4", "rgb32f-bands6", "rgb32f-bands10", "rgb8", "srgba8"}) {
+  for (const char* const variant : {"rgb8", "rgba8srgb"}) counted(variant, 64, {});
+  for (const char* const size : {"64", "256"}) {
+    const std::string rest = std::string("/") + size + "/1";
+    section.figures.push_back(
+        {"ProjectCubemap/directxmath-method" + rest, "ProjectCubemap/rgb32f" + rest, Measure::ratio_to_other});
+  }
+  for (const char* const variant : {"rgb32f-bands4", "rgb32f-bands6", "rgb32f-bands10", "rgb8", "rgba8srgb"}) {
     section.figures.push_back(
         {std::string("ProjectCubemap/") + variant + "/1024/1", "ReadBandwidth/rgb32f/1024/1", Measure::share_of_limit});
   }
@@ -184,7 +189,7 @@ Section harmonics() {
     const std::string rest = std::string("/") + bands + "/1";
     section.figures.push_back(
         {"Harmonics/evaluate-1000" + rest, "Harmonics/evaluate-one-by-one-1000" + rest, Measure::ratio_to_other, 0.5});
-    for (const char* const call : {"product-1000", "turned-1000"}) {
+    for (const char* const call : {"product-1000", "rotate-1000"}) {
       section.figures.push_back({std::string("Harmonics/") + call + rest, "", Measure::seconds});
     }
   }
@@ -272,8 +277,8 @@ struct Verdict {
 /// What all rows are compared by.
 struct Comparison {
   const Collector& results;
-  double clock;                               ///< cycles a second; 0: not known
-  std::map<std::string, std::string> before;  ///< times of another page
+  double clock;                                                                    ///< cycles a second; 0: not known
+  std::vector<std::pair<std::string, std::map<std::string, std::string>>> others;  ///< heads and times of other pages
 };
 
 /// Registers' lanes of floats times operations a cycle, as on Zen.
@@ -319,9 +324,10 @@ void add_row(Table& table, const Figure& figure, const Comparison& by) {
   std::vector<std::string> cells{
       label_of(figure), time_text(seconds),      limit > 0.0 ? time_text(limit) : "",
       said.value,       marked ? said.mark : "", marked ? (said.reached ? "yes" : "no") : ""};
-  if (!by.before.empty()) {
-    const auto before = by.before.find(cells.front());
-    cells.insert(cells.begin() + 2, before == by.before.end() ? "" : before->second);
+  std::ptrdiff_t column = 2;
+  for (const auto& [head, times] : by.others) {
+    const auto time = times.find(cells.front());
+    cells.insert(cells.begin() + column++, time == times.end() ? "" : time->second);
   }
   table.add(cells);
 }
@@ -329,9 +335,8 @@ void add_row(Table& table, const Figure& figure, const Comparison& by) {
 /// Of each row of a page's tables the first cell and the second.
 std::map<std::string, std::string> times_of_page(const std::filesystem::path& file) {
   std::map<std::string, std::string> times;
-  if (file.empty()) return times;
   std::ifstream in(file);
-  if (!in) throw Error(ErrorCode::invalid_argument, "the page before cannot be read: " + file.string());
+  if (!in) throw Error(ErrorCode::invalid_argument, "the other page cannot be read: " + file.string());
   for (std::string line; std::getline(in, line);) {
     const std::size_t first = line.find(" | ");
     const std::size_t second = first == std::string::npos ? first : line.find(" | ", first + 3);
@@ -409,10 +414,11 @@ void run_benchmarks() {
 std::string speed_page(const PageOptions& options) {
   const std::vector<Section> sections = {projection(), streams(), harmonics(), bakes(),
                                          many(),       skies(),   command(),   worker()};
-  std::map<std::string, std::string> before = times_of_page(options.before);  // it must not fail after minutes
   Names results(options.processor);
+  Comparison by{results, 0.0, {}};
+  for (const auto& [head, file] : options.others) by.others.emplace_back(head, times_of_page(file));
   benchmark::RunSpecifiedBenchmarks(&results, filter_for(sections));
-  const Comparison by{results, clock_of_this_machine(), std::move(before)};
+  by.clock = clock_of_this_machine();
   report::Stopwatch stopwatch;
   stopwatch.threads = 2;
   const report::Machine machine = report::this_machine(stopwatch);
@@ -422,7 +428,9 @@ std::string speed_page(const PageOptions& options) {
                      (options.processor ? "processor times (of several threads wall times)" : "wall times") +
                      ", the fastest repetition's.\n";
   std::vector<std::string> heads{"figure", "time", "compared with", "share, ratio or cycles a texel", "target", "met"};
-  if (!by.before.empty()) heads.insert(heads.begin() + 2, "before");
+  for (std::size_t k = 0; k < by.others.size(); ++k) {
+    heads.insert(heads.begin() + 2 + static_cast<std::ptrdiff_t>(k), by.others[k].first);
+  }
   for (const Section& section : sections) {
     page += "\n## " + section.title + "\n\n" + (section.said.empty() ? "" : section.said + "\n\n");
     Table table(heads);

@@ -1,5 +1,6 @@
 # ctest labels: `quick` (less than half a second), `truth` (results against an independent integral, at length), `slow`
-# (anything else that takes longer), `live` (other people's engines and tools). Each test has exactly one.
+# (anything else that takes longer), `live` (other people's engines and tools), `table` (tables of errors, compared with
+# those on record). Each test has exactly one.
 #
 # welkin_label_tests(), called at the end of a folder: its tests that have no label are quick.
 function(welkin_label_tests)

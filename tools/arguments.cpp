@@ -34,8 +34,8 @@ CLI::Validator size_in_bytes() {
 
 /// Whole numbers in full: "1000000", not "1e+06".
 std::string bound_text(double bound) {
-  constexpr double kMostDigits = 1e15;
-  const bool is_short_and_whole = std::abs(bound) < kMostDigits && bound == std::floor(bound);
+  constexpr double kMaxDigits = 1e15;
+  const bool is_short_and_whole = std::abs(bound) < kMaxDigits && bound == std::floor(bound);
   return is_short_and_whole ? std::to_string(static_cast<std::int64_t>(bound)) : significant(bound);
 }
 

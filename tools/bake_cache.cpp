@@ -126,7 +126,7 @@ ContentHash bake_key(const BakeCommandOptions& options) {
   std::vector<ContentHash> files;
   if (options.input) {
     const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
-    understood = std::string(name(info.layout)) + '\n' + info.format_words();
+    understood = std::string(name(info.layout)) + '\n' + info.format_description();
     for (const std::filesystem::path& file : input_files(options, info)) files.push_back(hash_file(file));
   }
   const std::string scene = needs_json(options.scene.needs()).one_line();

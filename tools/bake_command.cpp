@@ -17,6 +17,7 @@
 #include "tools/bake_manifest.h"
 #include "tools/commands.h"
 #include "tools/engine_folders.h"
+#include "tools/preview_page.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -38,7 +39,7 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
     default: break;
   }
   for (const LobeFamily lobe : options.lobes) {
-    if (content_of(lobe) == content) return mips_of_chain(lobe_options(lobe, options, *bake.specular));
+    if (content_of(lobe) == content) return default_mip_count(lobe_options(lobe, options, *bake.specular));
   }
   return 1;
 }
@@ -67,6 +68,7 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
   if (options.previews) names.emplace_back("preview_environment.png");
   if (options.previews && writes_reflections(options)) {
     names.insert(names.end(), {"preview_spheres.png", "preview_mips.png"});
+    if (options.preview_page) names.emplace_back(kPreviewPage);
   }
   return names;
 }
@@ -180,10 +182,10 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
   if (baked.light.specular) words.results += mip_lines(baked.light.specular->mips);
   if (baked.sun_wanted) {
     std::optional<Sun> sun = baked.sun;
-    TurnOptions to_engine;
-    to_engine.to = options.turn.to;
-    if (sun) sun->direction = turn_of_light(to_engine, false) * sun->direction;
-    words.results += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
+    OrientationOptions to_engine;
+    to_engine.to = options.orientation.to;
+    if (sun) sun->direction = light_rotation(to_engine, false) * sun->direction;
+    words.results += '\n' + sun_text(sun, convention(options.orientation.to).from_welkin[1].z > 0.5);
   }
   words.notes = bake_notes(baked, options, folder);
   return words;
@@ -191,7 +193,7 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
 
 /// Returns the line that names the preview to look at first; nothing without previews.
 std::string preview_line(const OutputFolder& folder) {
-  for (const char* const name : {"preview_spheres.png", "preview_environment.png"}) {
+  for (const char* const name : {kPreviewPage, "preview_spheres.png", "preview_environment.png"}) {
     if (std::ranges::find(folder.files(), name, &WrittenFile::name) == folder.files().end()) continue;
     return "\nPreview  " + printable(platform::utf8(folder.place(name))) + '\n';
   }
@@ -201,8 +203,9 @@ std::string preview_line(const OutputFolder& folder) {
 /// `times`: how long it took, and what for.
 std::string bake_table(const BakeWords& words, const std::string& times, const BakeCommandOptions& options,
                        const OutputFolder& folder) {
-  std::string text = words.source + printable(platform::utf8(folder.path())) + ", axes " + axes_text(options.turn) +
-                     '\n' + file_lines(folder) + words.results + times + preview_line(folder);
+  std::string text = words.source + printable(platform::utf8(folder.path())) + ", axes " +
+                     axes_text(options.orientation) + '\n' + file_lines(folder) + words.results + times +
+                     preview_line(folder);
   for (const std::string& note : words.notes) text += "note: " + printable(note) + '\n';
   return text;
 }
@@ -215,7 +218,7 @@ constexpr std::array<std::string_view, 4> kRunningOptions = {"--output", "--json
 /// What can be refused is refused before there is a folder, and before any work.
 void check(const BakeCommandOptions& options) {
   const BakeOptions bake = library_options(options);
-  static_cast<void>(turn_of_faces(options));
+  static_cast<void>(face_rotation(options));
   check_output_folder(platform::path_of(options.directory));
   check_input_is_kept(options, bake);
   check_readme_is_kept(options);
@@ -283,9 +286,9 @@ Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
   Command command{"bake", "Bake the lighting files of a physically based renderer", embedded_text("help/bake.txt")};
   add_bake_options(command.options, *options);
-  command.everyday = {"INPUT",          "--output", "--sky",      "--json",        "--size", "--roughness",
-                      "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",
-                      "--take-out-sun", "--clamp",  "--threads",  "--cache",       "--quiet"};
+  command.everyday = {"INPUT",         "--output", "--sky",      "--json",        "--size", "--roughness",
+                      "--formats",     "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",
+                      "--extract-sun", "--clamp",  "--threads",  "--cache",       "--quiet"};
   command.several = "; 'welkin batch plan' bakes several: 'welkin help batch'";
   command.run = [options, name = command.name, table = command.options](const Given& given) {
     require_input(name, options->input, options->sky);

@@ -54,7 +54,7 @@ Json source_json(const Source& source, const BakeCommandOptions& options) {
 }
 
 Json axes_json(const BakeCommandOptions& options) {
-  const Convention& engine = convention(options.turn.to);
+  const Convention& engine = convention(options.orientation.to);
   return {{"engine", engine.name},
           {"words", engine.axes},
           {"faces", "+X -X +Y -Y +Z -Z, row 0 on top, frames as OpenGL, Vulkan and Direct3D have them"}};
@@ -83,11 +83,12 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
                {"irradiance_size", options.irradiance_size},
                {"irradiance_method", name_of(options.irradiance_method)},
                {"bands", options.bake.bands},
-               {"from", convention(options.turn.from).name},
-               {"yaw_degrees", options.turn.yaw_degrees},
-               {"mirror", options.turn.mirror},
+               {"from", convention(options.orientation.from).name},
+               {"yaw_degrees", options.orientation.yaw_degrees},
+               {"mirror", options.orientation.mirror},
                {"rotation",
-                {options.turn.rotation.x, options.turn.rotation.y, options.turn.rotation.z, options.turn.rotation.w}},
+                {options.orientation.rotation.x, options.orientation.rotation.y, options.orientation.rotation.z,
+                 options.orientation.rotation.w}},
                {"clamp", nullptr},
                {"gamma", pixels.gamma}};
   if (pixels.clamp) {
@@ -137,9 +138,9 @@ Json mips_json(const std::vector<MipRecord>& mips) {
 
 Json sun_json(const Baked& baked, const BakeCommandOptions& options) {
   if (!baked.sun) return nullptr;
-  TurnOptions to_engine;
-  to_engine.to = options.turn.to;
-  return {{"direction", json_triple(turn_of_light(to_engine, false) * baked.sun->direction)},
+  OrientationOptions to_engine;
+  to_engine.to = options.orientation.to;
+  return {{"direction", json_triple(light_rotation(to_engine, false) * baked.sun->direction)},
           {"irradiance", json_triple(baked.sun->irradiance)},
           {"solid_angle", baked.sun->solid_angle},
           {"angular_radius_degrees", baked.sun->angular_radius_degrees}};

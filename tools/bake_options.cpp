@@ -72,11 +72,22 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
 namespace {
 
 std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& options) {
-  const std::string engine = convention(options.turn.to).name;
+  const std::string engine = convention(options.orientation.to).name;
   for (const auto& [word, schedule] : schedule_words()) {
     if (word == engine) return schedule;
   }
   return std::nullopt;
+}
+
+/// Whether the engine's shaders look up mip 5 r, however many mips there are.
+bool looks_up_fifths(const BakeCommandOptions& options) noexcept {
+  return options.orientation.to == Engine::playcanvas || options.orientation.to == Engine::qt;
+}
+
+std::vector<double> fifths(int mips) {
+  std::vector<double> table(static_cast<std::size_t>(mips));
+  for (std::size_t mip = 0; mip < table.size(); ++mip) table[mip] = std::min(1.0, static_cast<double>(mip) / 5.0);
+  return table;
 }
 
 /// Where nobody names one: that of the engine that the files are for, if it is known; of an .env alone Babylon.js's;
@@ -151,6 +162,10 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       "Compression of .ktx2 files; default none"));
   add_option(table, "--no-previews", OnFlag([&options] { options.previews = false; }), "",
              "Write no previews, which take two thirds of the time up to 256 texels, less above");
+  table.push_back(choice<bool>("--preview", options.preview_page, {{"png", false}, {"html", true}},
+                               "Previews: PNG images, or html for preview.html next to them, a page whose spheres "
+                               "and knot can be turned (3 MB); default png"));
+  table.back().excludes = {"--no-previews"};
   table.push_back(size_option("--preview-size", options.preview_size, kSmallestSphere, kLargestSphere,
                               "Pixels across each sphere of preview_spheres.png, which is six spheres wide; default " +
                                   std::to_string(options.preview_size)));
@@ -289,13 +304,25 @@ void add_diffuse_options(Options& table, BakeCommandOptions& options) {
 
 }  // namespace
 
+namespace {
+
+bool is_by_fifths(const BakeCommandOptions& options) noexcept {
+  return looks_up_fifths(options) && !options.roughness.schedule && options.roughness.table.empty();
+}
+
+std::vector<double> roughness_by_formula(const BakeCommandOptions& options, int mips, int size) {
+  return is_by_fifths(options) ? fifths(mips) : mip_roughness(schedule_of(options), mips, size);
+}
+
+}  // namespace
+
 RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
   return options.roughness.schedule.value_or(default_schedule(options));
 }
 
 std::string roughness_words(const BakeCommandOptions& options) {
   const std::vector<double>& table = options.roughness.table;
-  if (table.empty()) return name(schedule_of(options));
+  if (table.empty()) return is_by_fifths(options) ? "fifths" : name(schedule_of(options));
   return listed(
       table, [](double value) { return significant(value); }, ",");
 }
@@ -325,7 +352,7 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   in_group(table, "Diffuse light and BRDF table");
   add_needs_options(table, options.scene);
   in_group(table, "What the scene needs");
-  add_turn_options(table, options.turn);
+  add_orientation_options(table, options.orientation);
   option(table, "--for").text =
       "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with --formats "
       "those "
@@ -339,7 +366,7 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
 }
 
 bool is_engine_folder(const BakeCommandOptions& options) noexcept {
-  return !options.containers_named && has_folder(options.turn.to);
+  return !options.containers_named && has_folder(options.orientation.to);
 }
 
 bool is_lat_long_folder(const BakeCommandOptions& options) noexcept {
@@ -361,14 +388,14 @@ bool contradicts_engine(const BakeCommandOptions& options) {
   BakeCommandOptions by_engine = options;
   by_engine.roughness = {};
   const PrefilterOptions asked = *library_options(options).specular;
-  const std::vector<double> own = roughness_of_mips(schedule_of(by_engine), asked.mips.value(), asked.size);
+  const std::vector<double> own = roughness_by_formula(by_engine, asked.mips.value(), asked.size);
   constexpr double kSame = 1e-3;
   return !std::ranges::equal(asked.roughness, own, [](double a, double b) { return std::abs(a - b) <= kSame; });
 }
 
 /// An engine's folder holds what its README.md loads, and nothing else.
 void check_textures_of_engine(const BakeCommandOptions& options) {
-  const Engine engine = options.turn.to;
+  const Engine engine = options.orientation.to;
   const std::string folder = std::string("--for ") + convention(engine).name;
   const std::vector<OutputFile> lat_longs = files_with(Content::lat_long, files_for(engine));
   const bool takes_floats = !lat_longs.empty() && lat_longs.front().container == Container::exr &&
@@ -390,7 +417,7 @@ void check_textures_of_engine(const BakeCommandOptions& options) {
 std::vector<std::string> option_notes(const BakeCommandOptions& options) {
   std::vector<std::string> notes;
   if (!is_engine_folder(options)) return notes;
-  const Convention& engine = convention(options.turn.to);
+  const Convention& engine = convention(options.orientation.to);
   const std::string folder = std::string("--for ") + engine.name;
   if (options.brdf_named && !contains(options.files, Content::brdf)) {
     notes.push_back("--brdf and --brdf-model: " + folder +
@@ -426,20 +453,22 @@ void settle_files(BakeCommandOptions& options) {
 }
 
 const char* harmonics_name(const BakeCommandOptions& options) noexcept {
-  return is_engine_folder(options) && options.turn.to == Engine::unity ? "sh.cs" : kHarmonicsHeader;
+  return is_engine_folder(options) && options.orientation.to == Engine::unity ? "sh.cs" : kHarmonicsHeader;
 }
 
-glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {
-  return contains_cubemap(options.files) ? faces_of(options.turn.to) : glm::dmat3(1.0);
+glm::dmat3 face_rotation(const BakeCommandOptions& options) {
+  return contains_cubemap(options.files) ? faces_of(options.orientation.to) : glm::dmat3(1.0);
 }
 
 int mips_wanted(const BakeCommandOptions& options) {
   const int size = options.specular.size;
-  const int mips = mips_of_chain(schedule_of(options), size);
+  // PlayCanvas' atlas has room for six. Qt's last mip is diffuse light, and reflections end at the one before.
+  if (is_by_fifths(options)) return std::min(full_chain_levels(size), options.orientation.to == Engine::qt ? 7 : 6);
+  const int mips = default_mip_count(schedule_of(options), size);
   // three.js's last mip is the diffuse light too, which four texels would blur. Its own chain also ends at 8.
   constexpr int kMinMips = 5;
   const int to_eight = size >= 8 ? full_chain_levels(size / 8) : 1;
-  return options.turn.to == Engine::three ? std::min(mips, std::max(kMinMips, to_eight)) : mips;
+  return options.orientation.to == Engine::three ? std::min(mips, std::max(kMinMips, to_eight)) : mips;
 }
 
 bool fits_lookups(const BakeCommandOptions& options) {
@@ -448,10 +477,11 @@ bool fits_lookups(const BakeCommandOptions& options) {
     throw Error(ErrorCode::invalid_argument,
                 "--fit-lookups on needs a formula, and --roughness has numbers; pass a schedule, or leave it out");
   }
+  if (is_by_fifths(options)) return false;  // no formula of a schedule
   if (options.fit_lookups) return *options.fit_lookups;
   const RoughnessSchedule schedule = schedule_of(options);
   if (options.containers.contains(Container::env) && schedule == RoughnessSchedule::babylon) return true;
-  return options.turn.to != Engine::three && schedule_of_engine(options) == schedule;
+  return options.orientation.to != Engine::three && schedule_of_engine(options) == schedule;
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {
@@ -477,8 +507,8 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   const BakeOptions preset = BakeOptions::at(options.rms_error ? Quality::normal : options.quality);
   specular.rms_error = options.rms_error.value_or(preset.specular->rms_error);
   if (specular.method == PrefilterMethod::automatic) specular.method = preset.specular->method;
-  specular.roughness = numbers > 0 ? table : roughness_of_mips(schedule, mips, specular.size);
-  if (fits_lookups(options)) specular.lobe_roughness = fitted_roughness_of_mips(schedule, mips, specular.size);
+  specular.roughness = numbers > 0 ? table : roughness_by_formula(options, mips, specular.size);
+  if (fits_lookups(options)) specular.lobe_roughness = fitted_mip_roughness(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
   // Where previews alone would look at it, it is not worth a refusal for want of harmonics.
@@ -500,7 +530,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
 }
 
 bool stores_harmonics(const BakeCommandOptions& options) {
-  return options.turn.to == Engine::filament && !files_with(Content::specular, options.files).empty() &&
+  return options.orientation.to == Engine::filament && !files_with(Content::specular, options.files).empty() &&
          files_with(Content::specular, options.files).front().container == Container::ktx;
 }
 

@@ -12,9 +12,9 @@
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/json.h"
+#include "tools/orientation.h"
 #include "tools/output_files.h"
 #include "tools/sky_model.h"
-#include "tools/turning.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/reflections.h"
@@ -80,6 +80,7 @@ struct BakeCommandOptions {
   TextureOptions texture;
   bool format_named = false;  ///< by --ktx2-format
   bool previews = true;
+  bool preview_page = false;             ///< and preview.html
   int preview_size = 256;                ///< pixels across a sphere
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
@@ -102,7 +103,7 @@ struct BakeCommandOptions {
 
   NeedsChoice scene;
   ClampChoice clamp;
-  TurnOptions turn;
+  OrientationOptions orientation;
   SunChoice sun;
 };
 
@@ -136,7 +137,7 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 
 /// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`
 /// (invalid_argument) for cubemaps for an engine that has none.
-[[nodiscard]] glm::dmat3 turn_of_faces(const BakeCommandOptions& options);
+[[nodiscard]] glm::dmat3 face_rotation(const BakeCommandOptions& options);
 
 /// The schedule that was asked for, else the one of the engine that the files are for.
 [[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);

@@ -7,11 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "files/env.h"
 #include "jobs/tiles.h"
 #include "platform/text.h"
 #include "tools/bake_manifest.h"
 #include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
+#include "tools/playcanvas_atlas.h"
+#include "tools/preview_page.h"
 #include "tools/sh_command.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -46,7 +49,7 @@ Json details_of(const Subject& cubemap, const Job& job) {
   Json details = {{"size", cubemap.mips.front().size}, {"mips", cubemap.mips.size()}};
   if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness;
   details["unit"] = cubemap.unit;
-  details["axes"] = convention(job.options.turn.to).name;
+  details["axes"] = convention(job.options.orientation.to).name;
   return details;
 }
 
@@ -76,14 +79,14 @@ glm::dvec3 largest_of(TexelFormat format) {
   return glm::dvec3(65504.0);
 }
 
-constexpr const char* kWithoutSun = "--take-out-sun makes the sun a separate light";
+constexpr const char* kWithoutSun = "--extract-sun makes the sun a separate light";
 
 /// Returns the options that keep the light that a format does not hold.
 std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options) {
   const bool holds_floats = file.container != Container::hdr && file.container != Container::env &&
                             file.container != Container::glb && file.format != TexelFormat::rgba32f;
   const bool may_choose =
-      !is_engine_folder(options) || takes_any_texture(options.turn.to) || file.content == Content::lat_long;
+      !is_engine_folder(options) || takes_any_texture(options.orientation.to) || file.content == Content::lat_long;
   const std::string floats = holds_floats && may_choose ? "--ktx2-format rgba32f keeps it" : "";
   if (!options.input || options.sun.take_out) return floats;
   return floats + (floats.empty() ? "" : ", ") + kWithoutSun;
@@ -104,11 +107,15 @@ TextureOptions texture_options(const OutputFile& file, const Subject& cubemap, c
   options.supercompression = file.supercompression;
   options.metadata = {{"welkin.content", name(cubemap.content)},
                       {"welkin.unit", cubemap.unit},
-                      {"welkin.axes", convention(job.options.turn.to).name},
+                      {"welkin.axes", convention(job.options.orientation.to).name},
                       {"welkin.version", WELKIN_VERSION_STRING}};
   if (!cubemap.roughness.empty()) options.metadata["welkin.roughness"] = numbers_text(cubemap.roughness);
   if (job.radiance != nullptr && file.content == Content::specular && stores_harmonics(job.options)) {
     options.metadata["sh"] = filament_harmonics(*job.radiance);
+  }
+  // Without it Qt takes the faces for images to be filtered.
+  if (job.options.orientation.to == Engine::qt && file.container == Container::ktx) {
+    options.metadata["QT_IBL_BAKER_VERSION"] = "1";
   }
   return options;
 }
@@ -167,7 +174,7 @@ void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job
     Json details = {{"layout", welkin::name(options.layout)}, {"size", cubemap.mips[mip].size}, {"mip", mip}};
     if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness[mip];
     details["unit"] = cubemap.unit;
-    details["axes"] = convention(job.options.turn.to).name;
+    details["axes"] = convention(job.options.orientation.to).name;
     job.folder.add({names[mip], cubemap.what, file.container == Container::hdr ? "Radiance RGBE" : "PFM", 0,
                     report.values_clamped, range_of(file.container), details});
   }
@@ -231,12 +238,57 @@ void write_usd_stages(const Job& job) {
   }
 }
 
+/// The radiance of a white surface.
+Cubemap over_pi(const Cubemap& irradiance) {
+  Cubemap radiance = irradiance;
+  for (float& value : radiance.pixels()) value *= std::numbers::inv_pi_v<float>;
+  return radiance;
+}
+
+std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
+  std::vector<double> table;
+  for (const MipRecord& mip : specular.mips) table.push_back(mip.roughness);
+  return table;
+}
+
+/// PlayCanvas' atlas and the asset that loads it. `light` in Welkin's axes.
+void write_playcanvas(const BakeResult& light, const Job& job) {
+  if (!light.specular) return;
+  for (const OutputFile& file : files_with(Content::playcanvas_atlas, job.options.files)) {
+    const Cubemap& chain = light.specular->cubemap;
+    const Cubemap white = light.irradiance ? over_pi(*light.irradiance) : Cubemap();
+    // The lobe of roughness 1, the last mip's, is the cosine's.
+    const CubemapView diffuse = light.irradiance ? white.view() : chain.view(chain.levels() - 1);
+    const bool is_finer =
+        light.specular->mips.back().roughness >= 1.0 && diffuse.size > chain.level_size(chain.levels() - 1);
+    const PlayCanvasAtlas atlas = playcanvas_atlas(chain, diffuse, is_finer, job.control);
+    const std::vector<std::uint8_t> png = files::encode_png_rgba(atlas.rgba, atlas.size, job.control.stop);
+    write_text_file(job.folder.place(file.name), {png.begin(), png.end()});
+    WrittenFile written{file.name,
+                        "PlayCanvas' envAtlas: reflections and diffuse light",
+                        "PNG, RGBP",
+                        0,
+                        atlas.values_clamped,
+                        "above 64 or below 0, the range of RGBP, clamped",
+                        {{"size", atlas.size}, {"roughness", roughness_of(*light.specular)}, {"axes", "playcanvas"}}};
+    if (atlas.values_clamped > 0) {
+      written.share_clamped = share_beyond(chain.view(0), glm::dvec3(kLargestRgbp));
+      if (job.options.input && !job.options.sun.take_out) written.remedy = kWithoutSun;
+    }
+    job.folder.add(std::move(written));
+  }
+  for (const OutputFile& file : files_with(Content::playcanvas_asset, job.options.files)) {
+    write_text_file(job.folder.place(file.name), playcanvas_asset(kAtlasName));
+    job.folder.add({file.name, "the asset that loads the atlas", "JSON", 0, 0, "", Json()});
+  }
+}
+
 /// How the engine loads what was written.
 void write_readme(const Job& job) {
   for (const OutputFile& file : files_with(Content::readme, job.options.files)) {
     std::vector<std::string> written;
     for (const WrittenFile& each : job.folder.files()) written.push_back(each.name);
-    write_text_file(job.folder.place(file.name), readme_text(job.options.turn.to, written));
+    write_text_file(job.folder.place(file.name), readme_text(job.options.orientation.to, written));
     job.folder.add({file.name, "how the engine loads the files", "Markdown", 0, 0, "", Json()});
   }
 }
@@ -259,15 +311,9 @@ void write_computed(const LatLongImage& picture, const Job& job) {
 
 void turn_to_engine(BakeResult& light, const glm::dmat3& symmetry, const Control& control) {
   if (symmetry == glm::dmat3(1.0)) return;
-  if (light.background) light.background = turned(*light.background, symmetry, control);
-  if (light.specular) light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
-  if (light.irradiance) light.irradiance = turned(*light.irradiance, symmetry, control);
-}
-
-std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
-  std::vector<double> table;
-  for (const MipRecord& mip : specular.mips) table.push_back(mip.roughness);
-  return table;
+  if (light.background) light.background = rotate(*light.background, symmetry, control);
+  if (light.specular) light.specular->cubemap = rotate(light.specular->cubemap, symmetry, control);
+  if (light.irradiance) light.irradiance = rotate(*light.irradiance, symmetry, control);
 }
 
 /// The specular chain as an octahedral map, in Welkin's axes, which are Godot's.
@@ -354,13 +400,6 @@ WrittenFile rgbd_file(WrittenFile file, const Baked& baked) {
   return file;
 }
 
-/// The radiance of a white surface.
-Cubemap over_pi(const Cubemap& irradiance) {
-  Cubemap radiance = irradiance;
-  for (float& value : radiance.pixels()) value *= std::numbers::inv_pi_v<float>;
-  return radiance;
-}
-
 /// environment.env, in Babylon.js's axes.
 void write_env(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = rgbd_chain(baked);
@@ -404,19 +443,19 @@ void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder&
 
 ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   const SphericalHarmonics& light = *baked.light.radiance;
-  TurnOptions to_engine;
-  to_engine.to = options.turn.to;
-  const glm::dmat3 matrix = turn_of_light(to_engine, false);
+  OrientationOptions to_engine;
+  to_engine.to = options.orientation.to;
+  const glm::dmat3 matrix = light_rotation(to_engine, false);
 
   ShReport report;
   report.source = baked.source;
   report.source.path = options.called.empty() ? portable_path(baked.source.path) : options.called;
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
-  report.projection = {turned(light, matrix), baked.light.diagnostics};
+  report.projection = {rotate(light, matrix), baked.light.diagnostics};
   report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
-  report.axes = axes_text(options.turn);
-  report.engine = options.turn.to;
+  report.axes = axes_text(options.orientation);
+  report.engine = options.orientation.to;
   report.sky = baked.sky;
   report.sun_wanted = baked.sun_wanted;
   report.sun = baked.sun;
@@ -461,6 +500,16 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
     files.push_back(
         {picture.name, picture.what, "PNG", 0, 0, "", {{"width", picture.width}, {"height", picture.height}}});
   }
+  if (options.preview_page && baked.light.specular) {
+    write_preview_page(baked.light, how.tone_map, folder / kPreviewPage, control);
+    files.push_back({kPreviewPage,
+                     "spheres and a knot in the light of this bake, to be turned in a browser",
+                     "HTML",
+                     0,
+                     0,
+                     "",
+                     {}});
+  }
   return files;
 }
 
@@ -468,13 +517,14 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
 void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
   BakeResult& light = baked.light;
   const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
-  const glm::dmat3 symmetry = turn_of_faces(options);
+  const glm::dmat3 symmetry = face_rotation(options);
   write_computed(baked.picture, job);
   if (baked.lat_long.width > 0) {
     write_lat_longs(baked.lat_long, job);
     write_usd_stages(job);
   }
   write_octahedral_maps(light, job);
+  write_playcanvas(light, job);
   turn_to_engine(light, symmetry, control);
   if (light.background) {
     write_cubemap({Content::background, "the environment, with plain mips", light.background->views(), {}, "radiance"},
@@ -486,7 +536,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
                   job);
   }
   for (LobeChain& chain : baked.lobes) {
-    if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
+    if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = rotate(chain.light.cubemap, symmetry, control);
     const std::vector<double> roughness =
         chain.lobe == LobeFamily::charlie ? roughness_of(chain.light) : std::vector<double>();
     write_cubemap({content_of(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"},
@@ -555,7 +605,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     measured(writing, "write", "all other files", [&] { write_files(baked, options, folder, control); });
   };
   begin_stage("write");
-  if (turn_of_faces(options) == glm::dmat3(1.0)) {
+  if (face_rotation(options) == glm::dmat3(1.0)) {
     // Side by side: a picture is packed by one thread, a file written by another.
     const jobs::Placement where = jobs::Placement::arena;
     jobs::run_tiles(2, where, jobs::worker_count(where), {control.stop, {}},

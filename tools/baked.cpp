@@ -44,7 +44,7 @@ class BakeSource {
 
  private:
   void read(const BakeCommandOptions& options, const Control& control);
-  void turn(const BakeCommandOptions& options, const Control& control);
+  void orient(const BakeCommandOptions& options, const Control& control);
   [[nodiscard]] bool is_cubemap() const noexcept { return file_ ? file_->face_size() > 0 : pixels_.is_cubemap; }
 
   std::optional<Environment> file_;  // as it was read,
@@ -79,9 +79,9 @@ std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const Bak
 BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control) {
   read(options, part_of(control, 0.0, kTurning));
   if (options.sun.take_out) {
-    sun_ = file_ ? take_out_sun(*file_, options.sun.options) : take_out_sun(pixels_, options.sun.options);
+    sun_ = file_ ? extract_sun(*file_, options.sun.options) : extract_sun(pixels_, options.sun.options);
   }
-  turn(options, part_of(control, kTurning, 1.0));
+  orient(options, part_of(control, kTurning, 1.0));
 }
 
 std::uint64_t BakeSource::bytes() const noexcept {
@@ -109,15 +109,15 @@ void BakeSource::read(const BakeCommandOptions& options, const Control& control)
   stored_light_ = light_stored_in(file_->info, options, control);
 }
 
-void BakeSource::turn(const BakeCommandOptions& options, const Control& control) {
-  TurnOptions into_welkin = options.turn;
+void BakeSource::orient(const BakeCommandOptions& options, const Control& control) {
+  OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
-  if (sun_) sun_->direction = turn_of_light(into_welkin, is_cubemap()) * sun_->direction;
-  const glm::dmat3 matrix = turn_of_picture(into_welkin, is_cubemap(), is_cubemap());
+  if (sun_) sun_->direction = light_rotation(into_welkin, is_cubemap()) * sun_->direction;
+  const glm::dmat3 matrix = picture_rotation(into_welkin, is_cubemap(), is_cubemap());
   if (matrix == glm::dmat3(1.0)) return;
   if (stored_light_) {
     SphericalHarmonics& radiance = stored_light_->radiance;
-    radiance = turned(radiance, turn_of_light(into_welkin, is_cubemap()));
+    radiance = rotate(radiance, light_rotation(into_welkin, is_cubemap()));
   }
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {
@@ -125,16 +125,16 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
                                                " bytes while it is rotated, above the limit of " +
                                                std::to_string(limit) + "; raise " + options.common.memory_option);
   }
-  Pixels turned;
-  turned.is_cubemap = is_cubemap();
-  if (turned.is_cubemap) {
+  Pixels rotated;
+  rotated.is_cubemap = is_cubemap();
+  if (rotated.is_cubemap) {
     const CubemapView view = file_ ? file_->cubemap() : pixels_.cubemap.view();
-    turned.cubemap = to_cubemap(view, view.size, matrix, ResampleFilter::area, control);
+    rotated.cubemap = to_cubemap(view, view.size, matrix, ResampleFilter::area, control);
   } else {
     const LatLongView view = file_ ? file_->lat_long() : pixels_.lat_long.view();
-    turned.lat_long = to_lat_long(view, view.width, view.height, matrix, ResampleFilter::area, control);
+    rotated.lat_long = to_lat_long(view, view.width, view.height, matrix, ResampleFilter::area, control);
   }
-  pixels_ = std::move(turned);
+  pixels_ = std::move(rotated);
   file_.reset();
 }
 
@@ -199,7 +199,7 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
   const std::uint64_t irradiance = bake.irradiance ? cubemap_bytes(bake.irradiance->size) : 0;
   const std::uint64_t results = background + specular + irradiance;
-  const bool turns = turn_of_faces(options) != glm::dmat3(1.0);
+  const bool turns = face_rotation(options) != glm::dmat3(1.0);
   const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
 
   const bool is_large = options.input && memory.source > results;
@@ -268,10 +268,10 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
   env.size = env_size(specular.size);
   const int mips = full_chain_levels(env.size);
   env.mips = mips;
-  env.roughness = roughness_of_mips(RoughnessSchedule::babylon, mips, env.size);
+  env.roughness = mip_roughness(RoughnessSchedule::babylon, mips, env.size);
   env.lobe_roughness.clear();
   if (options.fit_lookups.value_or(true))
-    env.lobe_roughness = fitted_roughness_of_mips(RoughnessSchedule::babylon, mips, env.size);
+    env.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::babylon, mips, env.size);
   return env;
 }
 
@@ -281,7 +281,7 @@ void use_stored_light(Baked& baked, const Control& control) {
   const int bands = baked.options.bands;
   if (!baked.stored_light || bands == 0 || bands > baked.stored_light->radiance.bands()) return;
   BakeResult& light = baked.light;
-  light.radiance = with_bands(baked.stored_light->radiance, bands);
+  light.radiance = resized(baked.stored_light->radiance, bands);
   const ProjectionDiagnostics& stored = baked.stored_light->diagnostics;
   light.diagnostics.total_radiance = stored.total_radiance;
   light.diagnostics.total_radiance_before_clamp = stored.total_radiance_before_clamp;
@@ -371,10 +371,11 @@ bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out) return false;
   if (contains_rgbd(options.files) || !options.lobes.empty()) return false;
   if (contains(options.files, Content::lat_long)) return false;  // which is made of the pixels
-  TurnOptions into_welkin = options.turn;
+  OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
-  return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
+  return picture_rotation(into_welkin, true, true) == identity &&
+         picture_rotation(into_welkin, false, false) == identity;
 }
 
 void explain(const BakeCommandOptions& options, const Plan& plan) {
@@ -413,7 +414,7 @@ bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
 }
 
 StoredEnvironment header_of(const BakeCommandOptions& options) {
-  return probe_environment(input_of(*options.input, options.common.read), options.common.read);
+  return inspect_stored_environment(input_of(*options.input, options.common.read), options.common.read);
 }
 
 /// Of a chain without its sharpest mips there is no sharp environment.

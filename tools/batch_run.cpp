@@ -7,7 +7,6 @@
 #include <iostream>
 #include <mutex>
 #include <new>
-#include <stop_token>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -76,7 +75,7 @@ class Workplace {
   Workplace& operator=(const Workplace&) = delete;
 
   /// Waits until other processes have left it. Throws `Error`: file_access, cancelled.
-  void enter(const std::stop_token& stop) {
+  void enter(const stop_token& stop) {
     if (lock_) return;
     std::error_code trouble;
     fs::create_directories(path_, trouble);
@@ -88,6 +87,13 @@ class Workplace {
     }
     fs::remove_all(files(), trouble);
     fs::create_directories(files(), trouble);
+  }
+  /// Removes what is left of a process that was killed once its result had its name.
+  void clear() {
+    std::error_code trouble;
+    if (!fs::exists(path_, trouble)) return;
+    lock_.emplace(path_);
+    if (!lock_->take()) lock_.reset();  // somebody works there
   }
   [[nodiscard]] fs::path files() const { return path_ / "files"; }
 
@@ -121,14 +127,14 @@ class Workplace {
 /// others have room, gets more, so that no thread is idle at the end.
 class ShardRun {
  public:
-  ShardRun(const BatchPlan& plan, const BatchRun& run, std::stop_token stop)
+  ShardRun(const BatchPlan& plan, const BatchRun& run, stop_token stop)
       : plan_(plan), run_(run), tasks_(tasks_of(plan, run)), stop_(std::move(stop)) {}
 
   /// Throws what stopped it.
   BatchOutcome run() {
     const WithoutStages quiet;
     {
-      const std::stop_callback stopping(stop_, [this] { changed_.notify_all(); });
+      const stop_callback stopping(stop_, [this] { changed_.notify_all(); });
       std::vector<std::thread> workers;
       try {
         for (int i = 1; i < run_.threads; ++i) workers.emplace_back([this] { work(); });
@@ -236,7 +242,10 @@ class ShardRun {
         const std::optional<JobResult> there = read_result(folder);
         return is_done(folder, there) && there->key == result.key;
       };
-      if (!turn.task.verifies && is_there()) return note(turn, JobState::present, "");
+      if (!turn.task.verifies && is_there()) {
+        workplace.clear();
+        return note(turn, JobState::present, "");
+      }
       workplace.enter(stop_);
       if (turn.task.verifies) return verify(turn, folder, options);
       if (is_there()) return note(turn, JobState::present, "");  // by the process that was at it
@@ -306,7 +315,7 @@ class ShardRun {
   const BatchPlan& plan_;
   const BatchRun& run_;
   const std::vector<Task> tasks_;
-  const std::stop_token stop_;
+  const stop_token stop_;
   const double all_seconds_ = predicted_seconds();
   const Clock::time_point start_ = Clock::now();
   const bool shows_progress_ = is_terminal(Stream::error) && verbosity() != Verbosity::quiet;

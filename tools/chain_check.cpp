@@ -103,11 +103,11 @@ void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlace
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const TexelPlace shown = shown_by(placement.faces[static_cast<std::size_t>(face)], size, column, row);
+        const TexelIndex shown = shown_by(placement.faces[static_cast<std::size_t>(face)], size, column, row);
         const glm::dvec3 from = rgb_at(truth, shown.face, shown.column, shown.row);
         const std::array<int, 3>& order = placement.channels;
         use(rgb_at(image, face, column, row), glm::dvec3(from[order[0]], from[order[1]], from[order[2]]),
-            angles->at(row, column), TexelPlace{face, column, row});
+            angles->at(row, column), TexelIndex{face, column, row});
       }
     }
   }
@@ -118,7 +118,7 @@ Sums sums_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& p
              const glm::dvec3& scale = glm::dvec3(1.0)) {
   Sums sums;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const TexelPlace& /*place*/) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const TexelIndex& /*place*/) {
                    const glm::dvec3 scaled = scale * expected;
                    const glm::dvec3 difference = value - scaled;
                    sums.image += weight * value;
@@ -136,7 +136,7 @@ MipErrors errors_of(const Cubemap& image, const Cubemap& truth, const ChainPlace
   const double floor =
       std::max(0.01 * std::sqrt(sums.squared_truth / (12.0 * std::numbers::pi)), std::numeric_limits<double>::min());
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelPlace& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
                    for (int channel = 0; channel < 3; ++channel) {
                      const double error =
                          std::abs(value[channel] - expected[channel]) / std::max(expected[channel], floor);
@@ -242,7 +242,7 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   const double floor = 1e-4 * sums.squared_truth / (4.0 * std::numbers::pi) + std::numeric_limits<double>::min();
   const int ring = size < 16 ? 2 : 3;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelPlace& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
                    const glm::dvec3 difference = value / scale - expected;
                    const double rest = glm::dot(difference, difference) / (glm::dot(expected, expected) + floor);
                    const auto add = [&](int distance, int column, int row) {
@@ -280,7 +280,7 @@ void find_schedule(ChainCheck& check) {
   if (mips < 3 || mips > 16) return;
   double least = std::numeric_limits<double>::max();
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
-    const std::vector<double> table = roughness_of_mips(schedule, mips, check.mips.front().size);
+    const std::vector<double> table = mip_roughness(schedule, mips, check.mips.front().size);
     double squares = 0.0;
     int fitted = 0;
     for (std::size_t mip = 1; mip < check.mips.size(); ++mip) {
@@ -465,7 +465,7 @@ Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const Environment
   Cubemap placed(mip.size);
   for_each_texel(
       truth, truth, check.placement,
-      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const TexelPlace& place) {
+      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
         float* rgb = placed.face(place.face) + 3 * (static_cast<std::ptrdiff_t>(place.row) * mip.size + place.column);
         for (int channel = 0; channel < 3; ++channel) rgb[channel] = static_cast<float>(expected[channel]);
       });
@@ -502,7 +502,7 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
   }
   find_schedule(check);
   const std::vector<double> table =
-      check.schedule ? roughness_of_mips(*check.schedule, static_cast<int>(images.size()), images.front().size())
+      check.schedule ? mip_roughness(*check.schedule, static_cast<int>(images.size()), images.front().size())
                      : std::vector<double>();
   for (std::size_t mip = 0; mip < images.size(); ++mip) {
     MipCheck& each = check.mips[mip];

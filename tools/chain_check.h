@@ -18,18 +18,18 @@ namespace welkin::tool {
 
 /// The place of a face of the chain: a face of the source's cubemap, mirrored in its columns, in its rows or
 /// transposed.
-struct FacePlace {
+struct FaceMapping {
   int face = 0;
   bool columns_mirrored = false;
   bool rows_mirrored = false;
   bool transposed = false;  ///< before the two above
 
-  friend bool operator==(const FacePlace&, const FacePlace&) = default;
+  friend bool operator==(const FaceMapping&, const FaceMapping&) = default;
 };
 
 /// How a chain's texels lie: their faces, and their channels.
 struct ChainPlacement {
-  std::array<FacePlace, 6> faces{};
+  std::array<FaceMapping, 6> faces{};
   /// Direction d of the chain shows direction matrix * d of the source. Empty if its faces do not fit together.
   std::optional<glm::dmat3> matrix = glm::dmat3(1.0);
   std::array<int, 3> channels = {0, 1, 2};  ///< the source's channel in each of the chain's
@@ -38,7 +38,7 @@ struct ChainPlacement {
 };
 
 /// A texel of a mip.
-struct TexelPlace {
+struct TexelIndex {
   int face = 0;
   int column = 0;
   int row = 0;
@@ -51,7 +51,7 @@ struct PlacementFit {
 };
 
 /// The texel of the source's cubemap that texel (column, row) of a face with this place shows.
-[[nodiscard]] TexelPlace shown_by(const FacePlace& place, int size, int column, int row);
+[[nodiscard]] TexelIndex shown_by(const FaceMapping& place, int size, int column, int row);
 
 /// Errors of a mip. All are relative: `rms` to the truth's root mean square, `bias` to its mean, and `largest` to the
 /// truth at that texel and channel, or to a hundredth of its root mean square where it is darker.
@@ -59,7 +59,7 @@ struct MipErrors {
   double rms = 0.0;
   double largest = 0.0;
   double bias = 0.0;
-  TexelPlace place{};  ///< of the largest
+  TexelIndex place{};  ///< of the largest
 };
 
 struct MipCheck {

@@ -19,7 +19,7 @@
 
 namespace welkin::tool {
 
-TexelPlace shown_by(const FacePlace& place, int size, int column, int row) {
+TexelIndex shown_by(const FaceMapping& place, int size, int column, int row) {
   if (place.transposed) std::swap(column, row);
   return {place.face, place.columns_mirrored ? size - 1 - column : column, place.rows_mirrored ? size - 1 - row : row};
 }
@@ -29,18 +29,18 @@ namespace {
 constexpr int kPlaces = 8;  // of one face: the symmetries of a square
 constexpr double kNearlyAsGood = 1.2;
 
-FacePlace face_place(int face, int symmetry) {
+FaceMapping face_place(int face, int symmetry) {
   return {face, (symmetry & 1) != 0, (symmetry & 2) != 0, (symmetry & 4) != 0};
 }
 
-int symmetry_of(const FacePlace& place) {
+int symmetry_of(const FaceMapping& place) {
   return (place.columns_mirrored ? 1 : 0) + (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0);
 }
 
 /// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
-std::array<FacePlace, 6> faces_of(const glm::dmat3& matrix) {
+std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
   constexpr int kSize = 3;  // two texels of it tell all eight symmetries apart
-  std::array<FacePlace, 6> places{};
+  std::array<FaceMapping, 6> places{};
   for (int face = 0; face < 6; ++face) {
     const auto shown = [&](int column, int row) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
@@ -49,9 +49,9 @@ std::array<FacePlace, 6> faces_of(const glm::dmat3& matrix) {
     const image::CubeTexel left = shown(0, 1);
     const image::CubeTexel top = shown(1, 0);
     for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-      const FacePlace place = face_place(left.face, symmetry);
-      const TexelPlace a = shown_by(place, kSize, 0, 1);
-      const TexelPlace b = shown_by(place, kSize, 1, 0);
+      const FaceMapping place = face_place(left.face, symmetry);
+      const TexelIndex a = shown_by(place, kSize, 0, 1);
+      const TexelIndex b = shown_by(place, kSize, 1, 0);
       if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
         places[static_cast<std::size_t>(face)] = place;
       }
@@ -107,7 +107,7 @@ class Differences {
     }
   }
 
-  [[nodiscard]] double of(const std::array<FacePlace, 6>& places) const {
+  [[nodiscard]] double of(const std::array<FaceMapping, 6>& places) const {
     double sum = 0.0;
     for (std::size_t face = 0; face < 6; ++face) {
       sum += squares_[face][static_cast<std::size_t>(places[face].face)]
@@ -117,8 +117,8 @@ class Differences {
   }
 
   /// The best place of each face for itself.
-  [[nodiscard]] std::array<FacePlace, 6> each() const {
-    std::array<FacePlace, 6> places{};
+  [[nodiscard]] std::array<FaceMapping, 6> each() const {
+    std::array<FaceMapping, 6> places{};
     for (std::size_t face = 0; face < 6; ++face) {
       double least = std::numeric_limits<double>::max();
       for (int shown = 0; shown < 6; ++shown) {
@@ -141,11 +141,11 @@ class Differences {
 
   // By the sum of channels, whatever their order.
   static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
-                        const FacePlace& place) {
+                        const FaceMapping& place) {
     double sum = 0.0;
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const TexelPlace shown = shown_by(place, size, column, row);
+        const TexelIndex shown = shown_by(place, size, column, row);
         const auto index = [&](int of_face, int i, int j) {
           return static_cast<std::size_t>((of_face * size + j) * size + i);
         };
@@ -163,13 +163,13 @@ class Differences {
 
 /// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
 std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size,
-                               const std::array<FacePlace, 6>& faces) {
+                               const std::array<FaceMapping, 6>& faces) {
   const auto differences = [&](const std::array<int, 3>& channels) {
     double sum = 0.0;
     for (std::size_t i = 0; i < image.size(); ++i) {
       const int column = static_cast<int>(i) % size;
       const int row = static_cast<int>(i) / size % size;
-      const TexelPlace shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
+      const TexelIndex shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
       const glm::dvec3& from = truth[static_cast<std::size_t>((shown.face * size + shown.row) * size + shown.column)];
       for (int channel = 0; channel < 3; ++channel) {
         const double difference = image[i][channel] - from[channels[static_cast<std::size_t>(channel)]];
@@ -198,7 +198,7 @@ std::string axis_words(const glm::dvec3& axis) {
   return "?";
 }
 
-std::string place_words(const FacePlace& place) {
+std::string place_words(const FaceMapping& place) {
   std::string text = face_name(place.face);
   if (place.transposed) text += " transposed";
   if (place.columns_mirrored && place.rows_mirrored) return text + " rotated by 180 degrees";
@@ -216,8 +216,8 @@ std::string matrix_words(const glm::dmat3& matrix) {
   }
   for (const int degrees : {90, 180, 270}) {
     // Direction d shows `matrix` d, so the surroundings are turned the other way.
-    const glm::dmat3 turn = turn_about_y(-degrees);
-    if (matrix == glm::dmat3(glm::round(turn[0]), glm::round(turn[1]), glm::round(turn[2]))) {
+    const glm::dmat3 rotation = rotation_about_y(-degrees);
+    if (matrix == glm::dmat3(glm::round(rotation[0]), glm::round(rotation[1]), glm::round(rotation[2]))) {
       return "rotated by " + std::to_string(degrees) + " degrees about y";
     }
   }
@@ -232,7 +232,7 @@ std::string engine_words(const glm::dmat3& matrix) {
     if (!each.faces_from_engine) continue;
     if (glm::transpose(*each.faces_from_engine * each.from_welkin) == matrix) engines.emplace_back(each.title);
   }
-  return engines.empty() ? "" : ", as " + joined(engines, " and ") + " has them";
+  return engines.empty() ? "" : ", as " + joined(engines, " and ") + (engines.size() > 1 ? " have them" : " has them");
 }
 
 }  // namespace
@@ -246,7 +246,7 @@ PlacementFit placement_of(const Cubemap& image, const Cubemap& truth) {
   const std::vector<glm::dvec3> compared = compressed(image);
   const std::vector<glm::dvec3> source = compressed(truth);
   const Differences differences(compared, source, size);
-  const std::array<FacePlace, 6> each = differences.each();
+  const std::array<FaceMapping, 6> each = differences.each();
   const double rounding = 1e-6 * static_cast<double>(source.size());
   const auto is_as_good_as = [&](double squares, double best) { return squares <= kNearlyAsGood * best + rounding; };
 
@@ -255,7 +255,7 @@ PlacementFit placement_of(const Cubemap& image, const Cubemap& truth) {
   const std::vector<glm::dmat3> symmetries = cube_symmetries();
   const double as_it_is = differences.of(faces_of(symmetries.front()));
   for (const glm::dmat3& matrix : symmetries) {
-    const std::array<FacePlace, 6> faces = faces_of(matrix);
+    const std::array<FaceMapping, 6> faces = faces_of(matrix);
     const double squares = differences.of(faces);
     if (squares >= least || !is_as_good_as(squares, differences.of(each))) continue;
     least = squares;
@@ -275,8 +275,8 @@ std::string words_of(const ChainPlacement& placement) {
   if (!placement.matrix) {
     std::vector<std::string> faces;
     for (int face = 0; face < 6; ++face) {
-      const FacePlace& place = placement.faces[static_cast<std::size_t>(face)];
-      if (place != FacePlace{face}) faces.push_back(std::string(face_name(face)) + " shows " + place_words(place));
+      const FaceMapping& place = placement.faces[static_cast<std::size_t>(face)];
+      if (place != FaceMapping{face}) faces.push_back(std::string(face_name(face)) + " shows " + place_words(place));
     }
     words.push_back("faces do not fit together: " + joined(faces));
   } else if (*placement.matrix != glm::dmat3(1.0)) {

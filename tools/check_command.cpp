@@ -93,8 +93,8 @@ ChainFile read_chain(const CheckOptions& options, const Control& control) {
     }
   }
   const FileInput input = input_of(options.chain, read);
-  const StoredEnvironment stored = probe_environment(input, read);
-  chain.words = stored.info.format_words();
+  const StoredEnvironment stored = inspect_stored_environment(input, read);
+  chain.words = stored.info.format_description();
   const std::size_t levels = std::max(stored.info.levels.size(), std::size_t{1});
   for (std::size_t level = 0; level < levels && !is_enough(); ++level) {
     ReadOptions of_level = read;
@@ -114,8 +114,7 @@ ChainFile read_chain(const CheckOptions& options, const Control& control) {
 std::vector<double> stated_roughness(const CheckOptions& options, const ChainFile& chain) {
   if (!options.roughness) return chain.roughness;
   if (!options.roughness->schedule) return options.roughness->table;
-  return roughness_of_mips(*options.roughness->schedule, static_cast<int>(chain.mips.size()),
-                           chain.mips.front().size());
+  return mip_roughness(*options.roughness->schedule, static_cast<int>(chain.mips.size()), chain.mips.front().size());
 }
 
 // For a program.

@@ -11,8 +11,8 @@
 #include "embedded_texts.h"
 #include "math/elementary.h"
 #include "tools/json.h"
+#include "tools/orientation.h"
 #include "tools/text.h"
-#include "tools/turning.h"
 #include "welkin/bake_file.h"
 #include "welkin/engines.h"
 
@@ -72,6 +72,10 @@ const std::vector<EngineFolder>& folders() {
       {Engine::unreal, {lat_long(Container::hdr)}},
       {Engine::blender, {lat_long(Container::exr)}},
       {Engine::godot, {lat_long(Container::exr)}},
+      {Engine::playcanvas,
+       {texture(Content::playcanvas_atlas, Container::png, kHalves, kAtlasName),
+        text_file(Content::playcanvas_asset, "env_atlas.json")}},
+      {Engine::qt, {texture(Content::specular, Container::ktx, kHalves, "environment.ktx")}},
       {Engine::usd, {text_file(Content::usd_stage, "environment.usda"), lat_long(Container::exr)}},
   };
   return all;
@@ -265,7 +269,7 @@ std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radi
 
 GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control) {
   // The loader looks faces up, too, in Babylon.js's axes, whose x is glTF's -x.
-  const Cubemap faces = mirrored_x(turned(specular, faces_of(Engine::gltf), control));
+  const Cubemap faces = mirrored_x(rotate(specular, faces_of(Engine::gltf), control));
   const RgbdPictures pictures = rgbd_pictures(faces, control);
   std::string binary;
   Json views = Json::array();

@@ -15,6 +15,7 @@
 namespace welkin::tool {
 
 inline constexpr const char* kReadmeName = "README.md";
+inline constexpr const char* kAtlasName = "env_atlas.png";
 
 /// Whether files are known that the engine loads as they are. (Not of Welkin itself and of OpenEXR, which is none.)
 [[nodiscard]] bool has_folder(Engine engine) noexcept;

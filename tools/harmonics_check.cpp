@@ -155,12 +155,12 @@ std::array<double, kBands> factors_of(const SphericalHarmonics& image, const Sph
 
 /// The light as the file's axes and channels have it.
 SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement& placement) {
-  const SphericalHarmonics turned_light = placement.matrix ? turned(light, glm::transpose(*placement.matrix)) : light;
-  SphericalHarmonics result(turned_light.bands());
+  const SphericalHarmonics rotated_light = placement.matrix ? rotate(light, glm::transpose(*placement.matrix)) : light;
+  SphericalHarmonics result(rotated_light.bands());
   for (std::size_t i = 0; i < result.coefficients().size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
       result.coefficients()[i][channel] =
-          turned_light.coefficients()[i][placement.channels[static_cast<std::size_t>(channel)]];
+          rotated_light.coefficients()[i][placement.channels[static_cast<std::size_t>(channel)]];
     }
   }
   return result;

@@ -149,11 +149,11 @@ std::string make(const ImportanceCommandOptions& options, const Control& control
   const FileInput input = input_of(options.input, options.common.read);
   begin_stage("read");
   const Environment source = read_environment(input, options.common.read, part_of(control, 0.0, 0.4));
-  LatLongImage turned;
+  LatLongImage rotated;
   if (const int face = source.face_size(); face > 0) {
-    turned = to_lat_long(source.cubemap(), 4 * face, 2 * face, dmat3(1.0), ResampleFilter::area, {control.stop, {}});
+    rotated = to_lat_long(source.cubemap(), 4 * face, 2 * face, dmat3(1.0), ResampleFilter::area, {control.stop, {}});
   }
-  const LatLongView view = source.face_size() > 0 ? turned.view() : source.lat_long();
+  const LatLongView view = source.face_size() > 0 ? rotated.view() : source.lat_long();
   begin_stage("tables");
   ImportanceOptions wanted = options.table;
   options.clamp.apply(wanted.pixels);
@@ -217,7 +217,8 @@ Command importance_command() {
                   embedded_text("help/importance.txt")};
   Options& table = command.options;
   add_option(table, "INPUT", &options->input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; - for "
+             "standard input",
              {.required = true});
   add_option(table, "-o,--output", &options->directory, "DIR",
              "The folder to write to, made if it is not there; default the input's name without its extension and "

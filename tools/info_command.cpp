@@ -29,7 +29,7 @@ Json source_json(const EnvironmentInfo& file) {
           {"layout", name(file.layout)},
           {"width", file.width},
           {"height", file.height},
-          {"format", file.format_words()},
+          {"format", file.format_description()},
           {"notes", file.notes}};
 }
 
@@ -116,7 +116,7 @@ std::string file_lines(const EnvironmentInfo& file) {
   return printable(platform::utf8(file.path)) + '\n' +
          line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
          line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
-         line("format", file.format_words() + ", " + file.storage + ", " + compression) +
+         line("format", file.format_description() + ", " + file.storage + ", " + compression) +
          line("channels", channels_text(file)) + further_lines(file);
 }
 
@@ -178,7 +178,8 @@ Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
   Command command{"info", "Describe an environment file", embedded_text("help/info.txt")};
   add_option(command.options, "FILE", &options->file, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of them or "
+             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; of six "
+             "files, one of them or "
              "their folder; - for standard input",
              {.required = true});
   add_json_option(command.options, options->common);

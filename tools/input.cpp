@@ -57,7 +57,8 @@ void add_memory_limit_option(Options& table, CommonOptions& options) {
 void add_input_options(Options& table, std::optional<std::string>& input, bool& sky) {
   constexpr const char* kInput = "INPUT";
   add_option(table, kInput, &input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of "
+             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; of six "
+             "files, one of "
              "them or their folder; - for standard input");
   add_option(table, "--sky", &sky, "", "Use the built-in computed sky instead of a file", {.excludes = {kInput}});
 }
@@ -203,7 +204,7 @@ Source source_of(const std::string& named, const EnvironmentInfo& info) {
   const std::string path = is_standard_stream(named) ? kStandardInput : named;
   std::string detail = info.channels.empty() ? "" : std::string(name(info.channels.front().type)) + ", ";
   if (info.compression != "none") detail += info.compression + ", ";
-  return {path,      name(info.layout), info.width, info.height, info.format_words(), detail + info.layout_reason,
+  return {path,      name(info.layout), info.width, info.height, info.format_description(), detail + info.layout_reason,
           info.notes};
 }
 
@@ -233,22 +234,22 @@ std::uint64_t replace_infinities(Pixels& pixels, float largest) {
   return replaced;
 }
 
-std::optional<Sun> take_out_sun(Pixels& pixels, const SunOptions& options) {
-  return pixels.is_cubemap ? welkin::take_out_sun(pixels.cubemap, options)
-                           : welkin::take_out_sun(pixels.lat_long, options);
+std::optional<Sun> extract_sun(Pixels& pixels, const SunOptions& options) {
+  return pixels.is_cubemap ? welkin::extract_sun(pixels.cubemap, options)
+                           : welkin::extract_sun(pixels.lat_long, options);
 }
 
-std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& options) {
+std::optional<Sun> extract_sun(Environment& environment, const SunOptions& options) {
   constexpr float kLargestHalf = 65504.0F;
   Pixels pixels = pixels_of(environment);
   replace_infinities(pixels, kLargestHalf);
-  const std::optional<Sun> sun = take_out_sun(pixels, options);
+  const std::optional<Sun> sun = extract_sun(pixels, options);
   std::ranges::copy(pixels.values(), environment.pixels.get());
   return sun;
 }
 
 void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes) {
-  constexpr const char* kTakeOut = "--take-out-sun";
+  constexpr const char* kTakeOut = "--extract-sun";
   add_option(table, kTakeOut, &choice.take_out, "",
              "Extract the sun from the environment and report it as a directional light", {.excludes = excludes});
   const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {

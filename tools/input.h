@@ -128,10 +128,10 @@ struct Pixels {
 /// How many there were.
 std::uint64_t replace_infinities(Pixels& pixels, float largest);
 
-[[nodiscard]] std::optional<Sun> take_out_sun(Pixels& pixels, const SunOptions& options);
+[[nodiscard]] std::optional<Sun> extract_sun(Pixels& pixels, const SunOptions& options);
 
 /// The same in what was read, infinities being 65504, the largest half.
-[[nodiscard]] std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& options);
+[[nodiscard]] std::optional<Sun> extract_sun(Environment& environment, const SunOptions& options);
 
 /// What becomes of the sun.
 struct SunChoice {
@@ -139,7 +139,7 @@ struct SunChoice {
   SunOptions options;
 };
 
-/// --take-out-sun and --sun-threshold, --sun-radius, --sun-contrast, --sun-share. `excludes`: options that go with none
+/// --extract-sun and --sun-threshold, --sun-radius, --sun-contrast, --sun-share. `excludes`: options that go with none
 /// of that.
 void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes = {});
 

@@ -53,6 +53,7 @@ const char* name(Container container) noexcept {
     case Container::env: return "env";
     case Container::ktx: return "ktx";
     case Container::glb: return "glb";
+    case Container::png: return "png";
     case Container::text: break;
   }
   return "text";
@@ -86,6 +87,8 @@ const char* name(Content content) noexcept {
   switch (content) {
     case Content::env:
     case Content::gltf_light:
+    case Content::playcanvas_atlas:
+    case Content::playcanvas_asset:
     case Content::lat_long: return "environment";
     case Content::octahedral: return "specular_octahedral";
     case Content::background: return "background";
@@ -150,9 +153,9 @@ std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
     };
     if (std::ranges::none_of(files, same)) files.push_back(std::move(file));
   };
-  for (OutputFile file : files_for(options.turn.to)) {
+  for (OutputFile file : files_for(options.orientation.to)) {
     if (file.container == Container::ktx2) {
-      if (options.format_named && takes_any_texture(options.turn.to))
+      if (options.format_named && takes_any_texture(options.orientation.to))
         file.format = stored_format(file.content, file.container, options.texture.format);
       file.supercompression = options.texture.supercompression;
     }
@@ -192,7 +195,8 @@ std::set<std::string, std::less<>> all_bake_names() {
                                  Content::specular, Content::charlie,    Content::lambert,
                                  Content::phong,    Content::irradiance, Content::brdf};
   std::set<std::string, std::less<>> names = {
-      "sh.json", "sh.h", "sh.cs", "sky.exr", "preview_environment.png", "preview_spheres.png", "preview_mips.png"};
+      "sh.json",          "sh.h",        "sh.cs", "sky.exr", "preview_environment.png", "preview_spheres.png",
+      "preview_mips.png", "preview.html"};
   for (const Content content : kContents) {
     for (const Container container : kContainers) names.insert(std::string(name(content)) + '.' + name(container));
   }
@@ -217,8 +221,9 @@ bool is_bake_name(std::string_view name) {
 }
 
 bool contains_cubemap(const std::vector<OutputFile>& files) noexcept {
-  constexpr std::array kOthers{Content::env,  Content::gltf_light, Content::lat_long, Content::octahedral,
-                               Content::brdf, Content::usd_stage,  Content::readme};
+  constexpr std::array kOthers{
+      Content::env,       Content::gltf_light, Content::lat_long,         Content::octahedral,      Content::brdf,
+      Content::usd_stage, Content::readme,     Content::playcanvas_atlas, Content::playcanvas_asset};
   return std::ranges::any_of(
       files, [&](const OutputFile& file) { return std::ranges::find(kOthers, file.content) == kOthers.end(); });
 }

@@ -23,6 +23,7 @@ enum class Container {
   env,
   ktx,
   glb,
+  png,
   text,  ///< none: what a file of letters holds
 };
 
@@ -37,10 +38,12 @@ enum class Container {
 
 /// What a file holds.
 enum class Content {
-  env,         ///< all that Babylon.js wants
-  gltf_light,  ///< reflections and harmonics as a light of EXT_lights_image_based
-  lat_long,    ///< the background as a lat-long
-  octahedral,  ///< the specular chain as an octahedral map
+  env,               ///< all that Babylon.js wants
+  playcanvas_atlas,  ///< reflections and diffuse light on one image
+  playcanvas_asset,  ///< how that image is to be loaded
+  gltf_light,        ///< reflections and harmonics as a light of EXT_lights_image_based
+  lat_long,          ///< the background as a lat-long
+  octahedral,        ///< the specular chain as an octahedral map
   background,
   specular,
   charlie,
@@ -62,7 +65,7 @@ enum class Content {
 struct OutputFile {
   Content content;
   Container container;
-  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env, .glb and text
+  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env, .glb, .png and text
   Supercompression supercompression = Supercompression::none;
   std::string name{};  ///< with its extension
   int levels = 0;      ///< the first ones of the content's; 0: all
@@ -75,8 +78,8 @@ struct OutputFile {
 [[nodiscard]] std::vector<OutputFile> files_in(const std::set<Container>& containers,
                                                const BakeCommandOptions& options);
 
-/// What `options.turn.to` loads as it is and, as KTX2, what is asked for beside it (--lobe, --octahedral). The format
-/// and supercompression of .ktx2 files are those of the options, where these name them.
+/// What `options.orientation.to` loads as it is and, as KTX2, what is asked for beside it (--lobe, --octahedral). The
+/// format and supercompression of .ktx2 files are those of the options, where these name them.
 [[nodiscard]] std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options);
 
 /// Of a list, those with this content, in its order.

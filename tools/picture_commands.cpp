@@ -17,12 +17,12 @@
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
+#include "tools/orientation.h"
 #include "tools/preview_light.h"
 #include "tools/sample_room.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"
 #include "tools/text.h"
-#include "tools/turning.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -174,7 +174,7 @@ struct ConvertOptions {
   CommonOptions common;
   std::string input;
   OutputOptions output;
-  TurnOptions turn;
+  OrientationOptions orientation;
   SunChoice sun;
   bool tone_map = false;
   std::optional<double> exposure_stops;  ///< none: by the picture
@@ -207,10 +207,10 @@ std::span<float> values_of(const Environment& source) {
 /// Nothing is resampled, or moved, unless something asks for it.
 std::string write_cubemap(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
-  const glm::dmat3 turn = turn_of_picture(options.turn, face > 0, true);
+  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, true);
   const int size = options.output.size > 0 ? options.output.size : face > 0 ? face : (source.info.width + 3) / 4;
   const Control last = part_of(control, kResampled, 1.0);
-  if (face == size && turn == glm::dmat3(1.0)) {
+  if (face == size && rotation == glm::dmat3(1.0)) {
     const CubemapView whole = source.cubemap();
     tone_map(
         options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
@@ -219,7 +219,7 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
   require_memory(options.common, options.output, 6 * square(size), values_of(source).size() / 3);
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  Cubemap result = to_cubemap(source.view(), size, turn, ResampleFilter::area, middle);
+  Cubemap result = to_cubemap(source.view(), size, rotation, ResampleFilter::area, middle);
   tone_map(
       options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels());
   return write_output(options.output, result.view(), last);
@@ -227,13 +227,13 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
 
 std::string write_lat_long(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
-  const glm::dmat3 turn = turn_of_picture(options.turn, face > 0, false);
+  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, false);
   const int size = options.output.size;
   const int width = size > 0 ? size : face > 0 ? 4 * face : source.info.width;
   const int height = size > 0 || face > 0 ? lat_long_height(width) : source.info.height;
   const Control last = part_of(control, kResampled, 1.0);
   const bool same_shape = face == 0 && width == source.info.width && height == source.info.height;
-  if (same_shape && turn == glm::dmat3(1.0)) {
+  if (same_shape && rotation == glm::dmat3(1.0)) {
     const LatLongView whole = source.lat_long();
     tone_map(
         options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
@@ -243,7 +243,7 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
                  values_of(source).size() / 3);
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  LatLongImage result = to_lat_long(source.view(), width, height, turn, ResampleFilter::bilinear, middle);
+  LatLongImage result = to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, middle);
   tone_map(
       options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
   return write_output(options.output, result.view(), last);
@@ -270,12 +270,13 @@ std::string convert(const ConvertOptions& options, const Control& control) {
   const bool is_cubemap = source.face_size() > 0;
   std::optional<Sun> sun;
   if (options.sun.take_out) {
-    sun = take_out_sun(source, options.sun.options);
-    if (sun) sun->direction = turn_of_light(options.turn, is_cubemap) * sun->direction;
+    sun = extract_sun(source, options.sun.options);
+    if (sun) sun->direction = light_rotation(options.orientation, is_cubemap) * sun->direction;
   }
   const std::string written = wants_cubemap(options.output, is_cubemap) ? write_cubemap(options, source, control)
                                                                         : write_lat_long(options, source, control);
-  return written + (options.sun.take_out ? sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5) : "");
+  return written +
+         (options.sun.take_out ? sun_text(sun, convention(options.orientation.to).from_welkin[1].z > 0.5) : "");
 }
 
 void run_convert(ConvertOptions& options) {
@@ -297,7 +298,7 @@ constexpr int kLatLongWidth = 2048;
 struct TestmapOptions {
   CommonOptions common;
   OutputOptions output;
-  TurnOptions turn;  ///< its `to` alone
+  OrientationOptions orientation;  ///< its `to` alone
 };
 
 constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
@@ -324,7 +325,7 @@ std::string draw_testmap(const TestmapOptions& options, const Control& control) 
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
   const int size = output.size > 0 ? output.size : cubemap ? kFaceSize : kLatLongWidth;
-  const TestMapAxes axes = axes_of(options.turn.to, cubemap);
+  const TestMapAxes axes = axes_of(options.orientation.to, cubemap);
   if (cubemap) {
     return draw_and_write(options.common, output, true, size, control,
                           [&](const Control& drawing) { return test_map_cubemap(size, drawing, axes); });
@@ -361,7 +362,8 @@ Command convert_command() {
                   embedded_text("help/convert.txt")};
   Options& table = command.options;
   add_option(table, "IN", &options->input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; - for "
+             "standard input",
              {.required = true});
   add_option(table, "OUT", &options->output.path, "",
              "The file to write: .exr, .hdr, .pfm or .png; - for standard output", {.required = true});
@@ -375,12 +377,12 @@ Command convert_command() {
              "its previews",
              {.bounds = finite_between(-60.0, 60.0), .needs = {"--tone-map"}});
   in_group(table, "Input and output");
-  add_turn_options(table, options->turn);
+  add_orientation_options(table, options->orientation);
   add_sun_options(table, options->sun);
   add_read_options(table, options->common, "", "--in-layout");
   add_threads_option(table, options->common);
-  command.everyday = {"IN",    "OUT",      "--layout",       "--size",      "--type",    "--tone-map", "--for",
-                      "--yaw", "--mirror", "--take-out-sun", "--in-layout", "--threads", "--quiet"};
+  command.everyday = {"IN",    "OUT",      "--layout",      "--size",      "--type",    "--tone-map", "--for",
+                      "--yaw", "--mirror", "--extract-sun", "--in-layout", "--threads", "--quiet"};
   command.run = [options](const Given& /*given*/) { run_convert(*options); };
   return command;
 }
@@ -394,7 +396,7 @@ Command testmap_command() {
              "file of that name is there");
   add_output_options(table, options->output);
   option(table, "--size").text += "; default 512, or 2048 for a lat-long";
-  add_engine_option(table, options->turn);
+  add_engine_option(table, options->orientation);
   option(table, "--for").text =
       "Whose axes are written on the map; default welkin; a cubemap's faces are where that engine looks for them";
   in_group(table, "Output");

@@ -33,21 +33,21 @@ double ToneMap::stops() const noexcept { return math::logarithm(exposure) / std:
 namespace {
 
 /// Where a direction meets the cube.
-struct Place {
+struct FacePoint {
   std::size_t face;
   float u, v;  ///< in [-1, 1]
 };
 
 /// By the frames of `CubemapView`, as `image::face_frame` has them.
-Place place_of(const glm::vec3& d) {
+FacePoint place_of(const glm::vec3& d) {
   const glm::vec3 size = glm::abs(d);
   if (size.x >= size.y && size.x >= size.z) {
-    return d.x > 0.0F ? Place{0, -d.z / size.x, -d.y / size.x} : Place{1, d.z / size.x, -d.y / size.x};
+    return d.x > 0.0F ? FacePoint{0, -d.z / size.x, -d.y / size.x} : FacePoint{1, d.z / size.x, -d.y / size.x};
   }
   if (size.y >= size.z) {
-    return d.y > 0.0F ? Place{2, d.x / size.y, d.z / size.y} : Place{3, d.x / size.y, -d.z / size.y};
+    return d.y > 0.0F ? FacePoint{2, d.x / size.y, d.z / size.y} : FacePoint{3, d.x / size.y, -d.z / size.y};
   }
-  return d.z > 0.0F ? Place{4, d.x / size.z, -d.y / size.z} : Place{5, -d.x / size.z, -d.y / size.z};
+  return d.z > 0.0F ? FacePoint{4, d.x / size.z, -d.y / size.z} : FacePoint{5, -d.x / size.z, -d.y / size.z};
 }
 
 const float* texel(const CubemapView& level, std::size_t face, int column, int row) {
@@ -75,13 +75,13 @@ glm::vec3 texel_or_neighbour(const CubemapView& level, std::size_t face, int col
   const image::Frame& frame = image::face_frame(static_cast<int>(face));
   const double u = (2.0 * column + 1.0) / size - 1.0;
   const double v = (2.0 * row + 1.0) / size - 1.0;
-  const Place place = place_of(glm::vec3(frame.normal + u * frame.u + v * frame.v));
+  const FacePoint place = place_of(glm::vec3(frame.normal + u * frame.u + v * frame.v));
   return colour(texel(level, place.face, nearest(place.u, size), nearest(place.v, size)));
 }
 
 glm::vec3 mixed(const glm::vec3& from, const glm::vec3& to, float share) { return from + (to - from) * share; }
 
-glm::vec3 bilinear(const CubemapView& level, const Place& place) {
+glm::vec3 bilinear(const CubemapView& level, const FacePoint& place) {
   const float half = 0.5F * static_cast<float>(level.size);
   const float x = (place.u + 1.0F) * half + 0.5F;  // one more than the column, so that it is above 0
   const float y = (place.v + 1.0F) * half + 0.5F;
@@ -108,7 +108,7 @@ glm::vec3 CubeLookup::at(const glm::vec3& direction, double level) const {
   const double clamped = std::clamp(level, 0.0, static_cast<double>(levels() - 1));
   const auto sharper = static_cast<std::size_t>(clamped);
   const auto share = static_cast<float>(clamped - static_cast<double>(sharper));
-  const Place place = place_of(direction);
+  const FacePoint place = place_of(direction);
   const glm::vec3 sharp = bilinear(levels_[sharper], place);
   return share > 0.0F ? mixed(sharp, bilinear(levels_[sharper + 1], place), share) : sharp;
 }

@@ -158,7 +158,7 @@ class Light {
 
   [[nodiscard]] bool has_irradiance() const noexcept { return irradiance_.has_value(); }
   [[nodiscard]] double mip_of(double roughness) const {
-    return table_.size() > 1 ? mip_of_roughness(table_, roughness) : 0.0;
+    return table_.size() > 1 ? mip_for_roughness(table_, roughness) : 0.0;
   }
 
   [[nodiscard]] const BrdfTable* brdf() const noexcept { return light_.brdf.get(); }

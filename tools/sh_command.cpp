@@ -35,7 +35,7 @@ void add_sh_options(Options& table, ShOptions& options) {
   add_input_options(table, options.input, options.sky);
   add_format_options(table, options);
   in_group(table, "Input and output");
-  add_turn_options(table, options.turn);
+  add_orientation_options(table, options.orientation);
   add_projection_options(table, options);
   add_pixel_options(table, options.projection.pixels, options.clamp);
   add_window_options(table, options);
@@ -62,7 +62,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
     if (options.projection.pixels.infinity == NonFinitePolicy::replace) {
       infinities = replace_infinities(pixels, infinity_of(options.projection.pixels));
     }
-    report.sun = take_out_sun(pixels, options.sun.options);
+    report.sun = extract_sun(pixels, options.sun.options);
   }
   begin_stage("project");
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
@@ -87,7 +87,7 @@ void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) 
   if (bytes <= read.memory_limit_bytes) return;
   throw Error(ErrorCode::limit_exceeded,
               platform::utf8(info.path) + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
-                  " texels, held twice for --take-out-sun and --irradiance-error, take " + std::to_string(bytes) +
+                  " texels, held twice for --extract-sun and --irradiance-error, take " + std::to_string(bytes) +
                   " bytes, above the limit of " + std::to_string(read.memory_limit_bytes) +
                   "; raise --memory-limit, leave those options out, or reduce the image");
 }
@@ -133,9 +133,9 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   return is_cubemap(info);
 }
 
-void turn(const glm::dmat3& matrix, ShReport& report) {
+void rotate(const glm::dmat3& matrix, ShReport& report) {
   if (matrix == glm::dmat3(1.0)) return;
-  report.projection.radiance = turned(report.projection.radiance, matrix);
+  report.projection.radiance = rotate(report.projection.radiance, matrix);
   if (report.sun) report.sun->direction = matrix * report.sun->direction;
 }
 
@@ -145,7 +145,7 @@ ShReport measure_sh(const ShOptions& options, const Control& control) {
   report.options = options.projection;
   report.sun_wanted = options.sun.take_out;
   const bool cubemap = project_source(options, control, report);
-  turn(turn_of_light(options.turn, cubemap), report);
+  rotate(light_rotation(options.orientation, cubemap), report);
   complete(report, options);
   return report;
 }
@@ -200,8 +200,8 @@ const char* quadrature_name(const ShReport& report) noexcept {
 
 void complete(ShReport& report, const ShOptions& options) {
   report.window = options.window;
-  report.engine = options.turn.to;
-  report.axes = axes_text(options.turn);
+  report.engine = options.orientation.to;
+  report.axes = axes_text(options.orientation);
   report.threads = thread_count(options.common);
   SphericalHarmonics& radiance = report.projection.radiance;
   report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
@@ -209,7 +209,7 @@ void complete(ShReport& report, const ShOptions& options) {
   radiance = report.windowed.radiance;
   report.irradiance = irradiance_from_radiance(radiance);
   report.polynomial = babylon_polynomial(radiance);
-  if (has_engine_light(report.engine)) report.engine_light = engine_light_in_place(radiance, report.engine);
+  if (has_engine_light(report.engine)) report.engine_light = engine_light_unrotated(radiance, report.engine);
 }
 
 std::string sh_formatted(const ShReport& report, ShFormat format) {
@@ -228,8 +228,8 @@ Command sh_command() {
   const auto options = std::make_shared<ShOptions>();
   Command command{"sh", "Project an environment to spherical harmonics", embedded_text("help/sh.txt")};
   add_sh_options(command.options, *options);
-  command.everyday = {"INPUT",          "--sky",    "--json",  "--format",  "--for",   "--yaw",  "--bands",
-                      "--take-out-sun", "--window", "--clamp", "--threads", "--cache", "--quiet"};
+  command.everyday = {"INPUT",         "--sky",    "--json",  "--format",  "--for",   "--yaw",  "--bands",
+                      "--extract-sun", "--window", "--clamp", "--threads", "--cache", "--quiet"};
   command.run = [options, name = command.name](const Given& /*given*/) {
     require_input(name, options->input, options->sky);
     run(*options);

@@ -7,8 +7,8 @@
 
 #include "tools/arguments.h"
 #include "tools/input.h"
+#include "tools/orientation.h"
 #include "tools/sky_model.h"
-#include "tools/turning.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
@@ -23,7 +23,7 @@ struct ShReport {
   Engine engine = Engine::welkin;  ///< whose axes they are
 
   Window window = Window::none;
-  Windowed windowed;  ///< what the window did; minima also where there is none
+  WindowResult windowed;  ///< what the window did; minima also where there is none
 
   std::optional<SkyReport> sky;  ///< of a computed one
 
@@ -60,7 +60,7 @@ struct ShOptions {
   ProjectionOptions projection;
   int target_size = 0;  ///< 0: none
   ClampChoice clamp;
-  TurnOptions turn;
+  OrientationOptions orientation;
   SunChoice sun;
   Window window = Window::none;
   double window_width = 0.0;

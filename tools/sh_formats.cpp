@@ -130,7 +130,7 @@ std::string no_form_lines(const ShReport& report) {
 }
 
 std::string window_lines(const ShReport& report) {
-  const Windowed& windowed = report.windowed;
+  const WindowResult& windowed = report.windowed;
   const std::string least = "\nMinimum irradiance over all normals  ";
   if (report.window == Window::none) {
     const glm::dvec3& value = windowed.minimum_before;
@@ -214,7 +214,7 @@ std::string sh_table(const ShReport& report) {
   std::string text = source_lines(report) + convention_lines(radiance.bands()) +
                      prefixed("  ", "Axes: " + report.axes) + coefficient_lines(radiance, report.irradiance);
   text += no_form_lines(report) +
-          engine_lines(report.engine_light ? *report.engine_light : engine_light_in_place(radiance, Engine::welkin));
+          engine_lines(report.engine_light ? *report.engine_light : engine_light_unrotated(radiance, Engine::welkin));
   return text + "\nAverage colour (mean radiance of the sphere)  " + significant(mean_radiance(radiance)) + '\n' +
          window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +
          dominant_lines(report) + irradiance_error_lines(report) + diagnostics_lines(report);
@@ -276,7 +276,7 @@ Json diagnostics_json(const ShReport& report) {
 Json axes_json(const ShReport& report) { return {{"engine", convention(report.engine).name}, {"words", report.axes}}; }
 
 Json window_json(const ShReport& report) {
-  const Windowed& windowed = report.windowed;
+  const WindowResult& windowed = report.windowed;
   return {{"name", name(report.window)},
           {"parameter", windowed.parameter},
           {"factors", windowed.factors},
@@ -538,7 +538,7 @@ std::string sh_c_header(const ShReport& report) try {
 }
 
 std::string sh_glsl(const ShReport& report) try {
-  const EngineLight light = engine_light_in_place(report.projection.radiance, Engine::welkin);
+  const EngineLight light = engine_light_unrotated(report.projection.radiance, Engine::welkin);
   std::string text = head(report, "") + "const vec3 sh[9] = vec3[9](\n";
   for (const EngineTerm& term : light.terms) {
     text += "  vec3(" + triple(term.rgb, "") + (&term == &light.terms.back() ? "));\n" : "),\n");

@@ -140,7 +140,7 @@ glm::dvec3 disc(const Sun& sun, double horizon, const glm::dvec3& towards) {
 
 /// A row of pixels at a time: its directions in one call.
 void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left, int top, PreviewPicture& picture) {
-  const Sun sun = sky.view.sun(tile.sun);
+  const Sun sun = sky.view.sun_light(tile.sun);
   const double horizon = horizon_sine(sky.report);
   const auto samples = static_cast<std::size_t>(lens.width()) * kSampling * kSampling;
   std::vector<glm::vec3> directions(samples);
@@ -176,8 +176,8 @@ std::string tile_line(const Sky& sky, const Tile& tile, std::size_t number) {
   return pad_left(std::to_string(number + 1), 5) + pad_left(significant(tile.elevation, 3), 11) +
          cells(sky.view.radiance({0.0, 1.0, 0.0}, tile.sun)) +
          cells(sky.view.radiance(sun_direction(kJustUp, 0.0), tile.sun)) +
-         cells(sky.view.radiance(sun_direction(kJustUp, 180.0), tile.sun)) + cells(sky.view.sun(tile.sun).irradiance) +
-         pad_left(significant(tile.tone_map.exposure, 3), 11) + '\n';
+         cells(sky.view.radiance(sun_direction(kJustUp, 180.0), tile.sun)) +
+         cells(sky.view.sun_light(tile.sun).irradiance) + pad_left(significant(tile.tone_map.exposure, 3), 11) + '\n';
 }
 
 std::string head_lines(const Sky& sky, const SweepOptions& options) {
@@ -235,9 +235,9 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
   const double noon = brightness(sky, sun_direction(elevations.front(), 0.0));
   for (std::size_t i = 0; i < elevations.size(); ++i) {
     const Tile tile = tile_at(sky, elevations[i], noon);
-    const auto place = static_cast<int>(i);
-    draw(sky, tile, lens, options.size, place % columns * (lens.width() + kGap),
-         place / columns * (options.size + kGap), picture);
+    const auto point = static_cast<int>(i);
+    draw(sky, tile, lens, options.size, point % columns * (lens.width() + kGap),
+         point / columns * (options.size + kGap), picture);
     text += tile_line(sky, tile, i);
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
@@ -259,6 +259,7 @@ constexpr int kSkyBackground = 128;  // as many texels round the horizon as the 
 
 struct SkyOptions {
   SkyParameters sky;
+  DatedSun dated;  ///< --date and what belongs to it
   SkyHarmonicsOptions quadrature;
   ShOptions sh;  ///< threads, memory, bands, window, whose axes, form of the result
   bool print_atmosphere = false;
@@ -271,7 +272,8 @@ struct SkyOptions {
   SweepOptions sweep;  ///< its path empty: no sweep
 };
 
-void add_sun_place(Options& table, SkyParameters& sky) {
+void add_sun_place(Options& table, SkyOptions& options) {
+  SkyParameters& sky = options.sky;
   add_option(table, "--sun-elevation", &sky.sun_elevation_degrees, "DEGREES",
              "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first image, "
              "default 90",
@@ -279,6 +281,22 @@ void add_sun_place(Options& table, SkyParameters& sky) {
   add_option(table, "--sun-azimuth", &sky.sun_azimuth_degrees, "DEGREES",
              "The sun's azimuth, counted from +z towards +x; default 0",
              {.bounds = finite_between(-kFullTurns, kFullTurns)});
+  add_option(
+      table, "--date", &options.dated.date, "DATE",
+      "Place the sun by date and time, with time zone: 2026-06-21T18:30Z or 2026-06-21T20:30+02:00, 1900 to 2099",
+      {.needs = {"--at"}, .excludes = {"--sun-elevation", "--sun-azimuth", "--sweep"}});
+  const auto set_place = [&options](const std::vector<double>& point) {
+    options.dated.observer.latitude_degrees = point[0];
+    options.dated.observer.longitude_degrees = point[1];
+  };
+  add_option(table, "--at", On<std::vector<double>>(set_place), "LATITUDE,LONGITUDE",
+             "The place of --date, degrees, positive in the north and in the east",
+             {.list = List::commas, .count = 2, .needs = {"--date"}});
+  add_option(table, "--refraction", &options.dated.observer.refraction, "",
+             "Raise the sun of --date by the refraction of air, half a degree on the horizon", {.needs = {"--date"}});
+  add_option(table, "--north", &options.dated.observer.north_azimuth_degrees, "DEGREES",
+             "The azimuth of north for --date; default 180: north is -z and east +x",
+             {.bounds = finite_between(-kFullTurns, kFullTurns), .needs = {"--date"}});
   add_option(table, "--altitude", &sky.altitude_m, "METRES", "The observer's height above the ground; default 0",
              {.bounds = finite_between(0.0, kHighest)});
   add_option(table, "--no-ground", OnFlag([&sky] { sky.view.ground = false; }), "",
@@ -300,11 +318,11 @@ void add_table_options(Options& table, SkyOptions& options) {
   add_option(table, "--orders", &tables.orders, "N",
              "Orders of scattering, ground reflections included, 1 to 64; default 4",
              {.bounds = whole_between(1, kMaxOrders)});
-  add_option(table, "--until-change", &tables.until_change, "SHARE",
+  add_option(table, "--convergence-threshold", &tables.convergence_threshold, "SHARE",
              "Stop before --orders when an order adds less than this fraction of the light before it; default "
              "0: never",
              {.bounds = finite_between(0.0, 1.0)});
-  add_option(table, "--exact-orders", OnFlag([&tables] { tables.exact_orders = true; }), "",
+  add_option(table, "--truncate-orders", OnFlag([&tables] { tables.truncate_orders = true; }), "",
              "Omit light of more than --orders orders, which is otherwise estimated");
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
@@ -378,7 +396,7 @@ void add_folder_options(Options& table, SkyOptions& options) {
 }
 
 void add_sky_options(Options& table, SkyOptions& options) {
-  add_sun_place(table, options.sky);
+  add_sun_place(table, options);
   in_group(table, "Sun and observer");
   add_atmosphere_options(table, options.sky.atmosphere);
   add_option(table, "--print-atmosphere", &options.print_atmosphere, "",
@@ -390,7 +408,7 @@ void add_sky_options(Options& table, SkyOptions& options) {
   add_format_options(table, options.sh);
   add_bands_option(table, options.sh);
   add_window_options(table, options.sh);
-  add_engine_option(table, options.sh.turn);
+  add_engine_option(table, options.sh.orientation);
   option(table, "--for").text += ". With -o the folder holds what that engine loads, as of 'welkin bake'";
   in_group(table, "Harmonics and output");
   add_sweep_options(table, options.sweep);
@@ -409,10 +427,16 @@ void settle(SkyOptions& options, const Given& given) {
     if (!given("--colour")) tables.colour = SkyColour::linear_srgb;
     if (given("--sun-elevation")) options.sweep.first_degrees = options.sky.sun_elevation_degrees;
   }
+  if (given("--date")) {
+    options.dated.position = sun_position(options.dated.date, options.dated.observer);
+    options.sky.sun_elevation_degrees = options.dated.position.elevation_degrees;
+    options.sky.sun_azimuth_degrees = options.dated.position.azimuth_degrees;
+    options.sky.dated = options.dated;
+  }
   options.wants_folder = given("-o");
   options.bake.common = options.sh.common;
   options.bake.common.json = options.sh.format == ShFormat::json;
-  options.bake.turn.to = options.sh.turn.to;
+  options.bake.orientation.to = options.sh.orientation.to;
   options.bake.bake.bands = options.sh.projection.bands;
   options.bake.picture_name = "sky.exr";
   settle_files(options.bake);
@@ -448,7 +472,7 @@ void describe_light(const Sky& sky, ShReport& report) {
   diagnostics.total_radiance = sphere * report.projection.radiance.coefficients().front();
   diagnostics.total_radiance_before_clamp = diagnostics.total_radiance;
   report.sun_wanted = true;
-  report.sun = sky.view.sun(sky.sun);
+  report.sun = sky.view.sun_light(sky.sun);
   report.sun->total_radiance_after = diagnostics.total_radiance;
   report.sun->total_radiance_before = diagnostics.total_radiance + report.sun->irradiance;
 }
@@ -472,9 +496,9 @@ ShReport measure_sky(const SkyOptions& options, const Control& control) {
   diagnostics.texels = static_cast<std::uint64_t>(report.sky->directions);
   diagnostics.error_estimate = error_estimate(sky, options.quadrature, report.projection.radiance);
   describe_light(sky, report);
-  const glm::dmat3 matrix = turn_of_light(options.sh.turn, false);
+  const glm::dmat3 matrix = light_rotation(options.sh.orientation, false);
   if (matrix != glm::dmat3(1.0)) {
-    report.projection.radiance = turned(report.projection.radiance, matrix);
+    report.projection.radiance = rotate(report.projection.radiance, matrix);
     report.sun->direction = matrix * report.sun->direction;
   }
   complete(report, options.sh);
@@ -519,9 +543,9 @@ Command sky_command() {
   const auto options = std::make_shared<SkyOptions>();
   Command command{"sky", "The light of a computed sky", embedded_text("help/sky.txt")};
   add_sky_options(command.options, *options);
-  command.everyday = {"--sun-elevation", "--sun-azimuth", "--altitude", "--preset", "--ground-albedo",
-                      "--colour",        "--json",        "--for",      "--tables", "--sweep",
-                      "--output",        "--size",        "--threads",  "--quiet"};
+  command.everyday = {"--sun-elevation", "--sun-azimuth", "--date",    "--at",   "--altitude", "--preset",
+                      "--ground-albedo", "--colour",      "--json",    "--for",  "--tables",   "--sweep",
+                      "--output",        "--size",        "--threads", "--quiet"};
   command.run = [options](const Given& given) { run(*options, given); };
   return command;
 }

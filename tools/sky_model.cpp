@@ -280,8 +280,8 @@ Json tables_json(const SkyReport& report) {
           {"sun_angles", tables.layout == ScatteringLayout::full ? Json(tables.sun_angles) : Json(nullptr)},
           {"minimum_sun_elevation_degrees", tables.minimum_sun_elevation_degrees},
           {"orders_asked_for", tables.orders},
-          {"until_change", tables.until_change},
-          {"exact_orders", tables.exact_orders},
+          {"convergence_threshold", tables.convergence_threshold},
+          {"truncate_orders", tables.truncate_orders},
           {"bytes", report.table_bytes}};
 }
 
@@ -293,7 +293,7 @@ Json quadrature_json(const SkyReport& report) {
           {"azimuths", report.quadrature->azimuths}};
 }
 
-std::string sun_place(double elevation) {
+std::string sun_lookup(double elevation) {
   return significant(std::abs(elevation)) + (elevation < 0.0 ? " degrees below the horizon" : " degrees up");
 }
 
@@ -306,11 +306,23 @@ std::string sky_unit(const SkyReport& report) {
 }
 
 Json sky_json(const SkyReport& report) {
+  Json dated;
+  if (report.dated) {
+    const SunObserver& observer = report.dated->observer;
+    dated = {{"date", report.dated->date},
+             {"latitude_degrees", observer.latitude_degrees},
+             {"longitude_degrees", observer.longitude_degrees},
+             {"north_azimuth_degrees", observer.north_azimuth_degrees},
+             {"compass_degrees", report.dated->position.compass_degrees},
+             {"refraction_degrees", report.dated->position.refraction_degrees},
+             {"distance_au", report.dated->position.distance_au}};
+  }
   return {{"atmosphere", report.atmosphere.name},
           {"unit", sky_unit(report)},
           {"colour", tool::name(report.tables.colour)},
           {"sun_elevation_degrees", report.sun_elevation_degrees},
           {"sun_azimuth_degrees", report.sun_azimuth_degrees},
+          {"sun_by_date", std::move(dated)},
           {"altitude_m", report.altitude_m},
           {"orders", report.orders},
           {"last_change", report.last_change},
@@ -327,8 +339,14 @@ std::string sky_lines(const SkyReport& report) {
                                  ? std::pair{0.0, 0.0}
                                  : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
                                              *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
-  std::string text = "  " + printable(air.name) + "; sun " + sun_place(report.sun_elevation_degrees) + ", azimuth " +
+  std::string text = "  " + printable(air.name) + "; sun " + sun_lookup(report.sun_elevation_degrees) + ", azimuth " +
                      significant(report.sun_azimuth_degrees) + "; altitude " + significant(report.altitude_m) + " m\n";
+  if (report.dated) {
+    const auto& [date, observer, sun] = *report.dated;
+    text += "  " + printable(date) + " at latitude " + significant(observer.latitude_degrees) + ", longitude " +
+            significant(observer.longitude_degrees) + "; " + significant(sun.compass_degrees) +
+            " degrees from north through east" + (observer.refraction ? ", raised by refraction" : "") + '\n';
+  }
   text += "  " + counted(static_cast<std::uint64_t>(report.orders), "order") + " of scattering, the last added " +
           significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(least) +
           (most > least ? " to " + significant(most) : "") + (report.ground ? "" : ", not seen") + '\n';
@@ -412,6 +430,7 @@ Sky make_sky(const SkyParameters& parameters, const Control& control) {
   report.atmosphere = std::move(atmosphere);
   report.sun_elevation_degrees = parameters.sun_elevation_degrees;
   report.sun_azimuth_degrees = parameters.sun_azimuth_degrees;
+  report.dated = parameters.dated;
   report.altitude_m = parameters.altitude_m;
   report.ground = parameters.view.ground;
   report.tables = ready.tables->options;
@@ -433,7 +452,7 @@ ComputedPicture sky_picture(const Sky& sky, int height, bool sun_disc, const Con
                     "from tables of the scattering",
                     {}};
   picture.sky = sky.report;
-  if (!sun_disc) picture.sun = sky.view.sun(sky.sun);
+  if (!sun_disc) picture.sun = sky.view.sun_light(sky.sun);
   return picture;
 }
 

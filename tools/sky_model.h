@@ -46,11 +46,19 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice);
 /// Every member, with every digit: read again by --atmosphere it is the same.
 [[nodiscard]] Json atmosphere_json(const Atmosphere& atmosphere);
 
+/// A sun by date and place.
+struct DatedSun {
+  std::string date;
+  SunObserver observer;
+  SunPosition position{};  ///< of them
+};
+
 /// What a computed sky was made of, for those who read of it.
 struct SkyReport {
   Atmosphere atmosphere;
   double sun_elevation_degrees = 0.0;
   double sun_azimuth_degrees = 0.0;  ///< in Welkin's axes
+  std::optional<DatedSun> dated;     ///< none: the sun was placed by angles
   double altitude_m = 0.0;
   bool ground = true;
   SkyTableOptions tables;
@@ -83,6 +91,7 @@ struct SkyParameters {
   AtmosphereChoice atmosphere;
   double sun_elevation_degrees = 40.0;
   double sun_azimuth_degrees = 0.0;
+  std::optional<DatedSun> dated;  ///< which set these two
   double altitude_m = 0.0;
   SkyViewOptions view;
   SkyTableOptions tables;

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -17,7 +16,7 @@ namespace welkin::tool {
 /// A token that asks work to stop once somebody wants the program to end: by Ctrl-C, or by the signals SIGTERM and
 /// SIGHUP, unless the program was started with them ignored. A second signal ends it at once. From the first call on,
 /// writing beyond the limit on a file's size is an error and no signal.
-[[nodiscard]] std::stop_token stop_on_signals();
+[[nodiscard]] stop_token stop_on_signals();
 
 /// The signal that came; 0: none has. Windows: Ctrl-C is SIGINT, and so is Ctrl-Break; SIGTERM that the window is
 /// closed, the user logs off or the system shuts down.

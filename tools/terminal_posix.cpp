@@ -49,7 +49,7 @@ extern "C" void note_file_limit(int number) {
 }
 
 /// Hands on to the stop source what a handler may not touch.
-void watch_pipe(std::stop_source source) {
+void watch_pipe(stop_source source) {
   char byte = 0;
   while (read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
   }
@@ -57,7 +57,7 @@ void watch_pipe(std::stop_source source) {
 }
 
 /// Where there is no thread or pipe to watch, signals end the program as ever.
-void watch_signals(const std::stop_source& source) {
+void watch_signals(const stop_source& source) {
   struct sigaction limited {};
   limited.sa_handler = note_file_limit;
   sigaction(SIGXFSZ, &limited, nullptr);
@@ -83,9 +83,9 @@ std::filesystem::path own_folder() {
   return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
 }
 
-std::stop_token stop_on_signals() {
+stop_token stop_on_signals() {
   static const auto& source = *[] {
-    auto* const made = new std::stop_source;  // never destroyed: the watching thread outlives main
+    auto* const made = new stop_source;  // never destroyed: the watching thread outlives main
     watch_signals(*made);
     return made;
   }();

@@ -19,7 +19,7 @@ namespace welkin::tool {
 namespace {
 
 std::atomic<int> caught{0};
-std::stop_source* asked = nullptr;  // never destroyed: the handler's thread outlives main
+stop_source* asked = nullptr;  // never destroyed: the handler's thread outlives main
 
 HANDLE stream_handle(Stream stream) {
   return GetStdHandle(stream == Stream::output ? STD_OUTPUT_HANDLE : STD_ERROR_HANDLE);
@@ -134,9 +134,9 @@ bool is_terminal(Stream stream) {
   return GetConsoleMode(handle, &mode) && (mode & ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0;
 }
 
-std::stop_token stop_on_signals() {
+stop_token stop_on_signals() {
   static const auto& source = *[] {
-    asked = new std::stop_source;
+    asked = new stop_source;
     SetConsoleCtrlHandler(note_event, TRUE);
     return asked;
   }();

@@ -1,4 +1,5 @@
-# WebAssembly by Emscripten, with vectors of 128 bits and without threads: what bindings/wasm is made of (scripts/wasm).
+# WebAssembly by Emscripten, with vectors of 128 bits: what bindings/wasm is made of (scripts/wasm). Without threads, or with
+# WELKIN_STANDARD_THREADS on memory that threads share, which all objects of a module must be compiled for.
 set(EMSCRIPTEN_ROOT /usr/share/emscripten CACHE PATH "Where Emscripten's folder `cmake` lies: where Debian has it")
 set(EMSCRIPTEN_SYSTEM_PROCESSOR wasm32)
 include(${EMSCRIPTEN_ROOT}/cmake/Modules/Platform/Emscripten.cmake)
@@ -7,6 +8,11 @@ include(${EMSCRIPTEN_ROOT}/cmake/Modules/Platform/Emscripten.cmake)
 # thrown.
 set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions")
 set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions")
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES WELKIN_STANDARD_THREADS)
+if(WELKIN_STANDARD_THREADS)
+  string(APPEND CMAKE_C_FLAGS_INIT " -pthread")
+  string(APPEND CMAKE_CXX_FLAGS_INIT " -pthread")
+endif()
 
 # A page waits for a module before anything can begin, so all but the kernels, which choose for themselves, is compiled for
 # its size. Functions are inlined where that makes the module smaller; of itself Emscripten then inlines none. Nothing but

@@ -51,7 +51,7 @@ std::vector<std::string> setup_names() { return {"own-idle", "own-below", "own-n
 
 WorkerSetup worker_setup(const std::string& name, int threads, tbb::task_arena& engine) {
   if (name == "own-idle") return own_threads(welkin::ThreadPriority::idle, threads);
-  if (name == "own-below") return own_threads(welkin::ThreadPriority::below, threads);
+  if (name == "own-below") return own_threads(welkin::ThreadPriority::below_normal, threads);
   if (name == "own-normal") return own_threads(welkin::ThreadPriority::normal, threads);
   if (name == "lent") return arena_of_low_priority(threads);
   if (name == "lent-engine") return lent_by(engine);

@@ -54,7 +54,7 @@ welkin::BakeOptions options_of_probes() {
 welkin::UploadLayout layout_of_probes() {
   return {.format = welkin::TexelFormat::rgba16f,
           .size = kSize,
-          .levels = welkin::mips_of_chain(*options_of_probes().specular),
+          .levels = welkin::default_mip_count(*options_of_probes().specular),
           .row_alignment_bytes = 256,
           .level_alignment_bytes = 512};
 }

@@ -90,9 +90,9 @@ class Probe {
 using ShaderLight = std::array<std::array<float, 4>, 7>;
 
 /// The faces of this engine are named after its own axes, which are Unity's. So what is projected from them lies in
-/// these axes already, and must not be turned from Welkin's: hence `engine_light_in_place` and not `engine_light`.
+/// these axes already, and must not be turned from Welkin's: hence `engine_light_unrotated` and not `engine_light`.
 ShaderLight shader_light(const welkin::SphericalHarmonics& radiance) {
-  const welkin::EngineLight light = welkin::engine_light_in_place(radiance, welkin::Engine::unity);
+  const welkin::EngineLight light = welkin::engine_light_unrotated(radiance, welkin::Engine::unity);
   ShaderLight constants{};
   for (std::size_t k = 0; k < constants.size(); ++k) {
     const welkin::dvec4& value = light.vectors.at(k).value;

@@ -111,11 +111,11 @@ bool written_exactly(const std::vector<welkin::CubemapTarget>& targets, std::vec
 }
 
 /// The roughness that a shader finds at a mip, fractions too, if it interpolates between mips.
-double roughness_at(const std::vector<double>& roughness_of_mips, double mip) {
+double roughness_at(const std::vector<double>& mip_roughness, double mip) {
   const double below = std::floor(mip);
   const auto index = static_cast<std::size_t>(below);
-  const double here = roughness_of_mips[index];
-  return index + 1 < roughness_of_mips.size() ? std::lerp(here, roughness_of_mips[index + 1], mip - below) : here;
+  const double here = mip_roughness[index];
+  return index + 1 < mip_roughness.size() ? std::lerp(here, mip_roughness[index + 1], mip - below) : here;
 }
 
 int run() {
@@ -161,7 +161,7 @@ int run() {
   std::printf("bytes between rows and between mips are %s\n", exact ? "untouched" : "NOT untouched");
 
   for (const double material : {0.0, 0.05, 0.3, 0.5, 1.0}) {
-    const double mip = welkin::mip_of_roughness(roughness, material);
+    const double mip = welkin::mip_for_roughness(roughness, material);
     good = good && std::abs(roughness_at(roughness, mip) - material) < 1e-12;
     std::printf("a material of roughness %.2f reads mip %.3f\n", material, mip);
   }

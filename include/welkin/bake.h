@@ -237,7 +237,7 @@ struct SourceShape {
     return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
   }
   /// Returns a description such as "lat-long 1024 x 512" or "cubemap of 256".
-  [[nodiscard]] std::string words() const;
+  [[nodiscard]] std::string description() const;
 
   friend bool operator==(const SourceShape&, const SourceShape&) = default;
 };
@@ -283,11 +283,11 @@ struct Plan {
   [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
 };
 
-/// Plans a bake. `whole` describes the bake of everything, with its sizes and bounds. Parts that `needs` does not use
-/// are removed from it; the specular chain keeps the mips that are needed, and harmonics the bands that are needed.
-/// Throws `Error` (invalid_argument, limit_exceeded) where `bake` or `check` would.
-[[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole = {});
-[[nodiscard]] Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& whole = {});
+/// Plans a bake. `full_options` describes the bake of everything, with its sizes and bounds. Parts that `needs` does
+/// not use are removed from it; the specular chain keeps the mips that are needed, and harmonics the bands that are
+/// needed. Throws `Error` (invalid_argument, limit_exceeded) where `bake` or `check` would.
+[[nodiscard]] Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& full_options = {});
+[[nodiscard]] Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& full_options = {});
 
 /// Bakes according to a plan. The source must have the shape that was planned for. The records have the plan's reasons.
 /// Throws the same errors as `bake`, and `Error` (invalid_argument) for another shape.
@@ -296,7 +296,6 @@ struct Plan {
 /// Formats a table of passes: action, memory, reason. If `measured` has the records of the bake, the table includes the
 /// time of each pass.
 [[nodiscard]] std::string plan_text(const Plan& plan, const std::vector<PassRecord>& measured = {});
-[[nodiscard]] std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured);
 
 // ---- Skies: specular chains of a computed sky, and plans for skies
 
@@ -344,7 +343,8 @@ struct SkyPlan {
 /// Plans a sky bake. Work for what the planet lacks is left out: the second scattering table without aerosol, the
 /// shells of absorbers without absorbers, and sources of higher orders with one order. Throws `Error`
 /// (invalid_argument) for what `check` or `precompute_sky` refuses.
-[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {});
+[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs,
+                           const SkyBakeOptions& full_options = {});
 
 /// Result of a sky bake. Members that were not planned are empty.
 struct SkyBake {

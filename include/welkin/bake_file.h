@@ -3,7 +3,7 @@
 //
 //   welkin::BakeResult light = welkin::bake_file("sky.exr", {}, {.specular = welkin::PrefilterOptions{.size = 512}});
 //
-//   const welkin::StoredEnvironment file = welkin::probe_environment("sky.env");
+//   const welkin::StoredEnvironment file = welkin::inspect_stored_environment("sky.env");
 //   welkin::BakeResult needed = welkin::bake(file, welkin::plan(file, {.diffuse_bands = 3}));
 //
 //   auto job = worker.post(welkin::BakeFile{"sky.exr"});
@@ -59,13 +59,13 @@ struct StoredEnvironment {
   std::vector<double> roughness;                   ///< roughness of each level, if they are reflections
 
   /// Returns a description such as "sky.env: Babylon.js .env, cubemap of 256, 9 prefiltered mips, polynomial".
-  [[nodiscard]] std::string words() const;
+  [[nodiscard]] std::string description() const;
 };
 
 /// Reads a header. `content` overrides what the file states. Reflections without roughness in their metadata
 /// (`welkin.roughness`) are assumed to follow `RoughnessSchedule::linear`. Errors: those of `inspect_environment`.
-[[nodiscard]] StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read = {},
-                                                  LevelContent content = LevelContent::automatic);
+[[nodiscard]] StoredEnvironment inspect_stored_environment(const FileInput& input, const ReadOptions& read = {},
+                                                           LevelContent content = LevelContent::automatic);
 
 // ---- Bakes of files
 
@@ -76,7 +76,7 @@ struct StoredEnvironment {
 
 /// Plans a bake of a probed file, using what it contains. If no pass needs pixels, the file is projected while it is
 /// read, or not read at all. This call reads nothing.
-[[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {});
+[[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& full_options = {});
 
 /// Bakes a file according to its plan. Throws the same errors as `bake_file`, and `Error` (invalid_argument) for the
 /// plan of another file.
@@ -287,10 +287,16 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
                                            const Control& control = {});
 
 /// Writes probes as a JSON description and the files that it names: NAME.bin with all arrays of `BakedProbes`
-/// (little-endian), and a three-dimensional KTX2 texture of half floats per texture of each layout, NAME_LAYOUT.ktx2 or
-/// NAME_LAYOUT_TEXTURE.ktx2. docs/guides/probe_grids.md lists the keys. All files are written, or none. The path must
-/// end in .json.
+/// (little-endian), and a KTX2 texture of half floats, three-dimensional or an array, per texture of each layout,
+/// NAME_LAYOUT.ktx2 or NAME_LAYOUT_TEXTURE.ktx2; for `ProbeLayout::three` also NAME_three.json.
+/// docs/guides/probe_grids.md lists the keys. All files are written, or none. The path must end in .json.
 WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& probes,
                          std::span<const ProbeLayout> layouts = {}, const Control& control = {});
+
+/// Reads probes that `write_probes` wrote: a description, and the arrays from the file that it names in the same
+/// folder, or from `arrays`, which a description in memory requires. All arrays keep their bits; the diagnostics are
+/// empty. Throws `Error`: file_access, corrupt_file (the message names the key), unsupported_file (another format or
+/// version), limit_exceeded (a description of more than a megabyte), invalid_argument (memory without `arrays`).
+[[nodiscard]] BakedProbes read_probes(const FileInput& input, const std::optional<FileInput>& arrays = {});
 
 }  // namespace welkin

@@ -126,9 +126,9 @@ struct Control {
 
 /// The priority of a worker's threads relative to all other threads of the machine.
 enum class ThreadPriority {
-  idle,    ///< runs only on processors that are otherwise idle (Linux SCHED_IDLE)
-  below,   ///< gets a tenth of a normal thread's CPU time when both compete (nice + 10)
-  normal,  ///< the priority of the thread that created the worker
+  idle,          ///< runs only on processors that are otherwise idle (Linux SCHED_IDLE)
+  below_normal,  ///< gets a tenth of a normal thread's CPU time when both compete (nice + 10)
+  normal,        ///< the priority of the thread that created the worker
 };
 
 /// Runs `work` in a TBB arena of its own with `threads` threads, including the calling one. 0 uses

@@ -22,7 +22,22 @@ namespace WELKIN_EXPORT welkin {
 // ---- Axes, lat-longs and cube faces
 
 /// Engines and formats with known conventions; `conventions()` describes them.
-enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot, bevy, usd };
+enum class Engine {
+  welkin,
+  openexr,
+  babylon,
+  three,
+  filament,
+  gltf,
+  unity,
+  unreal,
+  blender,
+  godot,
+  bevy,
+  usd,
+  playcanvas,
+  qt
+};
 
 /// The conventions of one engine.
 struct Convention {
@@ -103,18 +118,18 @@ struct EngineLight {
   std::vector<EngineVector> vectors;
 };
 
-/// Returns whether the engine has a form; openexr, blender, bevy and usd have none. The `formula` of Engine::welkin is
-/// a GLSL function.
+/// Returns whether the engine has a form; openexr, blender, bevy, usd, playcanvas and qt have none. The `formula` of
+/// Engine::welkin is a GLSL function.
 [[nodiscard]] bool has_engine_light(Engine engine) noexcept;
 
 /// Converts radiance in Welkin's axes to an engine's form: rotates it to the engine's axes (`Convention::from_welkin`),
 /// then applies signs, order and scale. Bands above the third are dropped; missing ones are zero. Coefficients of faces
-/// that the engine rendered itself are not in Welkin's axes; see `engine_light_in_place` and
+/// that the engine rendered itself are not in Welkin's axes; see `engine_light_unrotated` and
 /// `Convention::faces_from_engine`. Throws `Error` (invalid_argument) for an engine without a form, naming those that
 /// have one.
 [[nodiscard]] EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine);
 
 /// Converts radiance that is already in the engine's axes to the engine's form. Throws the errors of `engine_light`.
-[[nodiscard]] EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine);
+[[nodiscard]] EngineLight engine_light_unrotated(const SphericalHarmonics& radiance, Engine engine);
 
 }  // namespace welkin

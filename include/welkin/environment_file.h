@@ -1,8 +1,8 @@
 // Environments in files, on disk or in memory: headers, pixels, statistics and harmonics.
 //
-// Reads and writes OpenEXR, Radiance .hdr, PFM and PNG. Also reads cubemaps and images with their levels from KTX2, KTX
-// (version 1) and DDS files, and cubemaps from Babylon.js .env files (in Welkin's axes); bake_file.h reads those with
-// all their mips, and writes them.
+// Reads and writes OpenEXR, Radiance .hdr, PFM and PNG. Also reads JPEG with a gain map (Ultra HDR, ISO 21496-1),
+// cubemaps and images with their levels from KTX2, KTX (version 1) and DDS files, and cubemaps from Babylon.js .env
+// files (in Welkin's axes); bake_file.h reads those with all their mips, and writes them.
 //
 //   function               reads               returns
 //   inspect_environment    the header          size, layout, channels, levels
@@ -115,14 +115,14 @@ enum class Layout {
   horizontal_strip,  ///< 6N x N: +X -X +Y -Y +Z -Z from left to right
   horizontal_cross,  ///< 4N x 3N: -X +Z +X -Z in the middle row, +Y above +Z, -Y below it
   vertical_cross,    ///< 3N x 4N: +Y; -X +Z +X; -Y; and -Z below that, rotated by 180 degrees
-  six_files,         ///< one N x N image per face, identified by the ends of their names; see `face_files`
+  six_files,         ///< one N x N image per face, identified by the ends of their names (docs/reference/files.md)
 };
 
 /// Returns "automatic", "lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross" or
 /// "six-files".
 [[nodiscard]] const char* name(Layout layout) noexcept;
 
-/// Encoding of integer values (PNG).
+/// Encoding of integer values (PNG, JPEG).
 enum class Transfer {
   automatic,  ///< sRGB, or linear where the file states a gamma of 1
   srgb,       ///< IEC 61966-2-1
@@ -155,7 +155,7 @@ struct ReadOptions {
   /// Index of a cubemap or image in a KTX2, KTX or DDS array, from 0.
   int element = 0;
 
-  Transfer transfer = Transfer::automatic;  ///< encoding of values in a PNG
+  Transfer transfer = Transfer::automatic;  ///< encoding of values in a PNG or JPEG
   Primaries primaries = Primaries::rec709;  ///< conversion of colours to Rec. 709
 
   /// Limit in bytes for pixels, including those being decoded, on all threads together. It is checked before the file
@@ -167,9 +167,9 @@ struct ReadOptions {
 };
 
 /// File formats that are read.
-enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon, ktx1 };
+enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon, ktx1, jpeg };
 
-/// Returns "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env" or "KTX".
+/// Returns "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX" or "JPEG".
 [[nodiscard]] const char* name(FileFormat format) noexcept;
 
 /// Type of a channel's values in a file.
@@ -184,7 +184,7 @@ enum class ChannelType {
   uint1,            ///< 1 bit, PNG; colours of a palette are uint8
   uint2,            ///< 2 bits, PNG
   uint4,            ///< 4 bits, PNG
-  uint8,            ///< 8 bits, PNG, KTX2 and DDS
+  uint8,            ///< 8 bits, PNG, JPEG, KTX2 and DDS
   uint16,           ///< 16 bits, PNG
   ufloat10,         ///< unsigned float of 10 bits, KTX2 and DDS
   ufloat11,         ///< unsigned float of 11 bits, KTX2 and DDS
@@ -227,7 +227,7 @@ struct EnvironmentInfo {
   std::array<std::filesystem::path, 6> faces;  ///< paths of six_files, in face order; else empty
 
   /// Returns the formats' names: "OpenEXR", or "OpenEXR, PNG" for six files that differ.
-  [[nodiscard]] std::string format_words() const;
+  [[nodiscard]] std::string format_description() const;
 };
 
 /// Statistics of a file's pixels as stored, without replacing or clamping. NaN and infinities are counted and excluded
@@ -263,16 +263,6 @@ struct Environment {
   /// Returns the view of a cubemap. Throws `Error` (invalid_argument) that names the file for a lat-long.
   [[nodiscard]] CubemapView cubemap() const;
 };
-
-/// Finds the six files of a cubemap, +X -X +Y -Y +Z -Z, from any one of them, or from a directory that holds one such
-/// set. Their names differ only at the end, before the extension: px nx py ny pz nz; posx negx posy ..; right left top
-/// bottom front back; right left up down front back; rt lf up dn ft bk; 0 to 5 (unless there is a 6). The part before
-/// is the same in all six, or empty, optionally followed by one of _ - . and space; case is ignored. Extensions may
-/// differ; if several sets match, the extension of `path` decides.
-///
-/// Looks at names only. Throws `Error`: file_access naming the missing faces, unsupported_file if the name is not a
-/// face's, or if the set is ambiguous.
-[[nodiscard]] std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path);
 
 /// Reads a header.
 [[nodiscard]] EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options = {});

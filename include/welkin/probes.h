@@ -57,6 +57,34 @@ struct DepthView {
   std::ptrdiff_t row_stride_bytes = 0;  ///< distance between rows; 0 for packed rows; negative for bottom-up images
 };
 
+// ---- Relocation
+
+/// Options of `relocate_probes`. Shares of a distance refer to the smallest spacing.
+struct RelocationOptions {
+  double back_share = 0.25;  ///< fraction of the sphere that must show backs for a probe to lie within geometry, 0 to 1
+  double clearance = 0.12;   ///< distance to keep from surfaces, 0 to 0.5; larger than `ProbeOptions::near_share`
+  double farthest = 0.45;    ///< bound of the offset along each axis, as a fraction of that axis's spacing, 0 to 0.5
+
+  friend bool operator==(const RelocationOptions&, const RelocationOptions&) = default;
+};
+
+/// Returns where probes should be captured instead: an offset per probe, to be added to `ProbeGrid::position`. Engines
+/// call it a virtual offset (Unity) or probe relocation (RTXGI). Capture again at the new positions, bake, and set
+/// `BakedProbes::offsets`.
+///
+/// - A probe that sees more backs than `back_share` lies within geometry. It moves through the nearest back and
+///   `clearance` beyond it: the shortest way out.
+/// - Another probe with a surface nearer than `clearance` moves away from the nearest one, up to the middle of the free
+///   space behind it.
+/// - A probe without a way that `farthest` permits stays.
+///
+/// `depths` has one view per probe. `offsets` (empty for none) are those at which the depths were captured; they count
+/// towards `farthest`. In a corner, the second call with new depths moves a probe away from the second wall. Throws
+/// `Error`: invalid_argument, rejected_pixel for a NaN in depths.
+[[nodiscard]] std::vector<dvec3> relocate_probes(const ProbeGrid& grid, std::span<const DepthView> depths,
+                                                 const RelocationOptions& options = {},
+                                                 std::span<const dvec3> offsets = {}, const Control& control = {});
+
 // ---- Baking
 
 /// Options of `bake_probes`.
@@ -111,11 +139,15 @@ struct BakedProbes {
   std::vector<std::uint8_t> passes;
 
   /// [(distance_size + 2)^2][2] Mean distance and mean squared distance around each texel's direction, top row first,
-  /// laid out by `octahedral_place` inside the border. Backs count by their distance. Not dilated.
+  /// laid out by `octahedral_encode` inside the border. Backs count by their distance. Not dilated.
   std::vector<float> distances;
 
   /// [sky_bands^2] Coefficients of the function that is 1 where a probe sees the environment and 0 elsewhere.
   std::vector<double> sky;
+
+  /// [1] Position of the capture minus that of the grid, as `relocate_probes` returns it, or empty for none. Set it
+  /// after the bake. Lookups measure distances and directions from there, and weight by the grid.
+  std::vector<dvec3> offsets;
 
   ProjectionDiagnostics diagnostics;  ///< totals over all cubemaps, as in `project_many`
   std::size_t invalid = 0;            ///< number of invalid probes
@@ -220,6 +252,7 @@ enum class ShaderLanguage {
 ///   vec3 probe_coefficient(int probe, int index)      radiance, `BakedProbes::coefficients`
 ///   vec2 probe_distance(int probe, int column, int row)    `BakedProbes::distances`, including borders
 ///   float probe_share(int probe)                      1 valid, 0.001 filled, 0 neither: `probe_share` (below)
+///   vec3 probe_offset(int probe)                      `BakedProbes::offsets`; vec3(0) without
 [[nodiscard]] std::string probe_sampling_code(ShaderLanguage language);
 
 /// Returns the weight of a probe in lookups that respect validity, from its entry in `BakedProbes::passes`.
@@ -234,7 +267,7 @@ enum class ProbeLayout {
   /// One texture with nine values per texel and sub-volume, as LightProbeGrid and LightProbeGridWebGL of three.js r187
   /// (examples/jsm/lighting) keep in `texture`: counts[0] x counts[1] x 7 (counts[2] + 2) texels, in which each of the
   /// seven sub-volumes has a copy of its first and last slice around it. Radiance of three bands; missing bands are
-  /// zero.
+  /// zero. `write_probes` adds a scene for ObjectLoader, with a LightProbe per probe.
   three,
 
   /// Seven textures of bricks of 4 x 4 x 4 probes, as in Unity's adaptive probe volumes with L2: L0_L1Rx, L1G_L1Ry,
@@ -247,16 +280,29 @@ enum class ProbeLayout {
   /// Sub-volumes stacked along z without copies, each of one coefficient: (r, g, b, validity). counts[0] x counts[1] x
   /// (bands^2 counts[2]) texels of radiance.
   plain,
+
+  /// One texture of ambient cubes, as IrradianceVolume of Bevy reads it (irradiance_volume.wgsl): counts[0] x
+  /// 2 counts[1] x 3 counts[2] texels; +x, +y and +z along z, and below each, in the second half of y, its opposite.
+  /// Lambertian radiance (irradiance / pi), fitted to that of three bands over all normals by least squares; negative
+  /// values are 0.
+  bevy,
+
+  /// Three arrays of two-dimensional textures with one layer per plane of y, as the DDGI of RTXGI 1.3 reads them in its
+  /// axes with y up: "irradiance" (octahedral maps of 6 x 6 texels and a border: (irradiance / 2 pi)^(1 / 5)),
+  /// "distance" (red and green: half the mean, and half the mean square, of `BakedProbes::distances`), "data" (offset /
+  /// spacing; alpha 1 for a probe that is invalid and not filled). Requires distances.
+  rtxgi,
 };
 
-/// Returns "three", "unity-l2", "unity-l1" or "plain".
+/// Returns "three", "unity-l2", "unity-l1", "plain", "bevy" or "rtxgi".
 [[nodiscard]] const char* name(ProbeLayout layout) noexcept;
 
-/// A three-dimensional texture of four half floats per texel.
+/// A three-dimensional texture, or an array of two-dimensional ones, of four half floats per texel.
 struct ProbeTexture {
   std::string name;                   ///< "texture", "L0_L1Rx", ..., "coefficients"
   std::array<int, 3> size{};          ///< texels along x, y and z
   std::vector<std::uint16_t> halves;  ///< [z][y][x][4]
+  bool is_array = false;              ///< z counts layers
 };
 
 /// Probes packed as textures.

@@ -177,7 +177,7 @@ ProjectionDiagnostics project_many(std::span<const CubemapView> probes, std::spa
 //   welkin::FaceHarmonics kept = welkin::project_faces(cubemap);
 //   cubemap.faces[2] = new_sky;
 //   welkin::update_faces(kept, cubemap, {{2}});
-//   welkin::Projection light = welkin::total(kept);             // the same bits as project(cubemap)
+//   welkin::Projection light = welkin::combine(kept);             // the same bits as project(cubemap)
 
 namespace projection {
 struct FaceSums;
@@ -225,7 +225,7 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
 
 /// Adds up the faces. The result, with its diagnostics, is bit-identical to that of `project`. Takes microseconds: no
 /// pixel is read. Throws `Error` (invalid_argument) if a face has no sums.
-[[nodiscard]] Projection total(const FaceHarmonics& faces);
+[[nodiscard]] Projection combine(const FaceHarmonics& faces);
 
 // ---- Irradiance at surfaces: by direct integration, and as a cubemap
 //

@@ -23,7 +23,7 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< per mip, the faster one of `spectral` and `MipMethod::narrow` that meets both bounds
+  automatic,  ///< per mip, the faster one of `spectral` and `MipMethod::near_far` that meets both bounds
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels are convolved one by one
   reference,  ///< the integral, texel by texel in double; slow. The other methods are measured against it.
 };
@@ -32,10 +32,10 @@ enum class PrefilterMethod {
 [[nodiscard]] const char* name(PrefilterMethod method) noexcept;
 
 /// Families of lobes, each a function of the mip's roughness r with alpha = r^2. Lobes other than GGX are
-/// `ZonalKernel`s; `prefilter_by_kernels` also takes lobes of your own.
+/// `ZonalLobe`s; `prefilter_by_lobes` also takes lobes of your own.
 enum class LobeFamily {
   ggx,      ///< the kernel above
-  charlie,  ///< `charlie(r)`: sheen. Roughness is clamped to `kLeastCharlieRoughness` (0.05) or more.
+  charlie,  ///< `charlie(r)`: sheen. Roughness is clamped to `kMinCharlieRoughness` (0.05) or more.
   lambert,  ///< `lambert()`: irradiance over pi, at any roughness
   phong,    ///< `phong(max(1, 2 / alpha^2 - 2))`. Roughness is clamped to 0.12 or more.
   blinn,    ///< `blinn(2 / alpha^2 - 2)`. Roughness is clamped to 0.12 or more.
@@ -59,15 +59,15 @@ enum class Quality {
 struct PrefilterOptions {
   int size = 256;  ///< texels per edge of mip 0: 1 to 8192
   /// Number of mips, at least 1. If empty: the length of `roughness`, else of `spectra`, else 1 for `lambert`,
-  /// `mips_of_chain(linear, size)` for `charlie` and `mips_of_chain(filament, size)` for other lobes.
+  /// `default_mip_count(linear, size)` for `charlie` and `default_mip_count(filament, size)` for other lobes.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness of each mip, in [0, 1]. If empty: `charlie_roughness_of_mips(mips, size)` for `charlie` and
-  /// `roughness_of_mips(filament, mips, size)` for other lobes. With `ggx`, roughness 0 means no convolution.
+  /// Perceptual roughness of each mip, in [0, 1]. If empty: `charlie_mip_roughness(mips, size)` for `charlie` and
+  /// `mip_roughness(filament, mips, size)` for other lobes. With `ggx`, roughness 0 means no convolution.
   std::vector<double> roughness{};
 
   /// Perceptual roughness of each mip's lobe, if it differs from the roughness at which shaders look the mip up (see
-  /// `fitted_roughness_of_mips`). If empty: `roughness`. `lambert` and `spectra` ignore it.
+  /// `fitted_mip_roughness`). If empty: `roughness`. `lambert` and `spectra` ignore it.
   std::vector<double> lobe_roughness{};
 
   LobeFamily lobe = LobeFamily::ggx;  ///< lobes of all mips
@@ -101,10 +101,10 @@ enum class MipMethod {
   spectral,   ///< by `PrefilterMethod::spectral`
   reference,  ///< by `PrefilterMethod::reference`
   stored,     ///< read from the file that was baked
-  narrow,     ///< nearby texels as areas, the lobe's tail by harmonics; below roughness 0.055 at default bounds
+  near_far,   ///< nearby texels as areas, the lobe's tail by harmonics; below roughness 0.055 at default bounds
 };
 
-/// Returns "copy", "spectral", "reference", "stored" or "narrow".
+/// Returns "copy", "spectral", "reference", "stored" or "near_far".
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
 /// Roughness, method, estimated errors and time of one mip.
@@ -113,8 +113,8 @@ struct MipRecord {
   double roughness = 0.0;              ///< perceptual roughness at which a shader looks the mip up
   double lobe_roughness = 0.0;         ///< perceptual roughness of the mip's lobe: `roughness`, unless fitted
   MipMethod method = MipMethod::copy;  ///< how it was made
-  int bands = 0;                       ///< harmonic bands that were used (spectral, narrow)
-  int bright_texels = 0;               ///< texels whose lobes were added one by one (spectral, narrow)
+  int bands = 0;                       ///< harmonic bands that were used (spectral, near_far)
+  int bright_texels = 0;               ///< texels whose lobes were added one by one (spectral, near_far)
   /// Predicted rms error divided by the mip's rms; 0 for copies, empty for stored mips.
   std::optional<double> error_estimate = std::nullopt;
   /// Predicted relative rms error of trilinear lookups between this mip and the next, over all roughnesses between
@@ -170,27 +170,27 @@ enum class RoughnessSchedule {
 
 /// Returns the roughness of each mip of a chain whose mip 0 has `size` texels per edge: increasing, in [0, 1], 0 at mip
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
-[[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
+[[nodiscard]] std::vector<double> mip_roughness(RoughnessSchedule schedule, int mips, int size);
 
 /// Returns the roughness of each mip's lobe that minimizes the error of trilinear lookups over all roughnesses. Shaders
-/// still select mips by `roughness_of_mips`. Mip 0 stays a mirror. The fit assumes an image with a typical power
+/// still select mips by `mip_roughness`. Mip 0 stays a mirror. The fit assumes an image with a typical power
 /// spectrum and depends on the arguments alone. Cost: 1 to 3 ms; recent fits are cached. Throws the same errors as
-/// `roughness_of_mips`.
-[[nodiscard]] std::vector<double> fitted_roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
+/// `mip_roughness`.
+[[nodiscard]] std::vector<double> fitted_mip_roughness(RoughnessSchedule schedule, int mips, int size);
 
 /// Returns the default number of mips for a schedule. `linear` and `filament` end at 4 texels but have at least five
 /// mips where `size` allows, because interpolation between few mips is less accurate. `unity` has seven, or as many
 /// as `size` allows. `babylon` and `unreal` end at 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <=
 /// 8192.
-[[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
+[[nodiscard]] int default_mip_count(RoughnessSchedule schedule, int size);
 
 /// Returns the number of mips of a chain with these options. Throws `Error` (invalid_argument) for a number out of
 /// range.
-[[nodiscard]] int mips_of_chain(const PrefilterOptions& options);
+[[nodiscard]] int default_mip_count(const PrefilterOptions& options);
 
 /// Returns the fractional mip at which a shader that interpolates between mips finds `roughness`, by linear
 /// interpolation in `table`, clamped to its ends. Throws `Error` (invalid_argument) for an empty or decreasing table.
-[[nodiscard]] double mip_of_roughness(const std::vector<double>& table, double roughness);
+[[nodiscard]] double mip_for_roughness(const std::vector<double>& table, double roughness);
 
 // The BRDF lookup table, the other half of the split sum: the reflectance of a GGX or sheen surface by viewing angle
 // and roughness.
@@ -244,10 +244,10 @@ struct BrdfTable {
 
 // ---- Lobes other than GGX: Charlie sheen, Lambert, Phong, Blinn, or your own
 //
-//   welkin::KernelChainOptions sheen{.size = 256};
-//   for (const double roughness : welkin::charlie_roughness_of_mips(5, 256))
-//     sheen.kernels.push_back(welkin::ZonalKernel::charlie(roughness));
-//   const welkin::PrefilteredSpecular chain = welkin::prefilter_by_kernels(panorama, sheen);
+//   welkin::LobeChainOptions sheen{.size = 256};
+//   for (const double roughness : welkin::charlie_mip_roughness(5, 256))
+//     sheen.lobes.push_back(welkin::ZonalLobe::charlie(roughness));
+//   const welkin::PrefilteredSpecular chain = welkin::prefilter_by_lobes(panorama, sheen);
 
 namespace reflections {
 class Lobe;
@@ -255,32 +255,32 @@ class Lobe;
 
 /// A radially symmetric filter kernel: a weight per cosine c of the angle to its axis. Kernels are normalized: their
 /// integral over the sphere is 1.
-class ZonalKernel {
+class ZonalLobe {
  public:
   /// Returns Charlie sheen (Estevez and Kulla 2017) with N = V = R: c (1 - c)^p for c > 0, p = 1 / (2 alpha), alpha =
   /// roughness squared. Its maximum is near the horizon, at c = 1 / (1 + p). `roughness` lies in [0.01, 1]; below
-  /// `kLeastCharlieRoughness` an image may need more harmonic bands than Welkin has.
-  [[nodiscard]] static ZonalKernel charlie(double roughness);
+  /// `kMinCharlieRoughness` an image may need more harmonic bands than Welkin has.
+  [[nodiscard]] static ZonalLobe charlie(double roughness);
   /// Returns c for c > 0: irradiance divided by pi.
-  [[nodiscard]] static ZonalKernel lambert();
+  [[nodiscard]] static ZonalLobe lambert();
   /// Returns c^power for c > 0. `power` lies in [0.5, 1e6].
-  [[nodiscard]] static ZonalKernel phong(double power);
+  [[nodiscard]] static ZonalLobe phong(double power);
   /// Returns c h^power for c > 0, where h = sqrt((1 + c) / 2) is the cosine of the half vector. `power` lies in [0,
   /// 1e6].
-  [[nodiscard]] static ZonalKernel blinn(double power);
+  [[nodiscard]] static ZonalLobe blinn(double power);
 
   /// Returns the kernel of any function of the cosine, which may have negative values. `breaks` lists the cosines
   /// between -1 and 1 at which the function or a derivative jumps; it must be smooth between them. `value` is called
   /// during this call only, for cosines from -1 to 1, a hundred to tens of thousands of times. Throws `Error`
   /// (invalid_argument) for values that are not finite, an integral that is not above 0, and functions that need more
   /// than 2000 polynomial pieces; and whatever `value` throws.
-  [[nodiscard]] static ZonalKernel from_function(const std::function<double(double cosine)>& value,
-                                                 const std::vector<double>& breaks = {0.0});
+  [[nodiscard]] static ZonalLobe from_function(const std::function<double(double cosine)>& value,
+                                               const std::vector<double>& breaks = {0.0});
 
   /// Returns the kernel that multiplies degree l of the environment by factors[l] / factors[0]. factors[0] must be
   /// above 0. Degrees beyond the list are removed. The list has 1 to 1536 finite numbers. Throws `Error`
   /// (invalid_argument).
-  [[nodiscard]] static ZonalKernel from_spectrum(const std::vector<double>& factors);
+  [[nodiscard]] static ZonalLobe from_spectrum(const std::vector<double>& factors);
 
   /// Returns the kernel's density per steradian at `cosine`, which lies in [-1, 1]. Error: 1e-9 of the maximum.
   [[nodiscard]] double value(double cosine) const;
@@ -294,25 +294,25 @@ class ZonalKernel {
   [[nodiscard]] const std::shared_ptr<const reflections::Lobe>& lobe() const noexcept { return lobe_; }
 
  private:
-  ZonalKernel(std::shared_ptr<const reflections::Lobe> lobe, double roughness)
+  ZonalLobe(std::shared_ptr<const reflections::Lobe> lobe, double roughness)
       : lobe_(std::move(lobe)), roughness_(roughness) {}
 
   std::shared_ptr<const reflections::Lobe> lobe_;
   double roughness_;
 };
 
-/// The lowest roughness of `charlie_roughness_of_mips`.
-inline constexpr double kLeastCharlieRoughness = 0.05;
+/// The lowest roughness of `charlie_mip_roughness`.
+inline constexpr double kMinCharlieRoughness = 0.05;
 
 /// Returns the roughness of each mip of a sheen chain as glTF's sample renderer looks it up: mip / max(1,
-/// floor(log2(size)) - 1), clamped to [`kLeastCharlieRoughness`, 1]: at 0 the lobe degenerates to the horizon. Throws
+/// floor(log2(size)) - 1), clamped to [`kMinCharlieRoughness`, 1]: at 0 the lobe degenerates to the horizon. Throws
 /// `Error` (invalid_argument) unless 1 <= mips <= 16 and 1 <= size <= 8192.
-[[nodiscard]] std::vector<double> charlie_roughness_of_mips(int mips, int size);
+[[nodiscard]] std::vector<double> charlie_mip_roughness(int mips, int size);
 
-/// Options of `prefilter_by_kernels`.
-struct KernelChainOptions {
-  int size = 256;                      ///< texels per edge of mip 0: 1 to 8192
-  std::vector<ZonalKernel> kernels{};  ///< one per mip: at least one, at most as many as the cubemap has levels
+/// Options of `prefilter_by_lobes`.
+struct LobeChainOptions {
+  int size = 256;                  ///< texels per edge of mip 0: 1 to 8192
+  std::vector<ZonalLobe> lobes{};  ///< one per mip: at least one, at most as many as the cubemap has levels
 
   /// `spectral` multiplies by the kernel's spectrum in harmonics and convolves bright texels one by one. `automatic`
   /// does the same, but where the estimated error exceeds the bound it uses the integral if that takes at most 1 s.
@@ -324,19 +324,19 @@ struct KernelChainOptions {
   PixelPolicy pixels{};  ///< treatment of source values, as in `project`
 };
 
-/// Prefilters an environment with one kernel per mip. For continuous kernels the default bounds are those of
+/// Prefilters an environment with one lobe per mip. For continuous lobes the default bounds are those of
 /// `prefilter_specular`: 0.1 % rms, 1 % at any texel. If source and kernel have no negative values, the result has
 /// none. Results of `from_function` are bit-identical only if the function's values are. Cost: that of
 /// `prefilter_specular`, plus 10 ns for each pair of a result texel and a bright source texel.
 ///
 /// Throws `Error`: invalid_argument; rejected_pixel; limit_exceeded if the kernel is so narrow or sharp that 1536 bands
 /// miss the bound on this image, or if the estimated error exceeds it; the message states by how much.
-[[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const EnvironmentView& source, const KernelChainOptions& options,
-                                                       const Control& control = {});
+[[nodiscard]] PrefilteredSpecular prefilter_by_lobes(const EnvironmentView& source, const LobeChainOptions& options,
+                                                     const Control& control = {});
 
 /// Computes the reference at chosen directions, in double over all source texels as areas; one entry per direction.
 /// Slow. Throws `Error` (invalid_argument).
-[[nodiscard]] std::vector<dvec3> reference_by_kernel(const EnvironmentView& source, const ZonalKernel& kernel,
-                                                     const std::vector<dvec3>& directions, const Control& control = {});
+[[nodiscard]] std::vector<dvec3> reference_by_lobe(const EnvironmentView& source, const ZonalLobe& kernel,
+                                                   const std::vector<dvec3>& directions, const Control& control = {});
 
 }  // namespace welkin

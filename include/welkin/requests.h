@@ -73,9 +73,9 @@ struct Project {
 
 /// Request for `to_cubemap`.
 struct ToCubemap {
-  EnvironmentSource source;  ///< pixels to resample
-  int size = 0;              ///< texels per edge of the result, 1 to 16384
-  dmat3 turn = dmat3(1.0);   ///< orthogonal matrix: direction d of the source becomes turn * d
+  EnvironmentSource source;     ///< pixels to resample
+  int size = 0;                 ///< texels per edge of the result, 1 to 16384
+  dmat3 rotation = dmat3(1.0);  ///< orthogonal matrix: direction d of the source becomes rotation * d
 
   [[nodiscard]] Cubemap operator()(const Control& control) const;
   /// Returns the size of the source in bytes, which counts against the worker's limit.
@@ -84,10 +84,10 @@ struct ToCubemap {
 
 /// Request for `to_lat_long`.
 struct ToLatLong {
-  EnvironmentSource source;  ///< pixels to resample
-  int width = 0;             ///< width of the result, 1 to 65536
-  int height = 0;            ///< height of the result, 1 to 32768
-  dmat3 turn = dmat3(1.0);   ///< orthogonal matrix: direction d of the source becomes turn * d
+  EnvironmentSource source;     ///< pixels to resample
+  int width = 0;                ///< width of the result, 1 to 65536
+  int height = 0;               ///< height of the result, 1 to 32768
+  dmat3 rotation = dmat3(1.0);  ///< orthogonal matrix: direction d of the source becomes rotation * d
 
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
   /// Returns the size of the source in bytes, which counts against the worker's limit.

@@ -1,6 +1,6 @@
 // Resampling environments to another kind, size or orientation; mip chains of cubemaps; octahedral maps.
 //
-//   welkin::Cubemap cubemap = welkin::to_cubemap(panorama, 1024, welkin::turn_about_y(90.0));
+//   welkin::Cubemap cubemap = welkin::to_cubemap(panorama, 1024, welkin::rotation_about_y(90.0));
 //   welkin::Cubemap mips = welkin::build_mips(cubemap.view());
 #pragma once
 
@@ -26,18 +26,19 @@ enum class ResampleFilter {
   /// corners). A uniform source stays exactly uniform, and no new negative values appear. Edges of texels are
   /// approximated to less than half a texel of the result.
   area,
-  /// Bilinear interpolation at each texel's centre. Fast and smooth; suitable where the result is at least as fine as
-  /// the source. Undersamples finer sources, and does not preserve total radiance.
+  /// Bilinear interpolation: of a lat-long at the centre of each texel of the cubemap, which is fast and suitable where
+  /// the cubemap is at least as fine; of a cubemap the mean over each texel of the lat-long ("otherwise" below). Does
+  /// not preserve total radiance.
   bilinear,
 };
 
 /// Resamples, rotates and mirrors an environment to a cubemap of `size` texels per edge, or a lat-long of `width` x
 /// `height`.
 ///
-/// `turn` is an orthogonal matrix (a rotation, possibly with a mirror): direction d of the source becomes direction
-/// turn * d of the result. If kind and size stay the same and the matrix maps texels to texels, they are copied bit for
-/// bit. For cubemaps, these are the 48 symmetries of a cube. For lat-longs, they are mirrors in x and y, the mirror in
-/// z if the width is even, and rotations about y by whole texels.
+/// `rotation` is an orthogonal matrix (a rotation, possibly with a mirror): direction d of the source becomes direction
+/// rotation * d of the result. If kind and size stay the same and the matrix maps texels to texels, they are copied bit
+/// for bit. For cubemaps, these are the 48 symmetries of a cube. For lat-longs, they are mirrors in x and y, the mirror
+/// in z if the width is even, and rotations about y by whole texels.
 ///
 /// Methods:
 /// - From a lat-long to a cubemap with one of a cube's 48 symmetries (such as the identity): by `filter`.
@@ -60,15 +61,15 @@ enum class ResampleFilter {
 /// touch, with `area` to a few more. `filter` is used between a lat-long and a cubemap only. Cost on one thread: `area`
 /// 30 ns and `bilinear` 8 ns per texel of the result; otherwise 20 ns per sample from a cubemap, 60 ns from a lat-long.
 /// Throws `Error` (invalid_argument) for views, sizes, and a matrix that is off orthogonal by more than 1e-6.
-[[nodiscard]] Cubemap to_cubemap(const EnvironmentView& source, int size, const dmat3& turn = dmat3(1.0),
+[[nodiscard]] Cubemap to_cubemap(const EnvironmentView& source, int size, const dmat3& rotation = dmat3(1.0),
                                  ResampleFilter filter = ResampleFilter::area, const Control& control = {});
 [[nodiscard]] LatLongImage to_lat_long(const EnvironmentView& source, int width, int height,
-                                       const dmat3& turn = dmat3(1.0), ResampleFilter filter = ResampleFilter::bilinear,
-                                       const Control& control = {});
+                                       const dmat3& rotation = dmat3(1.0),
+                                       ResampleFilter filter = ResampleFilter::bilinear, const Control& control = {});
 
 /// Returns a rotation about y, from +z towards +x: the centre of a lat-long moves to the left. Exact at multiples of 90
 /// degrees. Throws `Error` (invalid_argument) unless |degrees| <= 1e6.
-[[nodiscard]] dmat3 turn_about_y(double degrees);
+[[nodiscard]] dmat3 rotation_about_y(double degrees);
 
 // ---- Mip chains, for minification
 
@@ -97,11 +98,11 @@ void fill_mips(Cubemap& chain, MipFilter filter, const Control& control = {});
 /// right, +y down, -z in all four corners. With n = |x| + |y| + |z| it is ((x / n, y / n) + 1) / 2; where z is below 0,
 /// that point is folded over the nearest side of the inner diamond (Meyer et al. 2010, "On Floating-Point Normal
 /// Vectors"). Throws `Error` (invalid_argument) for a direction that is zero or not finite.
-[[nodiscard]] std::array<double, 2> octahedral_place(const dvec3& direction);
+[[nodiscard]] std::array<double, 2> octahedral_encode(const dvec3& direction);
 
 /// Decodes a position to a unit direction. Beyond an edge of the square, up to one whole square, the sphere continues:
 /// (-a, b) is (a, 1 - b).
-[[nodiscard]] dvec3 octahedral_direction(double column, double row) noexcept;
+[[nodiscard]] dvec3 octahedral_decode(double column, double row) noexcept;
 
 /// Options of `to_octahedral`.
 struct OctahedralOptions {
@@ -120,7 +121,7 @@ struct OctahedralOptions {
 
 /// Square images of RGB floats.
 ///
-/// A shader looks a direction up at octahedral_place(d) (1 - 2 b) + b with b = border / size, on every level: Godot's
+/// A shader looks a direction up at octahedral_encode(d) (1 - 2 b) + b with b = border / size, on every level: Godot's
 /// vec3_to_oct_with_border(d, vec2(b, 1 - 2 b)).
 struct OctahedralMap {
   int size = 0;                            ///< texels per edge of level 0

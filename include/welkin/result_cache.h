@@ -53,23 +53,8 @@ struct ContentHash {
 /// thread, limited by memory bandwidth. Throws `Error` (invalid_argument).
 [[nodiscard]] ContentHash hash_pixels(const EnvironmentView& environment, const Control& control = {});
 
-/// Hashes each face, independently of which face it is. Throws `Error` (invalid_argument).
-[[nodiscard]] std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control = {});
-/// Returns the `hash_pixels` of a cubemap whose faces have these hashes.
-[[nodiscard]] ContentHash hash_of_faces(const std::array<ContentHash, 6>& faces) noexcept;
-
 /// Hashes a file's bytes, independently of its name. Throws `Error` (file_access).
 [[nodiscard]] ContentHash hash_file(const std::filesystem::path& path, const Control& control = {});
-
-/// Hashes every option that a result depends on. Excluded are `memory_limit_bytes`, the atmosphere's name, and `pixels`
-/// members that a bake or prefilter ignores.
-[[nodiscard]] ContentHash hash_options(const ProjectionOptions& options);
-[[nodiscard]] ContentHash hash_options(const PrefilterOptions& options);
-[[nodiscard]] ContentHash hash_options(const BrdfTableOptions& options);
-[[nodiscard]] ContentHash hash_options(const BakeOptions& options);
-[[nodiscard]] ContentHash hash_options(const ReadOptions& options);
-[[nodiscard]] ContentHash hash_options(const SkyTableOptions& options);
-[[nodiscard]] ContentHash hash_options(const Atmosphere& atmosphere);
 
 // ---- The cache
 
@@ -94,18 +79,18 @@ struct CacheStatistics {
 };
 
 /// A change of projected light.
-struct LightChange {
+struct LightTransform {
   double exposure = 1.0;  ///< factor of the light, after gamma and clamp; finite, at least 0
-  dmat3 turn{1.0};        ///< orthogonal: light from direction d then comes from turn * d
+  dmat3 rotation{1.0};    ///< orthogonal: light from direction d then comes from rotation * d
 
   /// Also keeps the sums of each face (`FaceHarmonics`), so that a cubemap of which some faces changed is projected in
   /// those only. Has no effect for lat-longs, and for a target size with midpoint quadrature.
   bool keep_faces = false;
 };
 
-/// Changes projected light without its pixels: scales it by the exposure, and rotates coefficients as `turned` does.
+/// Changes projected light without its pixels: scales it by the exposure, and rotates coefficients as `rotate` does.
 /// The diagnostics' total radiance is scaled, too. Throws `Error` (invalid_argument).
-[[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
+[[nodiscard]] Projection changed(const Projection& projection, const LightTransform& change);
 
 /// Calls with a cache, in memory and on disk. Results are bit-identical to the call of the same name without a cache. A
 /// result that was found differs in its passes (action "reuse"; pass "cache" states where), in times (0 ms for a mip)
@@ -145,7 +130,7 @@ class ResultCache {
 
   /// Projects an environment as `project` does, and applies `change`.
   [[nodiscard]] Projection project(const EnvironmentView& source, const ProjectionOptions& options = {},
-                                   const LightChange& change = {}, const Control& control = {});
+                                   const LightTransform& change = {}, const Control& control = {});
 
   /// Projects a file as `welkin::project_file` does. The key is the hash of the file's bytes: a hit decodes nothing.
   /// Six files are projected without caching.

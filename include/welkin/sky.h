@@ -15,6 +15,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "welkin/core.h"
@@ -169,14 +170,50 @@ enum class SkyColour {
   linear_srgb,  ///< cd/m2 in linear sRGB: the spectrum integrated with the CIE 1931 colour matching functions, 683 lm/W
 };
 
-/// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
-/// the sum of weights[i] times radiance i. The spectrum is linear between wavelengths and constant outside. Throws
-/// `Error` (invalid_argument) for wavelengths that `check` refuses.
-[[nodiscard]] std::vector<dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
-
 /// Returns the unit direction towards a sun. Elevation is -90 to 90 degrees; azimuth, from +z towards +x, -1e6 to 1e6
 /// degrees. Throws `Error` (invalid_argument).
 [[nodiscard]] dvec3 sun_direction(double elevation_degrees, double azimuth_degrees);
+
+// ---- The sun by date and place
+
+/// Returns the seconds from 1970-01-01T00:00Z to a date, without leap seconds (POSIX). `date` is in the form of RFC
+/// 3339 and ISO 8601: "2026-06-21T18:30Z", "2026-06-21 20:30:15.5+02:00". Seconds may be omitted; the time zone may
+/// not. The leap second 23:59:60Z counts as the second after it. Throws `Error` (invalid_argument) that says what is
+/// wrong.
+[[nodiscard]] double unix_seconds(std::string_view date);
+
+/// Place from which the sun is seen, its axes, and refraction.
+struct SunObserver {
+  double latitude_degrees = 0.0;   ///< geographic, positive in the north, -90 to 90
+  double longitude_degrees = 0.0;  ///< positive in the east, -360 to 360
+  /// Azimuth of north, from +z towards +x, -1e6 to 1e6. 180: north is -z, east +x and south +z, as in Blender's glTF.
+  double north_azimuth_degrees = 180.0;
+  /// Raises the sun to where it is seen through air (Saemundsson 1986): by 0.48 degrees on the horizon. Computed skies
+  /// have straight rays.
+  bool refraction = false;
+  double pressure_hpa = 1010.0;       ///< pressure at the observer for refraction, 0 to 2000
+  double temperature_celsius = 10.0;  ///< temperature at the observer for refraction, -120 to 100
+
+  friend bool operator==(const SunObserver&, const SunObserver&) = default;
+};
+
+/// Position of the centre of the sun's disc.
+struct SunPosition {
+  double elevation_degrees = 0.0;   ///< above the horizontal plane, including refraction
+  double azimuth_degrees = 0.0;     ///< from +z towards +x, as in `sun_direction`, -180 to 180
+  double compass_degrees = 0.0;     ///< from north through east, 0 to 360
+  double refraction_degrees = 0.0;  ///< part of the elevation that is due to refraction
+  double distance_au = 0.0;         ///< distance, astronomical units; irradiance varies as 1 / distance^2
+  dvec3 direction{};                ///< unit direction towards the sun
+};
+
+/// Computes the sun's position from 1900 to 2099, after Reda and Andreas 2004. From 1950 to 2050 it is within 0.002
+/// degrees of astropy's (docs/guides/moving_sky.md); UTC is taken for UT1, which differs by up to 0.004 degrees of
+/// rotation. With refraction the elevation is within 0.01 degrees of astropy's above 5 degrees. Throws `Error`
+/// (invalid_argument) for a date or an observer out of range.
+[[nodiscard]] SunPosition sun_position(double unix_seconds, const SunObserver& observer);
+/// Computes the sun's position at a date that `unix_seconds` reads.
+[[nodiscard]] SunPosition sun_position(std::string_view date, const SunObserver& observer);
 
 // ---- Precomputed scattering (Bruneton and Neyret 2008; Bruneton 2017)
 
@@ -212,11 +249,11 @@ struct SkyTableOptions {
   /// Stops early after an order whose mean radiance is below this fraction of that of all orders before it, over
   /// all altitudes and suns; 0 never stops early. With `linear_srgb`, each group of three wavelengths stops separately,
   /// and `SkyTables::orders` is the maximum.
-  double until_change = 0.0;
+  double convergence_threshold = 0.0;
 
   /// True: ignores orders beyond `orders`. False: estimates their contribution, if `orders` is above 1. It matters in
   /// deep twilight, in thick air and over bright ground.
-  bool exact_orders = false;
+  bool truncate_orders = false;
 
   SkyColour colour = SkyColour::spectral;                      ///< three wavelengths, or linear sRGB
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more throw `Error` (limit_exceeded)
@@ -255,10 +292,6 @@ struct SkyTables {
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 
-/// Returns the memory in bytes that `precompute_sky` needs at most, including results and 1 MB per thread of the
-/// caller's arena. Throws `Error` (invalid_argument), also for `spectral` tables without three wavelengths.
-[[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
-
 /// Computes scattering tables. Cost per three wavelengths: 2 to 3 s of CPU time with the defaults, a third of that with
 /// one order. Small tables are computed from fewer nodes. All values are finite and not negative.
 ///
@@ -273,13 +306,14 @@ struct SkyTables {
                                        const Control& control = {});
 
 /// Returns tables of a sky between others in which one property differs, such as the ground's albedo or the amount of
-/// haze: a polynomial through `tables` at `places`, evaluated at `place`. Transmittance is that of `atmosphere`,
+/// haze: a polynomial through `tables` at `positions`, evaluated at `position`. Transmittance is that of `atmosphere`,
 /// exactly. Cost: 5 ms of CPU time for compact tables, 35 ms for full ones. Root mean square error by compact tables of
 /// the Earth at three places: 6e-4 between grounds (albedo 0.6 by 0, 0.4 and 0.8), 6e-3 between hazes (1.4 times as
 /// much by 0.5, 1 and 2). `tables` must have the same options, and atmospheres of the same size, wavelengths and
 /// constituents. Throws `Error` (invalid_argument), also for places that are equal.
 [[nodiscard]] SkyTables interpolate_sky(const Atmosphere& atmosphere, std::span<const SkyTables> tables,
-                                        std::span<const double> places, double place, const Control& control = {});
+                                        std::span<const double> positions, double position,
+                                        const Control& control = {});
 
 // ---- The sky seen from one altitude, in any direction and for any sun
 
@@ -335,7 +369,7 @@ class SkyView {
   /// Returns the sun as a directional light at this altitude: direction, irradiance through the air (0 below the
   /// horizon, reduced while the disc sets), mean radiance and solid angle of its disc. `texels` and total radiances are
   /// not set.
-  [[nodiscard]] Sun sun(const dvec3& sun) const;
+  [[nodiscard]] Sun sun_light(const dvec3& sun) const;
 
   /// Returns the irradiance of the sky, without direct sunlight, on a horizontal surface facing up, from the table.
   /// Includes the light of the night sky within the air; 0 above it.

@@ -57,9 +57,9 @@ struct SkyLightOptions {
 struct SkyReflections {
   std::shared_ptr<const PrefilteredSpecular> specular;  ///< for intensity 1; null if there is none yet
   /// Rotation about the vertical from the sun's position when it was computed to the current one: light from direction
-  /// d comes from turn * d. A shader that reflects along R looks up `textureLod(specular, transpose(mat3(turn)) * R,
-  /// mip)`.
-  dmat3 turn{1.0};
+  /// d comes from rotation * d. A shader that reflects along R looks up
+  /// `textureLod(specular, transpose(mat3(rotation)) * R, mip)`.
+  dmat3 rotation{1.0};
   double weight = 0.0;  ///< factor of its light
 };
 
@@ -77,19 +77,19 @@ struct SkyLightFrame {
 
 /// Counts of work since the object was created.
 struct SkyLightCounters {
-  std::uint64_t frames = 0;           ///< calls of `update`
-  std::uint64_t lights = 0;           ///< calls of `update` that recomputed coefficients
-  std::uint64_t moves_ignored = 0;    ///< moves of sun or altitude below their thresholds
-  std::uint64_t turns = 0;            ///< changes of azimuth only
-  std::uint64_t elevations = 0;       ///< changes of elevation
-  std::uint64_t intensities = 0;      ///< changes of intensity
-  std::uint64_t specular_spared = 0;  ///< changes of elevation that needed no new reflections
-  std::uint64_t posts = 0;            ///< requests posted to the worker
-  std::uint64_t tables_baked = 0;     ///< scattering tables computed
-  std::uint64_t curves_baked = 0;     ///< curves computed
-  std::uint64_t speculars_baked = 0;  ///< specular chains computed
-  std::uint64_t cancelled = 0;        ///< bakes cancelled because of a newer atmosphere, or at the end
-  std::uint64_t failures = 0;         ///< bakes that failed
+  std::uint64_t frames = 0;               ///< calls of `update`
+  std::uint64_t lights = 0;               ///< calls of `update` that recomputed coefficients
+  std::uint64_t moves_ignored = 0;        ///< moves of sun or altitude below their thresholds
+  std::uint64_t rotations = 0;            ///< changes of azimuth only
+  std::uint64_t elevations = 0;           ///< changes of elevation
+  std::uint64_t intensities = 0;          ///< changes of intensity
+  std::uint64_t reflections_skipped = 0;  ///< changes of elevation that needed no new reflections
+  std::uint64_t posts = 0;                ///< requests posted to the worker
+  std::uint64_t tables_baked = 0;         ///< scattering tables computed
+  std::uint64_t curves_baked = 0;         ///< curves computed
+  std::uint64_t speculars_baked = 0;      ///< specular chains computed
+  std::uint64_t cancelled = 0;            ///< bakes cancelled because of a newer atmosphere, or at the end
+  std::uint64_t failures = 0;             ///< bakes that failed
 };
 
 /// The dynamic sky of an engine's loop. For one thread at a time. The worker must outlive it.

@@ -8,9 +8,10 @@
  * Results are bit-identical to those of C++, on any number of threads, instruction set and platform.
  *
  * Structures. Each begins with `struct_size`, its `sizeof` in the caller's program. In structures that are read, zero
- * in any other field selects the default, and a null pointer to options selects all defaults. A structure that is
- * shorter than the library's lacks its last fields, which count as zero. In one that is longer, fields unknown to the
- * library must be zero. Structures that are written are filled up to `struct_size`, unknown fields with zeros.
+ * in any other field selects the default, and a null pointer to options selects all defaults. Fields that a shorter
+ * structure lacks count as zero; fields of a longer one that the library does not know must be zero. Structures that
+ * are written are filled up to `struct_size`, unknown fields with zeros. `values_clamped` (may be null) receives the
+ * number of values that the format of a target or a file could not hold.
  *
  * Errors. Calls that can fail return a `welkin_status`. No exception leaves a call, and none may leave a callback. A
  * call that fails writes no result unless its comment says so, and sets the handle that it would have created to null.
@@ -43,6 +44,8 @@
 #define WELKIN_API
 #endif
 #endif
+/* A call that can fail. */
+#define WELKIN_CALL WELKIN_API welkin_status
 
 #ifdef __cplusplus
 extern "C" {
@@ -75,9 +78,10 @@ typedef struct welkin_sky_curve welkin_sky_curve;
 typedef struct welkin_sky_light welkin_sky_light;
 /* Runs jobs on threads of its own, or on the engine's (docs/guides/worker.md). */
 typedef struct welkin_worker welkin_worker;
-/* A posted job. Handles are reference-counted: a post returns one reference, `welkin_job_release` drops it. A handle
- * stays valid while it is held, even after the worker is destroyed; a job completes whether a handle is held or not. */
+/* A posted job, reference-counted: a post returns one reference. It may outlive its worker. */
 typedef struct welkin_job welkin_job;
+/* A baked grid of light probes. */
+typedef struct welkin_probes welkin_probes;
 /* Passed by a worker to a caller's function (`welkin_post_function`), valid until that function returns. */
 typedef struct welkin_control welkin_control;
 
@@ -88,6 +92,7 @@ WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);   /* destr
 WELKIN_API void welkin_sky_view_destroy(welkin_sky_view* view);         /* destroys a sky view */
 WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);      /* destroys a sky curve */
 WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);      /* destroys a dynamic sky */
+WELKIN_API void welkin_probes_destroy(welkin_probes* probes);           /* destroys probes */
 
 /* ---- Status ---- */
 
@@ -112,22 +117,18 @@ enum {
 
 /* Returns "ok", "invalid_argument", ...; "unknown" for other values. Never null. */
 WELKIN_API const char* welkin_status_name(welkin_status status);
-
-/* Returns the message of the latest error on this thread: input, fault and remedy. Empty if there was none; never null.
- * Valid until the next error on this thread. */
+/* Returns the message of the latest error on this thread: input, fault and remedy, until the next error. Never null. */
 WELKIN_API const char* welkin_last_error(void);
 
 /* Sets how many bytes of unused blocks the process keeps for later calls (default 128 MiB), and frees the rest. */
 WELKIN_API void welkin_keep_working_memory(uint64_t bytes);
-
 /* Frees all blocks that no call uses. */
 WELKIN_API void welkin_release_working_memory(void);
 
 /* ---- Environments ---- */
 
 /* The layout of a texel in memory: interleaved channels without padding. Alpha is ignored when read, and written as 1.
- * F16 is IEEE 754 binary16. U8 maps 0..255 to 0..1; SRGB8 then applies the sRGB transfer function. RG, the first two
- * channels, can only be written. */
+ * F16 is IEEE 754 binary16. U8 maps 0..255 to 0..1; SRGB8 then applies sRGB's transfer function. RG is only written. */
 typedef int32_t welkin_format; /* clang-format off */
 enum { WELKIN_FORMAT_RGB_F32 = 0, WELKIN_FORMAT_RGBA_F32 = 1, WELKIN_FORMAT_RGB_F16 = 2, WELKIN_FORMAT_RGBA_F16 = 3,
        WELKIN_FORMAT_RGB_U8 = 4, WELKIN_FORMAT_RGBA_U8 = 5, WELKIN_FORMAT_RGB_SRGB8 = 6, WELKIN_FORMAT_RGBA_SRGB8 = 7,
@@ -142,8 +143,7 @@ typedef struct welkin_environment {
   int64_t row_stride_bytes; /* distance between rows; 0: packed rows; negative: bottom-up */
   const void* faces[6];     /* first texel of each face, aligned to its channels; for a lat-long faces[0] only */
   int64_t size;             /* texels per edge of a cubemap, 1 to 16384; 0: a lat-long */
-  int32_t width;            /* width of a lat-long, 1 to 65536 texels; else 0 */
-  int32_t height;           /* height of a lat-long, 1 to 32768 texels; else 0 */
+  int32_t width, height;    /* texels of a lat-long, up to 65536 x 32768; else 0 */
 } welkin_environment;
 
 /* The layout of a sphere in an image file, with faces of N x N texels. */
@@ -207,12 +207,10 @@ typedef struct welkin_projection_options {
 /* Harmonics of an environment, in the caller's memory. `struct_size` may end inside `coefficients` if all bands fit. */
 typedef struct welkin_projection {
   uint32_t struct_size;
-  int32_t bands;                         /* bands in `coefficients` */
-  uint64_t texels;                       /* texels that were read */
-  uint64_t nans_replaced;                /* channel values */
-  uint64_t infinities_replaced;          /* channel values */
-  uint64_t negatives_replaced;           /* channel values */
-  uint64_t texels_clamped;               /* texels that the clamp changed */
+  int32_t bands;                                                   /* bands in `coefficients` */
+  uint64_t texels;                                                 /* texels that were read */
+  uint64_t nans_replaced, infinities_replaced, negatives_replaced; /* channel values */
+  uint64_t texels_clamped;                                         /* texels that the clamp changed */
   double total_radiance_before_clamp[3]; /* integral of radiance over the sphere, before the clamp */
   double total_radiance[3];              /* integral of radiance over the sphere as projected */
   double error_estimate;                 /* estimated relative error of the coefficients */
@@ -221,72 +219,66 @@ typedef struct welkin_projection {
 
 /* Projects an environment. `mips` is the full size, followed by `mip_count - 1` mips of a cubemap (15 at most in all),
  * each half the size of the one before, all of one format and one `struct_size`. Only `target_size` uses the mips. */
-WELKIN_API welkin_status welkin_project(const welkin_environment* mips, int32_t mip_count,
-                                        const welkin_projection_options* options, const welkin_control* control,
-                                        welkin_projection* projection);
+WELKIN_CALL welkin_project(const welkin_environment* mips, int32_t mip_count, const welkin_projection_options* options,
+                           const welkin_control* control, welkin_projection* projection);
 
-/* Projects `probe_count` cubemaps of any sizes and formats, all of one `struct_size`. `coefficients` receives 3 bands^2
- * doubles per probe. `totals` (may be null) receives sums over all probes, the largest error estimate, and no bands.
- * Errors name the index of the probe. Small probes are projected without allocating. */
-WELKIN_API welkin_status welkin_project_many(const welkin_environment* probes, int64_t probe_count,
-                                             const welkin_projection_options* options, const welkin_control* control,
-                                             double* coefficients, welkin_projection* totals);
+/* Projects `probe_count` cubemaps, all of one `struct_size`. `coefficients` receives 3 bands^2 doubles per probe,
+ * `totals` (may be null) sums over all, the largest error estimate, and no bands. Errors name the probe's index. */
+WELKIN_CALL welkin_project_many(const welkin_environment* probes, int64_t probe_count,
+                                const welkin_projection_options* options, const welkin_control* control,
+                                double* coefficients, welkin_projection* totals);
 
 /* Projects a file. A lat-long is projected while it is decoded. */
-WELKIN_API welkin_status welkin_project_file(const char* path, const welkin_read_options* read_options,
-                                             const welkin_projection_options* options, const welkin_control* control,
-                                             welkin_projection* projection);
+WELKIN_CALL welkin_project_file(const char* path, const welkin_read_options* read_options,
+                                const welkin_projection_options* options, const welkin_control* control,
+                                welkin_projection* projection);
 
 /* ---- Harmonics: 3 bands^2 doubles each. A result may overwrite its argument. ---- */
 
 /* Computes irradiance: multiplies band l of radiance by pi, 2 pi/3, pi/4, 0, -pi/24, ... */
-WELKIN_API welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radiance, double* irradiance);
+WELKIN_CALL welkin_irradiance_from_radiance(int32_t bands, const double* radiance, double* irradiance);
 
 /* Evaluates coefficients at a direction: `value` receives r, g, b. */
-WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction,
-                                         double* value);
+WELKIN_CALL welkin_evaluate(int32_t bands, const double* coefficients, const double* direction, double* value);
 
-/* Rotates or mirrors light by an orthogonal matrix: light from direction d then comes from matrix * d. Returns
- * WELKIN_INVALID_ARGUMENT if the matrix is off orthogonal by more than 1e-6. */
-WELKIN_API welkin_status welkin_turn(int32_t bands, const double* coefficients, const double* matrix, double* turned);
+/* Rotates or mirrors light by a matrix, orthogonal to 1e-6: light from direction d then comes from matrix * d. */
+WELKIN_CALL welkin_rotate(int32_t bands, const double* coefficients, const double* matrix, double* rotated);
 
 /* Windows against ringing: the factor of band l. With w = pi l / width, HANNING is (1 + cos w) / 2 and LANCZOS sin(w) /
- * w, both 0 from l = width on. MIN_LAPLACIAN is 1 / (1 + c l^2 (l + 1)^2) with the minimum c for which no irradiance is
- * negative. */
+ * w, both 0 from l = width on. MIN_LAPLACIAN is 1 / (1 + c l^2 (l + 1)^2) c the least without negative irradiance. */
 typedef int32_t welkin_window;
 enum { WELKIN_WINDOW_NONE = 0, WELKIN_WINDOW_HANNING = 1, WELKIN_WINDOW_LANCZOS = 2, WELKIN_WINDOW_MIN_LAPLACIAN = 3 };
 
-/* Multiplies each band of radiance by the window's factor. `width` is in bands, for HANNING and LANCZOS only; 0: the
- * number of bands. */
-WELKIN_API welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
-                                             double* windowed);
+/* Multiplies each band of radiance by the window's factor. `width` is for HANNING and LANCZOS; 0: `bands`. */
+WELKIN_CALL welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
+                                double* windowed);
 
 /* Computes the factor that scales the mean radiance to middle grey, luminance 0.18; 1 if the mean is not above 0. */
-WELKIN_API welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* exposure);
+WELKIN_CALL welkin_exposure_of(int32_t bands, const double* radiance, double* exposure);
 
 /* Finds the directional light that best approximates an environment: `direction` towards it, `irradiance` on a surface
  * facing it, and 1 in `found`; zeros if the light has no direction. */
-WELKIN_API welkin_status welkin_dominant_light(int32_t bands, const double* radiance, double* direction,
-                                               double* irradiance, int32_t* found);
+WELKIN_CALL welkin_dominant_light(int32_t bands, const double* radiance, double* direction, double* irradiance,
+                                  int32_t* found);
 
 /* Computes the radiance of a sun as harmonics, to be added to those of its sky: a disc of `solid_angle` steradians with
  * that irradiance, or a directional light if `solid_angle` is 0. */
-WELKIN_API welkin_status welkin_sun_harmonics(const double* direction, const double* irradiance, double solid_angle,
-                                              int32_t bands, double* coefficients);
+WELKIN_CALL welkin_sun_harmonics(const double* direction, const double* irradiance, double solid_angle, int32_t bands,
+                                 double* coefficients);
 
 /* ---- Engines ---- */
 
 /* Engines and formats with known conventions. */
 typedef int32_t welkin_engine; /* clang-format off */
-enum { WELKIN_ENGINE_WELKIN = 0, WELKIN_ENGINE_OPENEXR = 1, WELKIN_ENGINE_BABYLON = 2, WELKIN_ENGINE_THREE = 3,
-       WELKIN_ENGINE_FILAMENT = 4, WELKIN_ENGINE_GLTF = 5, WELKIN_ENGINE_UNITY = 6, WELKIN_ENGINE_UNREAL = 7,
-       WELKIN_ENGINE_BLENDER = 8, WELKIN_ENGINE_GODOT = 9, WELKIN_ENGINE_BEVY = 10, WELKIN_ENGINE_USD = 11 };
+enum { WELKIN_ENGINE_WELKIN, WELKIN_ENGINE_OPENEXR, WELKIN_ENGINE_BABYLON, WELKIN_ENGINE_THREE, WELKIN_ENGINE_FILAMENT,
+       WELKIN_ENGINE_GLTF, WELKIN_ENGINE_UNITY, WELKIN_ENGINE_UNREAL, WELKIN_ENGINE_BLENDER, WELKIN_ENGINE_GODOT,
+       WELKIN_ENGINE_BEVY, WELKIN_ENGINE_USD, WELKIN_ENGINE_PLAYCANVAS, WELKIN_ENGINE_QT };
 /* clang-format on */
 
 /* Returns an engine's axes as matrices. `from_welkin` takes a direction in Welkin's axes to the engine's (a mirror for
  * left-handed engines). `faces_from_engine` takes a direction in the engine's axes to the axes of cubemap faces; zeros
  * for engines without cubemaps of their own. docs/reference/engines.md describes all conventions. */
-WELKIN_API welkin_status welkin_get_axes(welkin_engine engine, double* from_welkin, double* faces_from_engine);
+WELKIN_CALL welkin_get_axes(welkin_engine engine, double* from_welkin, double* faces_from_engine);
 
 /* Light in an engine's own form; docs/reference/engines.md has the formulas. */
 typedef struct welkin_engine_light {
@@ -300,23 +292,21 @@ typedef struct welkin_engine_light {
 
 /* Converts radiance to an engine's form, rotated to the engine's axes unless `in_place` is 1. Bands above the third are
  * dropped. Returns WELKIN_INVALID_ARGUMENT for OpenEXR, Blender, Bevy and OpenUSD, which have no form. */
-WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
-                                                           int32_t in_place, welkin_engine_light* light);
+WELKIN_CALL welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
+                                              int32_t in_place, welkin_engine_light* light);
 
 /* ---- Results in the caller's memory ---- */
 
 /* Memory for one level of a cubemap, or for a flat image. It may be an upload buffer, since each texel is written once
  * and never read. Formats: RG, RGB and RGBA, F32 and F16; bakes write RGBA only. Half floats are rounded to nearest;
- * values above 65504 become 65504, and NaN becomes 0. Calls with a target also have `values_clamped` (may be null),
- * which receives the number of such values. Targets are checked before any work is done. */
+ * values above 65504 become 65504, and NaN becomes 0. Targets are checked before any work is done. */
 typedef struct welkin_target {
   uint32_t struct_size;
   welkin_format format;     /* format of all texels */
   int64_t row_stride_bytes; /* distance between rows, at least one row; 0: packed rows; negative: bottom-up */
   void* faces[6];           /* first texel of each face's top row, aligned to its channels; flat image: faces[0] only */
   int64_t size;             /* texels per edge of a cubemap; 0: a flat image */
-  int32_t width;            /* texels of a flat image; else 0 */
-  int32_t height;           /* texels of a flat image; else 0 */
+  int32_t width, height;    /* texels of a flat image; else 0 */
 } welkin_target;
 
 /* Sizes of a chain. */
@@ -328,26 +318,23 @@ typedef struct welkin_chain_info {
 } welkin_chain_info;
 
 /* Creates another handle to the same pixels. */
-WELKIN_API welkin_status welkin_chain_share(const welkin_chain* chain, welkin_chain** another);
-
+WELKIN_CALL welkin_chain_share(const welkin_chain* chain, welkin_chain** another);
 /* Returns the sizes of a chain. */
-WELKIN_API welkin_status welkin_chain_get_info(const welkin_chain* chain, welkin_chain_info* info);
-
+WELKIN_CALL welkin_chain_get_info(const welkin_chain* chain, welkin_chain_info* info);
 /* Returns the pixels of a level in place: packed RGB_F32, valid while the chain is held. */
-WELKIN_API welkin_status welkin_chain_get_level(const welkin_chain* chain, int32_t level, welkin_environment* pixels);
-
+WELKIN_CALL welkin_chain_get_level(const welkin_chain* chain, int32_t level, welkin_environment* pixels);
 /* Writes a level to the caller's memory, on the calling thread. */
-WELKIN_API welkin_status welkin_chain_copy(const welkin_chain* chain, int32_t level, const welkin_target* target,
-                                           uint64_t* values_clamped);
+WELKIN_CALL welkin_chain_copy(const welkin_chain* chain, int32_t level, const welkin_target* target,
+                              uint64_t* values_clamped);
 
 /* ---- Reflections ---- */
 
 /* How a mip is computed. AUTOMATIC: for each mip, the fastest method that meets both bounds. SPECTRAL: by harmonics,
  * with the brightest texels convolved one by one. REFERENCE: by the integral, texel by texel (slow). Results may also
- * be COPY (roughness 0) or NARROW (nearby texels as areas, the lobe's tail by harmonics). */
+ * be COPY (roughness 0) or NEAR_FAR (nearby texels as areas, the lobe's tail by harmonics). */
 typedef int32_t welkin_prefilter_method; /* clang-format off */
 enum { WELKIN_PREFILTER_AUTOMATIC = 0, WELKIN_PREFILTER_SPECTRAL = 1, WELKIN_PREFILTER_REFERENCE = 2,
-       WELKIN_PREFILTER_COPY = 4, WELKIN_PREFILTER_NARROW = 5 }; /* clang-format on */
+       WELKIN_PREFILTER_COPY = 4, WELKIN_PREFILTER_NEAR_FAR = 5 }; /* clang-format on */
 
 /* Mappings from mips to roughness, with t = mip / (mips - 1), and the size of the last mip. */
 typedef int32_t welkin_roughness_schedule;
@@ -401,7 +388,7 @@ typedef struct welkin_mip {
   int32_t size;                   /* texels per edge */
   double roughness;               /* perceptual roughness at which a shader looks the mip up */
   welkin_prefilter_method method; /* never AUTOMATIC */
-  int32_t bands;                  /* harmonic bands used (SPECTRAL, NARROW) */
+  int32_t bands;                  /* harmonic bands used (SPECTRAL, NEAR_FAR) */
   int32_t bright_texels;          /* texels convolved one by one */
   double error_estimate;          /* predicted rms error relative to the mip's rms; NaN: unknown */
   double mean[3];                 /* mean of the texels by solid angle */
@@ -410,30 +397,27 @@ typedef struct welkin_mip {
 } welkin_mip;
 
 /* Returns the record of a mip of a prefiltered chain. */
-WELKIN_API welkin_status welkin_chain_get_mip(const welkin_chain* chain, int32_t level, welkin_mip* mip);
+WELKIN_CALL welkin_chain_get_mip(const welkin_chain* chain, int32_t level, welkin_mip* mip);
 
 /* Prefilters an environment for specular reflections (GGX, split sum), one roughness per mip. */
-WELKIN_API welkin_status welkin_prefilter(const welkin_environment* environment,
-                                          const welkin_prefilter_options* options, const welkin_control* control,
-                                          welkin_chain** chain);
+WELKIN_CALL welkin_prefilter(const welkin_environment* environment, const welkin_prefilter_options* options,
+                             const welkin_control* control, welkin_chain** chain);
 
 /* Size and contents of a BRDF table: E = f0 scale + bias is the reflectance in a uniform environment. */
 typedef struct welkin_brdf_options {
   uint32_t struct_size;
-  int32_t width;               /* along N.V, 1 to 4096; 0: 64 */
-  int32_t height;              /* along perceptual roughness, 1 to 4096; 0: 64 */
+  int32_t width, height;       /* along N.V and along perceptual roughness, 1 to 4096; 0: 64 */
   int32_t multiple_scattering; /* 1: bias and scale + bias: E = (1 - f0) red + f0 green; 0: scale and bias */
   int32_t without_sheen;       /* 1: the third channel is 0; 0: it is the albedo of sheen */
 } welkin_brdf_options;
 
 /* Writes the table to a flat target of the options' size; row 0 has the lowest roughness. Recent tables are cached. */
-WELKIN_API welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
-                                           const welkin_target* target, uint64_t* values_clamped);
+WELKIN_CALL welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
+                              const welkin_target* target, uint64_t* values_clamped);
 
 /* Evaluates irradiance coefficients at each texel's centre of a cubemap target of 1 to 4096 texels per edge. */
-WELKIN_API welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance,
-                                                   const welkin_control* control, const welkin_target* target,
-                                                   uint64_t* values_clamped);
+WELKIN_CALL welkin_irradiance_cubemap(int32_t bands, const double* irradiance, const welkin_control* control,
+                                      const welkin_target* target, uint64_t* values_clamped);
 
 /* ---- Bake: complete image-based lighting in one call ---- */
 
@@ -476,48 +460,96 @@ typedef struct welkin_bake_info {
   int32_t bands;                    /* 0 without harmonics */
   uint64_t peak_bytes;              /* bound on results and working memory together */
   double irradiance_error_estimate; /* predicted rms error of irradiance relative to its rms; NaN: unknown */
-  int32_t octahedral_size;          /* 0 without a map */
-  int32_t octahedral_levels;        /* fewer than requested if there are fewer mips */
-  int32_t octahedral_border;        /* texels on each side of level 0 */
-  uint64_t values_clamped;          /* channel values that the formats of `welkin_bake_targets` could not hold */
+  int32_t octahedral_size, octahedral_levels, octahedral_border; /* 0 without a map; at most as many levels as mips */
+  uint64_t values_clamped; /* channel values that the formats of `welkin_bake_targets` could not hold */
 } welkin_bake_info;
 
 /* Bakes an environment. */
-WELKIN_API welkin_status welkin_bake(const welkin_environment* environment, const welkin_bake_options* options,
-                                     const welkin_control* control, welkin_bake_result** result);
-
+WELKIN_CALL welkin_bake(const welkin_environment* environment, const welkin_bake_options* options,
+                        const welkin_control* control, welkin_bake_result** result);
 /* Reads and bakes a file. */
-WELKIN_API welkin_status welkin_bake_file(const char* path, const welkin_read_options* read_options,
-                                          const welkin_bake_options* options, const welkin_control* control,
-                                          welkin_bake_result** result);
+WELKIN_CALL welkin_bake_file(const char* path, const welkin_read_options* read_options,
+                             const welkin_bake_options* options, const welkin_control* control,
+                             welkin_bake_result** result);
 
-/* Bakes specular chains and harmonics of many cubemaps into the caller's memory. `probes`, `coefficients` and `totals`
- * are as in `welkin_project_many`; `coefficients` is null with 0 bands. `targets` has one element per mip: all mips of
- * the first probe, then all of the second, and so on. WELKIN_INVALID_ARGUMENT means that nothing was written; after
- * another error, any targets may be. */
-WELKIN_API welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_count,
-                                          const welkin_prefilter_options* options, const welkin_control* control,
-                                          const welkin_target* targets, int64_t target_count, int32_t bands,
-                                          double* coefficients, welkin_projection* totals, uint64_t* values_clamped);
+/* Bakes specular chains and harmonics of many cubemaps into the caller's memory. `probes`, `coefficients` (null with 0
+ * bands) and `totals` are as in `welkin_project_many`. `targets` has one element per mip, probe by probe. After errors
+ * other than WELKIN_INVALID_ARGUMENT, any targets may be written. */
+WELKIN_CALL welkin_bake_many(const welkin_environment* probes, int64_t probe_count,
+                             const welkin_prefilter_options* options, const welkin_control* control,
+                             const welkin_target* targets, int64_t target_count, int32_t bands, double* coefficients,
+                             welkin_projection* totals, uint64_t* values_clamped);
 
 /* Returns the parts and sizes of a result. */
-WELKIN_API welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welkin_bake_info* info);
-
+WELKIN_CALL welkin_bake_result_get_info(const welkin_bake_result* result, welkin_bake_info* info);
 /* Returns the background, specular or irradiance cubemap, valid while the result is held (`welkin_chain_share` keeps it
  * longer). Null if that part was not made, and for other parts. */
 WELKIN_API const welkin_chain* welkin_bake_result_chain(const welkin_bake_result* result, welkin_parts part);
 
 /* Returns harmonics of radiance, and counts of values read, replaced and clamped. */
-WELKIN_API welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result,
-                                                           welkin_projection* projection);
+WELKIN_CALL welkin_bake_result_get_projection(const welkin_bake_result* result, welkin_projection* projection);
 
 /* Writes a level of the octahedral map to a flat target of octahedral_size >> level texels. */
-WELKIN_API welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
-                                                            const welkin_target* target, uint64_t* values_clamped);
-
+WELKIN_CALL welkin_bake_result_copy_octahedral(const welkin_bake_result* result, int32_t level,
+                                               const welkin_target* target, uint64_t* values_clamped);
 /* Writes the BRDF table to a flat target. */
-WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, const welkin_target* target,
-                                                      uint64_t* values_clamped);
+WELKIN_CALL welkin_bake_result_copy_brdf(const welkin_bake_result* result, const welkin_target* target,
+                                         uint64_t* values_clamped);
+
+/* ---- Probe grids (docs/guides/probe_grids.md) ----
+ * Depths: per probe, the six faces of its distances one after the other, `depth_size` texels per edge, without padding;
+ * negative: the back of a surface; infinity: the environment. */
+
+/* Positions of probes. Probe (i, j, k) along x, y and z has the index i + counts[0] (j + counts[1] k). */
+typedef struct welkin_probe_grid {
+  uint32_t struct_size;
+  int32_t counts[3]; /* 1 to 2048 each, at most 2^24 in total */
+  double origin[3];  /* position of probe 0 */
+  double spacing[3]; /* above 0 */
+} welkin_probe_grid;
+
+/* Options of a bake of probes. */
+typedef struct welkin_probe_options {
+  uint32_t struct_size;
+  int32_t bands;                  /* 1 to 4; 0: 3 */
+  int32_t distance_size;          /* texels per edge of the distance maps, 1 to 64; 0: 8; -1: none */
+  int32_t dilation_passes;        /* 0: 4; -1: none */
+  int32_t environment_bands;      /* bands of environments for `welkin_probes_relight`; 0: none */
+  double near_share, valid_share; /* 0: 0.1 and 0.75 */
+} welkin_probe_options;
+
+/* Bakes a grid from one cubemap per probe. `depths` may be null. */
+WELKIN_CALL welkin_probes_bake(const welkin_probe_grid* grid, const welkin_environment* cubes,
+                               const float* const* depths, int32_t depth_size, const welkin_probe_options* options,
+                               const welkin_control* control, welkin_probes** probes);
+
+/* Computes where probes should be captured instead, so that none lies in a wall: three doubles per probe in `offsets`,
+ * which holds those of the depths' captures before (zeros for none). */
+WELKIN_CALL welkin_probes_relocate(const welkin_probe_grid* grid, const float* const* depths, int32_t depth_size,
+                                   double* offsets);
+
+/* Sets the offsets at which probes were captured: three doubles per probe; null: none. */
+WELKIN_CALL welkin_probes_set_offsets(welkin_probes* probes, const double* offsets);
+
+/* Changes probes to another environment: 3 bands^2 doubles of radiance each. */
+WELKIN_CALL welkin_probes_relight(welkin_probes* probes, int32_t bands, const double* from, const double* to);
+
+/* Computes irradiance at `count` positions with unit normals (x, y, z each); `irradiance` receives r, g, b of each. */
+WELKIN_CALL welkin_probes_irradiance(const welkin_probes* probes, const double* positions, const double* normals,
+                                     size_t count, double* irradiance);
+
+/* Returns the coefficients of radiance: `count` doubles, 3 bands^2 per probe, valid until the probes are changed. */
+WELKIN_CALL welkin_probes_coefficients(const welkin_probes* probes, const double** coefficients, size_t* count);
+
+/* Packs texture `index` of a layout: "three", "unity-l2", "unity-l1", "plain", "bevy" or "rtxgi". `size` receives
+ * texels along x, y and z; `halves` (may be null) four half floats per texel, if `half_count` suffices. */
+WELKIN_CALL welkin_probes_pack(const welkin_probes* probes, const char* layout, int32_t index, int32_t* size,
+                               uint16_t* halves, size_t half_count);
+
+/* Writes probes as PATH.json and its files, with textures of layouts separated by commas (may be null). */
+WELKIN_CALL welkin_probes_write(const welkin_probes* probes, const char* path, const char* layouts);
+/* Reads probes that welkin_probes_write wrote. */
+WELKIN_CALL welkin_probes_read(const char* path, welkin_probes** probes);
 
 /* ---- Sky ----
  * y is up; a sun's azimuth is measured from +z towards +x, its elevation from the horizon upwards. `sun` is a direction
@@ -535,9 +567,8 @@ enum { WELKIN_PLANET_EARTH = 0, WELKIN_PLANET_EARTH_HILLAIRE = 1, WELKIN_PLANET_
 typedef struct welkin_constituent {
   uint32_t struct_size;
   int32_t layer_count; /* at most 8; 0: the constituent is absent */
-  /* Five doubles per layer, from the ground up: thickness_m, exponential_term, exponential_scale_per_m,
-   * linear_term_per_m, constant_term. Relative density at altitude h: exponential_term exp(exponential_scale_per_m h) +
-   * linear_term_per_m h + constant_term, clamped to [0, 1]. */
+  /* Five doubles per layer, from the ground up: its thickness, and a, b, c, d. All in metres: relative density at
+   * altitude h is a exp(b h) + c h + d, clamped to [0, 1]. */
   const double* layers;
   const double* scattering_per_m; /* one per wavelength; null: none */
   const double* absorption_per_m; /* one per wavelength; null: none */
@@ -547,8 +578,7 @@ typedef struct welkin_constituent {
 typedef int32_t welkin_aerosol_phase;
 enum { WELKIN_PHASE_DEFAULT = 0, WELKIN_PHASE_CORNETTE_SHANKS = 1, WELKIN_PHASE_HENYEY_GREENSTEIN = 2 };
 
-/* A planet's air, ground and sun. A member that is zero or null keeps the value of `planet`. Arrays have one value per
- * wavelength. Calls copy everything that they read. */
+/* A planet's air, ground and sun. Zero or null keeps the value of `planet`. Arrays: one value per wavelength. */
 typedef struct welkin_atmosphere {
   uint32_t struct_size;
   welkin_planet planet;     /* planet to start from */
@@ -575,91 +605,87 @@ typedef struct welkin_atmosphere {
 } welkin_atmosphere;
 
 /* Computes the unit direction towards a sun. */
-WELKIN_API welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction);
+WELKIN_CALL welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction);
+
+/* Computes the sun's position, 1900 to 2099, at a date such as "2026-06-21T20:30:15+02:00" and a place (degrees,
+ * positive in the north and the east). North is -z and east +x. `refraction` 1 raises the sun by that of 1010 hPa and
+ * 10 degrees Celsius. `direction` (may be null) receives three numbers. */
+WELKIN_CALL welkin_sun_position(const char* date, double latitude, double longitude, int32_t refraction,
+                                double* elevation_degrees, double* azimuth_degrees, double* direction);
 
 /* Sizes of the tables, and orders of scattering. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
-  int32_t compact;               /* 1: omits the azimuth between view and sun; only phase functions then depend on it */
-  int32_t heights;               /* 2 to 128; 0: 32 */
-  int32_t view_zeniths;          /* even, 4 to 1024; 0: 64 */
-  int32_t sun_zeniths;           /* 4 to 256; 0: 64 */
-  int32_t sun_angles;            /* 2 to 128, not with `compact`; 0: 8 */
-  int32_t transmittance_heights; /* 2 to 1024; 0: 64 */
-  int32_t transmittance_zeniths; /* 2 to 2048; 0: 256 */
-  int32_t irradiance_heights;    /* 2 to 1024; 0: 16 */
-  int32_t irradiance_sun_zeniths;       /* 2 to 1024; 0: 64 */
-  int32_t orders;                       /* orders of scattering, 1 to 64; 0: 4 */
-  int32_t linear_srgb;                  /* 1: channels are cd/m2; 0: W/m2/sr/nm at three wavelengths */
-  double minimum_sun_elevation_degrees; /* lowest sun in the tables, -90 to below 0; 0: -30 */
-  double until_change;                  /* stops early after an order that adds less than this fraction; 0: never */
-  uint64_t memory_limit_bytes;          /* 0: 4 GiB */
-  int32_t exact_orders;                 /* not 0: omits orders beyond `orders`; 0: estimates them */
+  int32_t compact;      /* 1: omits the azimuth between view and sun; only phase functions then depend on it */
+  int32_t heights;      /* 2 to 128; 0: 32 */
+  int32_t view_zeniths; /* even, 4 to 1024; 0: 64 */
+  int32_t sun_zeniths;  /* 4 to 256; 0: 64 */
+  int32_t sun_angles;   /* 2 to 128, not with `compact`; 0: 8 */
+  int32_t transmittance_heights, transmittance_zeniths; /* 2 to 1024 and to 2048; 0: 64 and 256 */
+  int32_t irradiance_heights, irradiance_sun_zeniths;   /* 2 to 1024; 0: 16 and 64 */
+  int32_t orders;                                       /* orders of scattering, 1 to 64; 0: 4 */
+  int32_t linear_srgb;                                  /* 1: channels are cd/m2; 0: W/m2/sr/nm at three wavelengths */
+  double minimum_sun_elevation_degrees;                 /* lowest sun in the tables, -90 to below 0; 0: -30 */
+  double convergence_threshold; /* stops early after an order that adds less than this fraction; 0: never */
+  uint64_t memory_limit_bytes;  /* 0: 4 GiB */
+  int32_t truncate_orders;      /* not 0: omits orders beyond `orders`; 0: estimates them */
 } welkin_sky_table_options;
 
-/* Computes scattering tables: 2 to 3 s of CPU time with the defaults. The message of WELKIN_INVALID_ARGUMENT names the
- * parameter of the atmosphere that cannot be computed, its value and the remedy. */
-WELKIN_API welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere,
-                                                  const welkin_sky_table_options* options,
-                                                  const welkin_control* control, welkin_sky_tables** tables);
+/* Computes scattering tables: 2 to 3 s of CPU time with the defaults. */
+WELKIN_CALL welkin_sky_tables_create(const welkin_atmosphere* atmosphere, const welkin_sky_table_options* options,
+                                     const welkin_control* control, welkin_sky_tables** tables);
 
 /* Saves tables with all their parameters. Loading restores the same bits. */
-WELKIN_API welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path);
-
+WELKIN_CALL welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path);
 /* Loads saved tables. `memory_limit_bytes` 0: 4 GiB. */
-WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes,
-                                                welkin_sky_tables** tables);
+WELKIN_CALL welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes, welkin_sky_tables** tables);
 
-/* Creates a view from an altitude of 0 to 1e9 m, in 2 ms. With `without_ground` 1, rays that hit the ground see only
- * the air in front of it. */
-WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
-                                                int32_t without_ground, welkin_sky_view** view);
+/* Creates a view from 0 to 1e9 m, in 2 ms. `without_ground` 1: rays that hit the ground see only air in front of it. */
+WELKIN_CALL welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m, int32_t without_ground,
+                                   welkin_sky_view** view);
 
 /* Computes radiance without the sun's disc from `count` directions (x, y, z each); `rgb` receives r, g, b of each. */
-WELKIN_API welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float* directions, size_t count,
-                                                  const double* sun, float* rgb);
+WELKIN_CALL welkin_sky_view_radiance(const welkin_sky_view* view, const float* directions, size_t count,
+                                     const double* sun, float* rgb);
 
 /* Computes the sun as a directional light: irradiance on a surface facing it, and solid angle in steradians. */
-WELKIN_API welkin_status welkin_sky_view_sun(const welkin_sky_view* view, const double* sun, double* irradiance,
-                                             double* solid_angle);
+WELKIN_CALL welkin_sky_view_sun(const welkin_sky_view* view, const double* sun, double* irradiance,
+                                double* solid_angle);
 
 /* Writes an image of the sky: a cubemap, or a lat-long if the target is flat, whose width must be twice its height.
  * `sun_disc` 1 includes the sun's disc, by the area of texels that it covers. */
-WELKIN_API welkin_status welkin_sky_view_picture(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
-                                                 const welkin_control* control, const welkin_target* target,
-                                                 uint64_t* values_clamped);
+WELKIN_CALL welkin_sky_view_picture(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
+                                    const welkin_control* control, const welkin_target* target,
+                                    uint64_t* values_clamped);
 
 /* Prefilters an image of the sky for specular reflections. */
-WELKIN_API welkin_status welkin_sky_view_specular(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
-                                                  const welkin_prefilter_options* options,
-                                                  const welkin_control* control, welkin_chain** chain);
+WELKIN_CALL welkin_sky_view_specular(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
+                                     const welkin_prefilter_options* options, const welkin_control* control,
+                                     welkin_chain** chain);
 
 /* Options of a sky projection. */
 typedef struct welkin_sky_harmonics_options {
   uint32_t struct_size;
-  int32_t bands;    /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
-  int32_t zeniths;  /* 2 to 128; 0: 32 */
-  int32_t azimuths; /* 2 to 256; 0: 32 */
-  int32_t nodes;    /* sun elevations of the curve, 8 to 4096; 0: 256 */
+  int32_t bands;             /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
+  int32_t zeniths, azimuths; /* 2 to 128 and to 256; 0: 32 */
+  int32_t nodes;             /* sun elevations of the curve, 8 to 4096; 0: 256 */
 } welkin_sky_harmonics_options;
 
 /* Creates a curve, in milliseconds. */
-WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
-                                                 const welkin_sky_harmonics_options* options,
-                                                 const welkin_control* control, welkin_sky_curve** curve);
+WELKIN_CALL welkin_sky_curve_create(const welkin_sky_view* view, const welkin_sky_harmonics_options* options,
+                                    const welkin_control* control, welkin_sky_curve** curve);
 
 /* Computes radiance of sky and ground, without the sun's disc: `coefficients` receives 3 bands^2 doubles.
- * `sun_irradiance` (may be null) receives r, g, b of direct sunlight on a surface facing the sun. Does not allocate;
- * below 1 us for three bands. */
-WELKIN_API welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
-                                             double* sun_irradiance);
+ * `sun_irradiance` (may be null) receives r, g, b of direct sunlight on a surface facing the sun. Takes 1 us. */
+WELKIN_CALL welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
+                                double* sun_irradiance);
 
 /* ---- Worker ---- */
 
-/* Priority of a worker's threads relative to all other threads. BELOW, the default: a tenth of a normal thread's CPU
- * time when both compete. IDLE: only on otherwise idle processors. */
+/* Priority of a worker's threads relative to all other threads. BELOW_NORMAL, the default: a tenth of a normal thread's
+ * CPU time when both compete. IDLE: only on otherwise idle processors. */
 typedef int32_t welkin_thread_priority; /* clang-format off */
-enum { WELKIN_THREAD_PRIORITY_DEFAULT = 0, WELKIN_THREAD_PRIORITY_BELOW = 1,
+enum { WELKIN_THREAD_PRIORITY_DEFAULT = 0, WELKIN_THREAD_PRIORITY_BELOW_NORMAL = 1,
        WELKIN_THREAD_PRIORITY_NORMAL = 2, WELKIN_THREAD_PRIORITY_IDLE = 3 }; /* clang-format on */
 
 /* A worker's threads and limits. */
@@ -668,40 +694,32 @@ typedef struct welkin_worker_options {
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1 (with `enqueue`: all) */
   welkin_thread_priority thread_priority; /* priority of its own threads */
   const char* name;                       /* name of the threads; null: "welkin" */
-
-  /* Null: the worker creates its own threads. Otherwise jobs run on the engine's threads: this function must arrange
-   * for `task(argument)` to be called exactly once, soon, on any thread. The worker may call it from several threads at
-   * the same time. At most `threads` tasks are outstanding. A task that is never called leaks memory, and its job waits
-   * forever. `enqueue_user` must stay valid until the worker is terminated or destroyed; tasks that are called later do
-   * nothing. */
+  /* Null: the worker creates its own threads. Otherwise jobs run on the engine's threads: this function, called from
+   * any number of threads at once, must arrange for `task(argument)` to be called exactly once, soon, on any thread. At
+   * most `threads` tasks are outstanding. A task that is never called leaks memory, and its job waits forever. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
-  void* enqueue_user; /* passed to `enqueue` */
-
-  /* A job posted at a limit completes with WELKIN_QUEUE_FULL. */
-  uint64_t max_jobs;  /* jobs in flight; 0: 4096 */
+  void* enqueue_user; /* passed to `enqueue`, until the worker is terminated or destroyed; later tasks do nothing */
+  uint64_t max_jobs;  /* jobs in flight, 0: 4096; a job posted at a limit completes with WELKIN_QUEUE_FULL */
   uint64_t max_bytes; /* bytes of their pixels in flight; 0: 4 GiB */
 } welkin_worker_options;
 
 /* Creates a worker. Returns WELKIN_INTERNAL if no thread can be created. */
-WELKIN_API welkin_status welkin_worker_create(const welkin_worker_options* options, welkin_worker** worker);
+WELKIN_CALL welkin_worker_create(const welkin_worker_options* options, welkin_worker** worker);
 
 /* Terminates and destroys a worker. No other thread may use it any more; its jobs remain usable. Completed callbacks
  * that were not drained are never called; to receive them all, terminate, drain, then destroy. */
 WELKIN_API void welkin_worker_destroy(welkin_worker* worker);
 
-/* Cancels all jobs, which complete with WELKIN_STOPPED, waits until none runs, and ends the threads. Later posts
- * complete with WELKIN_STOPPED; callbacks can still be drained. On a thread of the worker it does not wait. */
-WELKIN_API welkin_status welkin_worker_terminate(welkin_worker* worker);
-
+/* Cancels all jobs, waits until none runs (but not on a thread of the worker), and ends the threads. These jobs and
+ * later posts complete with WELKIN_STOPPED; callbacks can still be drained. */
+WELKIN_CALL welkin_worker_terminate(welkin_worker* worker);
 /* Waits until no job waits or runs; callbacks may remain. Returns at once on a thread of the worker. */
-WELKIN_API welkin_status welkin_worker_wait_until_idle(welkin_worker* worker);
-
+WELKIN_CALL welkin_worker_wait_until_idle(welkin_worker* worker);
 /* No time limit. */
 #define WELKIN_NO_LIMIT UINT64_MAX
-
 /* Calls the `completed` callbacks of completed jobs, on this thread, in the order of completion: at least one if there
  * is any, then until `budget_nanoseconds` are spent. `called` (may be null) receives their number. */
-WELKIN_API welkin_status welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanoseconds, uint64_t* called);
+WELKIN_CALL welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanoseconds, uint64_t* called);
 
 /* ---- Posting ----
  * Posts return at once. `post` and `job` may be null; otherwise `*job` receives a handle, to be released with
@@ -718,19 +736,14 @@ typedef struct welkin_post_options {
   welkin_priority priority; /* position among waiting jobs */
   const char* key; /* replaces older jobs with the same key, which complete with WELKIN_REPLACED; null: no key */
   uint64_t bytes;  /* bytes to count against `max_bytes`; 0: those of its pixels */
-
   /* Null: the pixels (or the function's data) must stay valid until the job is ready. Otherwise the job owns them, and
-   * calls `release(release_user)` once it no longer reads them: exactly once per call of a post function, on any
-   * thread. `release` must not wait for the worker or its jobs. It is called
-   * - before the post returns, if the post fails or is about a file or a sky;
-   * - about when the job becomes ready, if the job ran, and before `welkin_worker_wait_until_idle`,
-   *   `welkin_worker_terminate` and `welkin_worker_destroy` return;
-   * - if the job never ran: before the call returns that cancelled or refused it, or that terminated the worker. The
-   *   release of a replaced job may come a moment after the post that replaced it.
-   * It is not called if the post refuses `struct_size`. */
+   * calls `release(release_user)` once per call of a post function, on any thread: before a post returns that fails or
+   * is about a file or a sky; else about when the job becomes ready, and before `welkin_worker_wait_until_idle`,
+   * `..._terminate` and `..._destroy` return; for a job that never ran, before the call returns that cancelled or
+   * refused it or terminated the worker (for a replaced job perhaps a moment later). It must not wait for the worker or
+   * its jobs. It is not called if the post refuses `struct_size`. */
   void (*release)(void* release_user);
   void* release_user; /* passed to `release` */
-
   /* Null, or called inside `welkin_worker_drain` once the job has completed or failed: exactly once if the post
    * succeeds and the worker is drained to the end. `job` is valid during the call; `welkin_job_retain` keeps it. */
   void (*completed)(welkin_job* job, void* completed_user);
@@ -738,30 +751,27 @@ typedef struct welkin_post_options {
 } welkin_post_options;
 
 /* Each posts the call of its name; the last two compute a curve, and reflections without the sun's disc. */
-WELKIN_API welkin_status welkin_post_project(welkin_worker* worker, const welkin_environment* mips, int32_t mip_count,
-                                             const welkin_projection_options* options, const welkin_post_options* post,
-                                             welkin_job** job);
-WELKIN_API welkin_status welkin_post_project_file(welkin_worker* worker, const char* path,
-                                                  const welkin_read_options* read_options,
-                                                  const welkin_projection_options* options,
-                                                  const welkin_post_options* post, welkin_job** job); /* a projection */
-WELKIN_API welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
-                                               const welkin_prefilter_options* options, const welkin_post_options* post,
-                                               welkin_job** job); /* a chain */
-WELKIN_API welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path,
-                                               const welkin_read_options* read_options,
-                                               const welkin_bake_options* options, const welkin_post_options* post,
-                                               welkin_job** job); /* a bake */
-WELKIN_API welkin_status welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,
-                                                const welkin_sky_table_options* options,
-                                                const welkin_post_options* post, welkin_job** job); /* tables */
-WELKIN_API welkin_status welkin_post_sky_curve(welkin_worker* worker, const welkin_sky_tables* tables,
-                                               double altitude_m, const welkin_sky_harmonics_options* options,
-                                               const welkin_post_options* post, welkin_job** job); /* a curve */
-WELKIN_API welkin_status welkin_post_sky_specular(welkin_worker* worker, const welkin_sky_tables* tables,
-                                                  double altitude_m, const double* sun,
-                                                  const welkin_prefilter_options* options,
-                                                  const welkin_post_options* post, welkin_job** job); /* a chain */
+WELKIN_CALL welkin_post_project(welkin_worker* worker, const welkin_environment* mips, int32_t mip_count,
+                                const welkin_projection_options* options, const welkin_post_options* post,
+                                welkin_job** job);
+WELKIN_CALL welkin_post_project_file(welkin_worker* worker, const char* path, const welkin_read_options* read_options,
+                                     const welkin_projection_options* options, const welkin_post_options* post,
+                                     welkin_job** job); /* a projection */
+WELKIN_CALL welkin_post_prefilter(welkin_worker* worker, const welkin_environment* environment,
+                                  const welkin_prefilter_options* options, const welkin_post_options* post,
+                                  welkin_job** job); /* a chain */
+WELKIN_CALL welkin_post_bake_file(welkin_worker* worker, const char* path, const welkin_read_options* read_options,
+                                  const welkin_bake_options* options, const welkin_post_options* post,
+                                  welkin_job** job); /* a bake */
+WELKIN_CALL welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,
+                                   const welkin_sky_table_options* options, const welkin_post_options* post,
+                                   welkin_job** job); /* tables */
+WELKIN_CALL welkin_post_sky_curve(welkin_worker* worker, const welkin_sky_tables* tables, double altitude_m,
+                                  const welkin_sky_harmonics_options* options, const welkin_post_options* post,
+                                  welkin_job** job); /* a curve */
+WELKIN_CALL welkin_post_sky_specular(welkin_worker* worker, const welkin_sky_tables* tables, double altitude_m,
+                                     const double* sun, const welkin_prefilter_options* options,
+                                     const welkin_post_options* post, welkin_job** job); /* a chain */
 
 /* Memory of the caller for the cubemaps of a bake: RGBA_F16 or RGBA_F32, the targets of one part all with one
  * `struct_size`. Parts without targets are in the result. */
@@ -775,27 +785,24 @@ typedef struct welkin_bake_targets {
 } welkin_bake_targets;
 
 /* Posts `welkin_bake`. If `targets` is not null, the worker's threads write the cubemaps there; that memory must stay
- * valid until the job is ready, and `release` also waits for the last write. A job that succeeds has written every
- * texel. A job that never started, or whose targets are refused, has written none; any other that fails may have
- * written some. Running jobs must not share targets: a replaced job writes until it is ready. */
-WELKIN_API welkin_status welkin_post_bake(welkin_worker* worker, const welkin_environment* environment,
-                                          const welkin_bake_options* options, const welkin_bake_targets* targets,
-                                          const welkin_post_options* post, welkin_job** job);
+ * valid, and be no other running job's, until the job is ready (even if replaced), and `release` waits for the last
+ * write. A job that fails may have written some texels, but none if it never started or its targets are refused. */
+WELKIN_CALL welkin_post_bake(welkin_worker* worker, const welkin_environment* environment,
+                             const welkin_bake_options* options, const welkin_bake_targets* targets,
+                             const welkin_post_options* post, welkin_job** job);
 
 /* Posts a function: `run(run_user, control)` is called once on a thread of the worker, or not at all if the job is
- * cancelled first. The status that it returns becomes the job's: any value except WELKIN_NOT_READY. Codes of your own
- * start at 1000. If a call of this library fails inside the function, and the function returns that status, the job
- * gets that call's message. The function should check `welkin_control_stop_requested` once per millisecond. If it calls
- * `pthread_exit`, the job completes with WELKIN_INTERNAL, and the worker's thread goes on. */
-WELKIN_API welkin_status welkin_post_function(welkin_worker* worker,
-                                              welkin_status (*run)(void* run_user, const welkin_control* control),
-                                              void* run_user, const welkin_post_options* post, welkin_job** job);
+ * cancelled first. The status that it returns, any but WELKIN_NOT_READY, becomes the job's, with the message of a call
+ * of this library that failed inside it with that status. Codes of your own start at 1000. The function should check
+ * `welkin_control_stop_requested` once per millisecond. After `pthread_exit` the job completes with WELKIN_INTERNAL. */
+WELKIN_CALL welkin_post_function(welkin_worker* worker,
+                                 welkin_status (*run)(void* run_user, const welkin_control* control), void* run_user,
+                                 const welkin_post_options* post, welkin_job** job);
 
 /* Returns 1 if the job was cancelled: the function should then return, for instance WELKIN_CANCELLED. Else 0. */
 WELKIN_API int32_t welkin_control_stop_requested(const welkin_control* control);
-
 /* Reports the fraction of the work that is done, 0 to 1. Lower values than before are ignored. */
-WELKIN_API welkin_status welkin_control_report_progress(const welkin_control* control, double done);
+WELKIN_CALL welkin_control_report_progress(const welkin_control* control, double done);
 
 /* ---- Jobs ----
  * Functions that return a result never wait, and may be called any number of times; all handles share the result. They
@@ -803,31 +810,28 @@ WELKIN_API welkin_status welkin_control_report_progress(const welkin_control* co
 
 /* Returns a number that is unique in the process and increases in the order of posting; 0 for null. */
 WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
-
-/* Returns WELKIN_NOT_READY while the job waits or runs, then WELKIN_OK or its error, whose message is in
- * `welkin_last_error`. `progress` (may be null) receives the fraction done, 0 to 1. Never waits. */
-WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
+/* Returns WELKIN_NOT_READY while the job waits or runs, then WELKIN_OK or its error. `progress` (or null): 0 to 1. */
+WELKIN_CALL welkin_job_poll(const welkin_job* job, double* progress);
 
 /* Waits until the job is ready, but at most `timeout_nanoseconds`, and returns the status of `welkin_job_poll`. On a
  * thread of the worker, a wait with WELKIN_NO_LIMIT runs the job itself if that has not started. A request that waits
  * for its own job, directly or through other jobs, deadlocks. */
-WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
+WELKIN_CALL welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Returns the result: a copy of a projection, or a handle to a chain, a bake, sky tables or a sky curve. */
-WELKIN_API welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection);
-WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_chain** chain);            /* a chain */
-WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);      /* a bake */
-WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables); /* tables */
-WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);    /* a curve */
+WELKIN_CALL welkin_job_projection(const welkin_job* job, welkin_projection* projection);
+WELKIN_CALL welkin_job_get_chain(const welkin_job* job, welkin_chain** chain);            /* a chain */
+WELKIN_CALL welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);      /* a bake */
+WELKIN_CALL welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables); /* tables */
+WELKIN_CALL welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);    /* a curve */
 
 /* Cancels the job; it completes with WELKIN_CANCELLED: at once if it waits, else before its next tile (a function: when
  * it returns). `cancelled` (may be null) receives 1 if this call cancelled it, else 0. */
-WELKIN_API welkin_status welkin_job_cancel(welkin_job* job, int32_t* cancelled);
+WELKIN_CALL welkin_job_cancel(welkin_job* job, int32_t* cancelled);
 
 /* Moves a waiting job to the end of the queue of that priority. */
-WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority);
-
-/* Adds a reference. The handle is destroyed with its last reference; the job still completes. */
+WELKIN_CALL welkin_job_set_priority(welkin_job* job, welkin_priority priority);
+/* Adds a reference. A job whose last reference is dropped still completes. */
 WELKIN_API void welkin_job_retain(welkin_job* job);
 WELKIN_API void welkin_job_release(welkin_job* job); /* drops a reference */
 
@@ -855,7 +859,7 @@ typedef struct welkin_sky_reflections {
   const welkin_chain* chain; /* valid until the next update; null: none yet */
   uint64_t id;               /* increases with each new chain; upload only if it changed; 0: none */
   double weight;             /* factor of its light */
-  double turn[9];            /* rotation, column-major: the light of d now comes from turn * d */
+  double rotation[9];        /* rotation, column-major: the light of d now comes from rotation * d */
 } welkin_sky_reflections;
 
 /* The light of a frame. `struct_size` may end inside `coefficients`. */
@@ -874,25 +878,23 @@ typedef struct welkin_sky_frame {
 
 /* Creates a dynamic sky, with the sun at the zenith. If `tables` is given, `atmosphere` is ignored and may be null, and
  * the tables' own options apply. If `tables` is null, the worker computes them. */
-WELKIN_API welkin_status welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
-                                                 const welkin_sky_tables* tables,
-                                                 const welkin_sky_light_options* options, welkin_sky_light** light);
+WELKIN_CALL welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
+                                    const welkin_sky_tables* tables, const welkin_sky_light_options* options,
+                                    welkin_sky_light** light);
 
-/* Sets the sun's direction, the intensity of all light (a factor, 0 to 1e12), the observer's altitude above the ground
- * in metres, or the planet. Posts a request only if something must be computed. */
-WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
-WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity); /* a factor */
-WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m); /* metres */
+/* Sets the sun's direction and the other parameters. Posts a request only if something must be computed. */
+WELKIN_CALL welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
+WELKIN_CALL welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity); /* 0 to 1e12 */
+WELKIN_CALL welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m); /* metres */
 /* Sets the planet. */
-WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
+WELKIN_CALL welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
 
 /* Collects finished results, advances blending, and writes the light of the frame. Never waits. Allocates only in a
  * frame in which new reflections have arrived, for their handle. `seconds` is the time since the last update. */
-WELKIN_API welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
+WELKIN_CALL welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
 
-/* Returns WELKIN_OK, or the status of the last bake that failed, with its message in `welkin_last_error`. The light is
- * then unchanged, and the next change tries again. */
-WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* light);
+/* Returns WELKIN_OK, or the error of the last bake that failed. The light stays; the next change tries again. */
+WELKIN_CALL welkin_sky_light_get_status(const welkin_sky_light* light);
 
 /* ---- Files ----
  * Functions about files (`..._file`, `..._save`, `..._load` and those below) are not in welkin-core. They also return
@@ -924,23 +926,21 @@ typedef struct welkin_texture_options {
 } welkin_texture_options;
 
 /* Writes a texture in the format that the extension names. `mips` is a cubemap with its mips, as in `welkin_project`
- * (.ktx2, .ktx, .dds or .exr), or one flat image of packed RGB_F32 of `width` x `height`, such as a BRDF table (.ktx2
- * or .dds). `values_clamped` (may be null) receives the number of values that the format could not hold. */
-WELKIN_API welkin_status welkin_write_texture(const char* path, const welkin_environment* mips, int32_t mip_count,
-                                              const welkin_texture_options* options, const welkin_control* control,
-                                              uint64_t* values_clamped);
+ * (.ktx2, .ktx, .dds or .exr), or a flat image of packed RGB_F32 of `width` x `height`, like BRDF tables (.ktx2, .dds).
+ */
+WELKIN_CALL welkin_write_texture(const char* path, const welkin_environment* mips, int32_t mip_count,
+                                 const welkin_texture_options* options, const welkin_control* control,
+                                 uint64_t* values_clamped);
 
-/* Writes a chain. The roughness of a prefiltered one is stored in KTX2's and OpenEXR's metadata, where this library
- * reads it back. */
-WELKIN_API welkin_status welkin_write_chain(const char* path, const welkin_chain* chain,
-                                            const welkin_texture_options* options, const welkin_control* control,
-                                            uint64_t* values_clamped);
+/* Writes a chain. KTX2 and OpenEXR keep its roughness as metadata, which this library reads. */
+WELKIN_CALL welkin_write_chain(const char* path, const welkin_chain* chain, const welkin_texture_options* options,
+                               const welkin_control* control, uint64_t* values_clamped);
 
 /* Writes Babylon.js's .env: a chain prefiltered with WELKIN_ROUGHNESS_BABYLON down to 1 texel, whose size is a power of
  * two, and the polynomial of the light. Both are given in Welkin's axes and are rotated to Babylon.js's. */
-WELKIN_API welkin_status welkin_write_babylon_environment(const char* path, const welkin_chain* specular, int32_t bands,
-                                                          const double* radiance, const welkin_control* control,
-                                                          uint64_t* values_clamped);
+WELKIN_CALL welkin_write_babylon_environment(const char* path, const welkin_chain* specular, int32_t bands,
+                                             const double* radiance, const welkin_control* control,
+                                             uint64_t* values_clamped);
 
 #ifdef __cplusplus
 }

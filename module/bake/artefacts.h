@@ -27,7 +27,7 @@ class Source {
 
   [[nodiscard]] virtual SourceShape shape() const = 0;
   /// As a plan of it says.
-  [[nodiscard]] virtual std::string words() const { return shape().words(); }
+  [[nodiscard]] virtual std::string description() const { return shape().description(); }
 
   /// The kinds of results that the bake takes from the source instead of computing them.
   [[nodiscard]] virtual StoredKinds stored() const { return {}; }

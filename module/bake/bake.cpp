@@ -278,7 +278,7 @@ class Baking {
 
   Outcome project_source(const Control& control) {
     if (takes_light()) {
-      projection_ = Projection{with_bands(source_.take_radiance(control), options_.bands), {}};
+      projection_ = Projection{resized(source_.take_radiance(control), options_.bands), {}};
       return done(BakePass::project);
     }
     Outcome outcome = done(BakePass::project);
@@ -289,7 +289,7 @@ class Baking {
       if (find_ != kSkipped) store_->keep(*projection_);
     }
     if (options_.bands > 0 && options_.bands < projection_->radiance.bands())
-      projection_->radiance = with_bands(projection_->radiance, options_.bands);
+      projection_->radiance = resized(projection_->radiance, options_.bands);
     return outcome;
   }
 
@@ -512,7 +512,7 @@ void run_bake(BakeResult& result, Source& source, const BakeOptions& options, Ar
 }
 
 BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, const Control& control) {
-  if (const std::string words = source.words(); words != planned.source) {
+  if (const std::string words = source.description(); words != planned.source) {
     throw Error(ErrorCode::invalid_argument,
                 "the plan is for " + planned.source + ", the source is " + words + "; plan again for this source");
   }

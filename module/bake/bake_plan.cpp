@@ -18,7 +18,6 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/irradiance.h"
-#include "reflections/narrow.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/row_reduction.h"
@@ -31,7 +30,7 @@
 
 namespace welkin {
 
-std::string SourceShape::words() const {
+std::string SourceShape::description() const {
   return cubemap ? "cubemap of " + std::to_string(columns)
                  : "lat-long " + std::to_string(columns) + " x " + std::to_string(rows);
 }
@@ -71,38 +70,8 @@ std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
                                                 static_cast<std::uint64_t>(grid.columns + border);
 }
 
-reflections::NearSplit split_of(const SourceShape& source, int size, double alpha) {
-  return reflections::narrow_split(source.columns, source.cubemap ? 0 : source.rows, size, alpha);
-}
-
 reflections::PictureShape picture_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
-}
-
-/// Returns the bytes that narrow mips add: a spectrum, lights and a copy without them, records of texels, weights and
-/// grids.
-std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const reflections::NearSplit finest = split_of(source, plan.narrow_size, 0.0);
-  const int rings = source.cubemap ? reflections::far_rows_for_cubemap(finest) : source.rows;
-  std::uint64_t bytes = columns_bytes(finest.bands, rings) + squared(finest.bands) * transforms::kHarmonicFloats * 4;
-  if (source.cubemap)
-    bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, source.columns, rings);
-  const double sharpest = reflections::sharpest_lobe(finest);
-  const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      source.cubemap, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
-  if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
-  bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
-                                                 {reflections::LightsOf::ggx, reflections::kFarLights * sharpest},
-                                                 jobs::worker_count(jobs::Placement::arena));
-  std::uint64_t records = 0;
-  for (const reflections::MipPlan& mip : plan.mips) {
-    if (mip.method != MipMethod::narrow) continue;
-    const reflections::NearSplit split = split_of(source, mip.size, mip.alpha);
-    records = std::max<std::uint64_t>(records, reflections::near_sums_bytes(split));
-    bytes += grid_bytes(split.bands, reflections::far_grid(split)) + reflections::NearTable::most_bytes(split);
-  }
-  const auto cut = static_cast<std::uint64_t>(finest.face / source.columns);
-  return bytes + records + (cut > 1 ? kTexelBytes * cut * source.texels() : 0);
 }
 
 /// Of the transform that spectral mips share, and of the lights beside it.
@@ -116,7 +85,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
                                                jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      source.cubemap, source.columns, source.rows, plan.light_alpha, reflections::kMostBright);
+      source.cubemap, source.columns, source.rows, plan.light_alpha, reflections::kMaxBright);
   if (search.texels == 0) return bytes;
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
@@ -128,10 +97,18 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
 std::uint64_t bytes_of_step(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
-  for (const reflections::MipPlan& mip : plan.near_mips)
-    bytes += reflections::NearTable::most_bytes(mip.near) + reflections::near_sums_bytes(mip.near) +
-             kTexelBytes * 6 * squared(mip.near.face);
-  if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
+  std::uint64_t records = 0;  // of one narrow mip after the other
+  for (const reflections::MipPlan& mip : plan.mips) {
+    if (mip.near.face == 0) continue;
+    const std::uint64_t texels =
+        mip.near.cubemap() ? 6 * squared(mip.near.face)
+                           : static_cast<std::uint64_t>(mip.near.face) * static_cast<std::uint64_t>(mip.near.rows);
+    const std::uint64_t sums = reflections::near_sums_bytes(mip.near) + kTexelBytes * texels;
+    const bool narrow = mip.method == MipMethod::near_far;
+    bytes += reflections::NearTable::most_bytes(mip.near) + (narrow ? 0 : sums);
+    if (narrow) records = std::max(records, sums);
+  }
+  bytes += records;
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
@@ -151,8 +128,8 @@ std::uint64_t bytes_of_step(const SourceShape& source, const reflections::Prefil
 
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
-  for (int step = 0; step <= reflections::kMostTightenings; ++step)
-    bytes = std::max(bytes, bytes_of_step(source, plan.at_step(step, source.cubemap ? source.columns : 0)));
+  for (int step = 0; step <= reflections::kMaxTightenings; ++step)
+    bytes = std::max(bytes, bytes_of_step(source, plan.at_step(step, picture_of(source))));
   return bytes;
 }
 
@@ -186,7 +163,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     switch (mip.method) {
       case MipMethod::copy:
       case MipMethod::stored: sum += resampling(source, mip.size); break;
-      case MipMethod::narrow: sum += 100.0 * texels; break;
+      case MipMethod::near_far: sum += 100.0 * texels; break;
       case MipMethod::reference: sum += 26.0 * texels * source_texels; break;
       case MipMethod::spectral: {
         const transforms::GridSize grid = mip.grid();
@@ -354,7 +331,7 @@ class BakePlanner {
       add(BakePass::background, PassAction::reuse, "mip 0 of the specular cubemap is the same",
           {0.25 * cube_texels(size), bytes, 0}, {BakePass::specular});
     } else {
-      add(BakePass::background, PassAction::run, source_.words() + " to faces of " + edge(size) + ", by area",
+      add(BakePass::background, PassAction::run, source_.description() + " to faces of " + edge(size) + ", by area",
           {resampling(source_, size), bytes, source_.cubemap ? bytes : 0}, {BakePass::sanitize});
     }
   }

@@ -117,8 +117,8 @@ std::string keep_used_mips(const RoughnessRange& range, PrefilterOptions& option
   return "; omitted: " + std::to_string(used.first) + " sharper, " + std::to_string(rougher) + " rougher";
 }
 
-NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole) {
-  NeededOptions needed{whole};
+NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& full_options) {
+  NeededOptions needed{full_options};
   need_background(source, needs, needed);
   need_diffuse(needs, needed);
   need_reflections(needs, needed);

@@ -25,7 +25,7 @@ struct UsedMips {
 };
 
 [[nodiscard]] NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs,
-                                           const BakeOptions& whole);
+                                           const BakeOptions& full_options);
 
 /// Returns the mips that lookups from `range.minimum` to `range.maximum` read: all, unless the roughness of mips rises.
 [[nodiscard]] UsedMips used_mips(const std::vector<double>& roughness, const RoughnessRange& range);
@@ -37,5 +37,8 @@ struct UsedMips {
 
 /// `stored`: what the source brings along and may be taken.
 [[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored);
+
+/// Formats a table of passes, as `plan_text` does.
+[[nodiscard]] std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured);
 
 }  // namespace welkin::baking

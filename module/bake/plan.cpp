@@ -18,7 +18,7 @@ namespace baking {
 Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored) {
   const BakePlan baking = plan_bake(source, needed.options, stored);
   Plan plan;
-  plan.source = source.words();
+  plan.source = source.description();
   plan.options = needed.options;
   plan.take_specular = baking.stored_specular;
   plan.take_levels = baking.stored_background;
@@ -43,14 +43,14 @@ const PlannedPass& Plan::pass(const std::string& name) const {
   return *found;
 }
 
-Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole) {
+Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& full_options) {
   const platform::FloatingPointScope floating_point;
   check(needs);
-  return baking::plan_pixels(source, baking::needed_options(source, needs, whole), {});
+  return baking::plan_pixels(source, baking::needed_options(source, needs, full_options), {});
 }
 
-Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& whole) {
-  return plan(shape_of(source), needs, whole);
+Plan plan(const EnvironmentView& source, const SceneNeeds& needs, const BakeOptions& full_options) {
+  return plan(shape_of(source), needs, full_options);
 }
 
 BakeResult bake(const EnvironmentView& source, const Plan& plan, const Control& control) {
@@ -109,8 +109,7 @@ std::string line_of(const PlannedPass& pass, const std::vector<PassRecord>& meas
 
 }  // namespace
 
-std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured) {
-  const platform::FloatingPointScope floating_point;
+std::string baking::passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured) {
   std::size_t width = 5;
   for (const PlannedPass& pass : passes) width = std::max(width, pass.name.size());
   std::string text = "  " + padded_right("pass", width + 2) + padded_right("", 6);
@@ -130,7 +129,7 @@ std::string passes_text(const std::vector<PlannedPass>& passes, const std::vecto
 
 std::string plan_text(const Plan& plan, const std::vector<PassRecord>& measured) {
   const platform::FloatingPointScope floating_point;
-  return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured) + "  at most " +
+  return "Plan for " + plan.source + '\n' + baking::passes_text(plan.passes, measured) + "  at most " +
          bytes_text(plan.result_bytes) + " MiB of results and " + bytes_text(plan.working_bytes) +
          " MiB of working memory\n";
 }

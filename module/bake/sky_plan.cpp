@@ -1,12 +1,12 @@
 // Plans for skies carried out.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
 #include "image/pixels.h"
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
@@ -62,9 +62,9 @@ bool any_matter(const Constituent& constituent) {
                                           platform::ranges::any_of(constituent.absorption_per_m, acts));
 }
 
-SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& whole) {
-  SkyBakeOptions options = whole;
-  options.bands = std::min(whole.bands, needs.diffuse_bands);
+SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& full_options) {
+  SkyBakeOptions options = full_options;
+  options.bands = std::min(full_options.bands, needs.diffuse_bands);
   if (!needs.background) options.background_size.reset();
   if (!needs.glossy) options.specular.reset();
   if (!needs.glossy || !needs.brdf_table) options.brdf.reset();
@@ -74,8 +74,8 @@ SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& who
 /// Puts the passes together: one function a group of them.
 class SkyPlanner {
  public:
-  SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& whole)
-      : plan_(plan), needs_(needs), whole_(whole), options_(plan.options) {}
+  SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& full_options)
+      : plan_(plan), needs_(needs), full_options_(full_options), options_(plan.options) {}
 
   void run() {
     settle();
@@ -88,7 +88,9 @@ class SkyPlanner {
       const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
       add(SkyPass::brdf, "by quadrature", static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
     } else {
-      skip(SkyPass::brdf, !whole_.brdf ? "not requested" : needs_.glossy ? "the engine has its own table" : kNotGlossy);
+      skip(SkyPass::brdf, !full_options_.brdf ? "not requested"
+                          : needs_.glossy     ? "the engine has its own table"
+                                              : kNotGlossy);
     }
   }
 
@@ -125,7 +127,7 @@ class SkyPlanner {
     add(SkyPass::orders,
         tables.orders > 1
             ? "orders 2 to " + std::to_string(tables.orders) +
-                  (tables.exact_orders ? "" : ", estimate of further ones") + ", and irradiance of the ground"
+                  (tables.truncate_orders ? "" : ", estimate of further ones") + ", and irradiance of the ground"
             : "irradiance of the ground only, because one order has no multiple scattering",
         sizeof(float) * sky::irradiance_floats(tables));
     add(SkyPass::scattering, tables.orders > 1 ? "single and multiple scattering" : "single scattering",
@@ -177,11 +179,11 @@ class SkyPlanner {
     }
   }
   [[nodiscard]] const char* no_light() const {
-    return whole_.bands == 0 ? "not requested" : "the scene uses no diffuse light";
+    return full_options_.bands == 0 ? "not requested" : "the scene uses no diffuse light";
   }
 
   void plan_reflections() {
-    if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not requested");
+    if (!options_.specular) return skip(SkyPass::specular, full_options_.specular ? kNotGlossy : "not requested");
     const int size = plan_.specular_source;
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
     const PlannedPass pass = baking::plan_prefilter_pass(source, reflections::plan_prefilter(*options_.specular));
@@ -191,31 +193,32 @@ class SkyPlanner {
 
   void plan_background() {
     if (!options_.background_size)
-      return skip(SkyPass::background, whole_.background_size ? "the scene does not show it" : "not requested");
+      return skip(SkyPass::background, full_options_.background_size ? "the scene does not show it" : "not requested");
     const std::uint64_t texels = baking::chain_texels(*options_.background_size, 1);
     add(SkyPass::background, "a cubemap of the sky for one sun", kTexelBytes * texels);
   }
 
   SkyPlan& plan_;
   const SceneNeeds& needs_;
-  const SkyBakeOptions& whole_;
+  const SkyBakeOptions& full_options_;
   const SkyBakeOptions& options_;
   std::string unused_mips_{};
 };
 
 }  // namespace
 
-SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole) {
+SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& full_options) {
   const platform::FloatingPointScope floating_point;
   check(needs);
-  static_cast<void>(sky_table_bytes(atmosphere, whole.tables));  // refuses what cannot be computed
-  if (whole.background_size) image::require_range("background_size", *whole.background_size, 1, image::kLargestFace);
+  static_cast<void>(sky::sky_table_bytes(atmosphere, full_options.tables));  // refuses what cannot be computed
+  if (full_options.background_size)
+    image::require_range("background_size", *full_options.background_size, 1, image::kLargestFace);
   SkyPlan plan;
   plan.atmosphere = atmosphere;
   plan.source = "the sky of " + (atmosphere.name.empty() ? std::string("a planet") : atmosphere.name) + ", " +
                 (needs.sun_moves ? "a moving sun" : "one sun");
-  plan.options = needed_options(needs, whole);
-  SkyPlanner(plan, needs, whole).run();
+  plan.options = needed_options(needs, full_options);
+  SkyPlanner(plan, needs, full_options).run();
   return plan;
 }
 
@@ -228,7 +231,7 @@ const PlannedPass& SkyPlan::pass(const std::string& name) const {
 
 std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
   const platform::FloatingPointScope floating_point;
-  return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured);
+  return "Plan for " + plan.source + '\n' + baking::passes_text(plan.passes, measured);
 }
 
 namespace {
@@ -280,10 +283,9 @@ class SkyBaking {
   }
 
   void run_pass(SkyPass pass, const PlannedPass& planned) {
-    const auto start = std::chrono::steady_clock::now();
+    const jobs::Stopwatch watch;
     make(pass);
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    sky_.passes.push_back({planned.name, planned.action, planned.reason, time.count()});
+    sky_.passes.push_back({planned.name, planned.action, planned.reason, watch.milliseconds()});
   }
 
   void make(SkyPass pass) {
@@ -291,7 +293,7 @@ class SkyBaking {
     switch (pass) {
       case SkyPass::view:
         view_.emplace(sky_.tables, options.altitude_m);
-        sky_.sun = view_->sun(sun_);
+        sky_.sun = view_->sun_light(sun_);
         break;
       case SkyPass::curve: {
         SkyCurveOptions curve = options.curve;

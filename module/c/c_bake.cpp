@@ -94,7 +94,7 @@ welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
   switch (mip.method) {
     case welkin::MipMethod::spectral: return WELKIN_PREFILTER_SPECTRAL;
     case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
-    case welkin::MipMethod::narrow: return WELKIN_PREFILTER_NARROW;
+    case welkin::MipMethod::near_far: return WELKIN_PREFILTER_NEAR_FAR;
     case welkin::MipMethod::copy:
     case welkin::MipMethod::stored: break;
   }
@@ -179,9 +179,9 @@ void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& want
   if (given.schedule == WELKIN_ROUGHNESS_DEFAULT && !fitted) return;
   if (given.roughness_count > 0) refuse("schedule or fitted is set together with roughness; pass one of them");
   const RoughnessSchedule schedule = schedules[static_cast<std::size_t>(given.schedule)];
-  if (!wanted.mips) wanted.mips = mips_of_chain(schedule, wanted.size);
-  wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
-  if (fitted) wanted.lobe_roughness = fitted_roughness_of_mips(schedule, *wanted.mips, wanted.size);
+  if (!wanted.mips) wanted.mips = default_mip_count(schedule, wanted.size);
+  wanted.roughness = mip_roughness(schedule, *wanted.mips, wanted.size);
+  if (fitted) wanted.lobe_roughness = fitted_mip_roughness(schedule, *wanted.mips, wanted.size);
 }
 
 }  // namespace

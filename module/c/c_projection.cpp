@@ -87,13 +87,13 @@ welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const d
   });
 }
 
-welkin_status welkin_turn(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
+welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* matrix, double* rotated) {
   return guarded([&] {
     require(matrix, "matrix");
-    require(turned, "turned");
+    require(rotated, "rotated");
     const glm::dmat3 orthogonal(read_triple(matrix, "matrix"), read_triple(matrix + 3, "matrix"),
                                 read_triple(matrix + 6, "matrix"));
-    write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
+    write_harmonics(welkin::rotate(read_harmonics(bands, coefficients, "coefficients"), orthogonal), rotated);
   });
 }
 
@@ -161,6 +161,8 @@ static_assert(WELKIN_ENGINE_UNREAL == static_cast<int>(Engine::unreal));
 static_assert(WELKIN_ENGINE_GODOT == static_cast<int>(Engine::godot));
 static_assert(WELKIN_ENGINE_BEVY == static_cast<int>(Engine::bevy));
 static_assert(WELKIN_ENGINE_USD == static_cast<int>(Engine::usd));
+static_assert(WELKIN_ENGINE_PLAYCANVAS == static_cast<int>(Engine::playcanvas));
+static_assert(WELKIN_ENGINE_QT == static_cast<int>(Engine::qt));
 
 welkin_engine_light plain(const EngineLight& light) {
   welkin_engine_light values{};
@@ -187,9 +189,9 @@ welkin_engine_light plain(const EngineLight& light) {
 welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
                                                 int32_t in_place, welkin_engine_light* light) {
   return guarded([&] {
-    const auto wanted = enumerator("engine", engine, welkin::Engine::usd);
+    const auto wanted = enumerator("engine", engine, welkin::Engine::qt);
     const auto harmonics = read_harmonics(bands, radiance, "radiance");
-    const auto form = flag("in_place", in_place) ? welkin::engine_light_in_place(harmonics, wanted)
+    const auto form = flag("in_place", in_place) ? welkin::engine_light_unrotated(harmonics, wanted)
                                                  : welkin::engine_light(harmonics, wanted);
     write_struct(light, plain(form), "light");
   });
@@ -199,7 +201,7 @@ welkin_status welkin_get_axes(welkin_engine engine, double* from_welkin, double*
   return guarded([&] {
     require(from_welkin, "from_welkin");
     require(faces_from_engine, "faces_from_engine");
-    const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::usd));
+    const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::qt));
     write_matrix(known.from_welkin, from_welkin);
     write_matrix(known.faces_from_engine.value_or(welkin::dmat3(0.0)), faces_from_engine);
   });

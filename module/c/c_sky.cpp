@@ -141,8 +141,8 @@ SkyTableOptions table_options(const welkin_sky_table_options* options) {
   set_unless_zero(wanted.irradiance_sun_zeniths, given.irradiance_sun_zeniths);
   set_unless_zero(wanted.minimum_sun_elevation_degrees, given.minimum_sun_elevation_degrees);
   set_unless_zero(wanted.orders, given.orders);
-  wanted.until_change = given.until_change;
-  wanted.exact_orders = given.exact_orders != 0;
+  wanted.convergence_threshold = given.convergence_threshold;
+  wanted.truncate_orders = given.truncate_orders != 0;
   if (flag("linear_srgb", given.linear_srgb)) wanted.colour = SkyColour::linear_srgb;
   set_unless_zero(wanted.memory_limit_bytes, given.memory_limit_bytes);
   return wanted;
@@ -172,6 +172,21 @@ welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degr
   return guarded([&] {
     require(direction, "direction");
     write_triple(welkin::sun_direction(elevation_degrees, azimuth_degrees), direction);
+  });
+}
+
+welkin_status welkin_sun_position(const char* date, double latitude, double longitude, int32_t refraction,
+                                  double* elevation_degrees, double* azimuth_degrees, double* direction) {
+  return guarded([&] {
+    require(date, "date");
+    require(elevation_degrees, "elevation_degrees");
+    require(azimuth_degrees, "azimuth_degrees");
+    const auto sun = welkin::sun_position(
+        date,
+        {.latitude_degrees = latitude, .longitude_degrees = longitude, .refraction = flag("refraction", refraction)});
+    *elevation_degrees = sun.elevation_degrees;
+    *azimuth_degrees = sun.azimuth_degrees;
+    if (direction != nullptr) write_triple(sun.direction, direction);
   });
 }
 
@@ -229,7 +244,7 @@ welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float*
 welkin_status welkin_sky_view_sun(const welkin_sky_view* view, const double* sun, double* irradiance,
                                   double* solid_angle) {
   return guarded([&] {
-    const welkin::Sun seen = view_of(view).sun(read_sun(sun));
+    const welkin::Sun seen = view_of(view).sun_light(read_sun(sun));
     require(irradiance, "irradiance");
     require(solid_angle, "solid_angle");
     write_triple(seen.irradiance, irradiance);

@@ -102,19 +102,12 @@ welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve**
 // The dynamic sky.
 
 namespace welkin::c_interface {
-namespace {
-
-/// Zero stands for the default, and what is below it for none.
-void set_threshold(double& target, double value) {
-  if (value < 0.0) {
-    target = 0.0;
-  } else {
-    set_unless_zero(target, value);
-  }
-}
-
 SkyLightOptions light_options(const welkin_sky_light_options* options) {
   const auto given = read_options(options, "options");
+  // Zero selects the default, and a value below zero none.
+  const auto set_threshold = [](double& target, double value) {
+    if (value != 0.0) target = std::max(value, 0.0);
+  };
   SkyLightOptions wanted;
   wanted.tables = table_options(given.tables);
   wanted.curve = curve_options(given.curve);
@@ -128,6 +121,8 @@ SkyLightOptions light_options(const welkin_sky_light_options* options) {
   wanted.priority = priority_of(given.priority);
   return wanted;
 }
+
+namespace {
 
 SkyLight& light_of(welkin_sky_light* light) {
   require(light, "light");
@@ -170,7 +165,7 @@ void write_frame(const welkin_sky_light& sky, const SkyLightFrame& light, welkin
     values.reflections[i].chain = lent.id != 0 ? &lent.chain : nullptr;
     values.reflections[i].id = lent.id;
     values.reflections[i].weight = light.reflections[i].weight;
-    write_matrix(light.reflections[i].turn, values.reflections[i].turn);
+    write_matrix(light.reflections[i].rotation, values.reflections[i].rotation);
   }
   write_harmonics(light.radiance, values.coefficients);
   write_struct(frame, values, "frame");

@@ -15,12 +15,19 @@ namespace {
 ThreadPriority thread_priority_of(welkin_thread_priority priority) {
   switch (priority) {
     case WELKIN_THREAD_PRIORITY_DEFAULT: return WorkerOptions().thread_priority;
-    case WELKIN_THREAD_PRIORITY_BELOW: return ThreadPriority::below;
+    case WELKIN_THREAD_PRIORITY_BELOW_NORMAL: return ThreadPriority::below_normal;
     case WELKIN_THREAD_PRIORITY_NORMAL: return ThreadPriority::normal;
     case WELKIN_THREAD_PRIORITY_IDLE: return ThreadPriority::idle;
     default: refuse("thread_priority is " + std::to_string(priority) + "; it must be from 0 to 3");
   }
 }
+
+std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {
+  constexpr auto kMax = static_cast<std::uint64_t>(std::chrono::nanoseconds::max().count());
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(nanoseconds, kMax)));
+}
+
+}  // namespace
 
 WorkerOptions worker_options(const welkin_worker_options* options) {
   const auto given = read_options(options, "options");
@@ -34,12 +41,6 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
   return wanted;
 }
 
-std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {
-  constexpr auto kMax = static_cast<std::uint64_t>(std::chrono::nanoseconds::max().count());
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(nanoseconds, kMax)));
-}
-
-}  // namespace
 }  // namespace welkin::c_interface
 
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)

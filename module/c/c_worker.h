@@ -9,14 +9,17 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "c/c_support.h"
 #include "welkin/bake.h"
+#include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
+#include "welkin/sky_light.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 
@@ -50,6 +53,10 @@ struct welkin_sky_view {
 
 struct welkin_sky_curve {
   welkin::SkyCurve curve;
+};
+
+struct welkin_probes {
+  welkin::BakedProbes probes;
 };
 
 struct welkin_worker {
@@ -161,7 +168,13 @@ void destroy(Handle* handle) noexcept {
 [[nodiscard]] BakeOptions bake_options(const welkin_bake_options* options);
 [[nodiscard]] SkyTableOptions table_options(const welkin_sky_table_options* options);
 [[nodiscard]] SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options);
+[[nodiscard]] SkyLightOptions light_options(const welkin_sky_light_options* options);
+[[nodiscard]] WorkerOptions worker_options(const welkin_worker_options* options);
+[[nodiscard]] ProbeGrid probe_grid(const welkin_probe_grid* grid);
+[[nodiscard]] ProbeOptions probe_options(const welkin_probe_options* options);
 [[nodiscard]] Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere);
+/// The layout of that name; `name` is text of a caller, of which messages repeat 64 characters.
+[[nodiscard]] ProbeLayout probe_layout(std::string_view name);
 [[nodiscard]] const std::shared_ptr<const SkyTables>& tables_of(const welkin_sky_tables* tables);
 [[nodiscard]] const SkyView& view_of(const welkin_sky_view* view);
 
@@ -204,7 +217,7 @@ struct Posting {
 class CompletedCallback final : public detail::Computation {
  public:
   CompletedCallback(JobReference job, decltype(welkin_post_options::completed) completed, void* user)
-      : Computation(detail::Place::drain), job_(std::move(job)), completed_(completed), user_(user) {}
+      : Computation(detail::CallPlace::drain), job_(std::move(job)), completed_(completed), user_(user) {}
 
   void run(const Control&) override {
     if (!returns([this] { completed_(job_.get(), user_); })) refuse_thread_exit("completed");

@@ -31,7 +31,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
     writer.put(plan.bounds.rms);
-  } else if (mip.method == MipMethod::spectral) {
+  } else if (mip.method == MipMethod::spectral || mip.method == MipMethod::near_far) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
     writer.put(plan.bounds.rms);
@@ -39,15 +39,11 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(plan.may_integrate);
     for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
       // Which of these are summed near by is decided for all together.
-      if (plan.spectral_lobes[k]->alpha() >= reflections::kMostNearAlpha) continue;
+      if (plan.spectral_lobes[k]->alpha() >= reflections::kMaxNearAlpha) continue;
       writer.put(plan.spectral_lobes[k]->alpha());
       writer.put(plan.spectral_sizes[k]);
     }
-  }
-  if (mip.method == MipMethod::narrow) {
-    // All narrow mips of a chain share a transform; the reach decides which lights near by are merged.
-    writer.put(reflections::narrow_reach(plan));
-    writer.put(plan.narrow_size);
+    writer.put(plan.near_far_size);  // as many bands as its far part takes
   }
   return hash_bytes(writer.bytes().data(), writer.bytes().size());
 }
@@ -138,8 +134,8 @@ using cache::hash_of;
 ContentHash shared_key(const baking::BakePlan& plan) {
   if (!plan.shares_harmonics) return hash_of(false);
   const reflections::PrefilterPlan& chain = *plan.irradiance_plan;
-  return hash_of(true, chain.bounds.rms, chain.bounds.maximum, chain.light_alpha, chain.lights.least_alpha,
-                 chain.bands);
+  return hash_of(true, chain.bounds.rms, chain.bounds.maximum, chain.light_alpha, chain.lights.least_alpha, chain.bands,
+                 chain.near_far_size);
 }
 
 /// The entries of one bake.

@@ -106,7 +106,7 @@ ContentHash combine(std::span<const ContentHash> parts) noexcept {
   return hash_bytes(parts.data(), parts.size_bytes());
 }
 
-std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control) {
+std::array<ContentHash, 6> cache::hash_faces(const CubemapView& cubemap, const Control& control) {
   image::check_view(cubemap);
   std::array<Plane, 6> planes{};
   for (std::size_t face = 0; face < planes.size(); ++face) {
@@ -119,10 +119,8 @@ std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control&
   return faces;
 }
 
-ContentHash hash_of_faces(const std::array<ContentHash, 6>& faces) noexcept { return combine(faces); }
-
 ContentHash hash_pixels(const EnvironmentView& environment, const Control& control) {
-  if (environment.kind() == EnvironmentKind::cubemap) return hash_of_faces(hash_faces(environment.cubemap(), control));
+  if (environment.kind() == EnvironmentKind::cubemap) return combine(cache::hash_faces(environment.cubemap(), control));
   const LatLongView lat_long = environment.lat_long();
   image::check_view(lat_long);
   const Plane plane =

@@ -301,7 +301,7 @@ class OptionWriter {
 
 }  // namespace
 
-ContentHash hash_options(const ProjectionOptions& options) {
+ContentHash cache::hash_options(const ProjectionOptions& options) {
   const auto& [bands, quadrature, target_size, pixels] = options;
   const auto& [clamp, gamma, nan, infinity, negative] = pixels;
   OptionWriter writer("projection");
@@ -313,7 +313,7 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
   return hash_options(ProjectionOptions{.bands = 1, .pixels = pixels});
 }
 
-ContentHash hash_options(const PrefilterOptions& options) {
+ContentHash cache::hash_options(const PrefilterOptions& options) {
   const auto& [size, mips, roughness, lobe_roughness, lobe, spectra, method, rms_error, maximum_error, pixels] =
       options;
   const reflections::ErrorBounds bounds = reflections::bounds_of(options);
@@ -325,14 +325,14 @@ ContentHash hash_options(const PrefilterOptions& options) {
   return writer.hash();
 }
 
-ContentHash hash_options(const BrdfTableOptions& options) {
+ContentHash cache::hash_options(const BrdfTableOptions& options) {
   const auto& [width, height, model, sheen] = options;
   OptionWriter writer("brdf");
   writer.all(width, height, model, sheen);
   return writer.hash();
 }
 
-ContentHash hash_options(const BakeOptions& options) {
+ContentHash cache::hash_options(const BakeOptions& options) {
   const auto& [background, specular, octahedral, irradiance, bands, total_radiance, brdf, pixels, memory_limit_bytes] =
       options;
   static_cast<void>(memory_limit_bytes);
@@ -357,7 +357,7 @@ ContentHash hash_options(const BakeOptions& options) {
   return writer.hash();
 }
 
-ContentHash hash_options(const ReadOptions& options) {
+ContentHash cache::hash_options(const ReadOptions& options) {
   const auto& [layout, part, layer, level, element, transfer, primaries, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("read");
@@ -365,19 +365,19 @@ ContentHash hash_options(const ReadOptions& options) {
   return writer.hash();
 }
 
-ContentHash hash_options(const SkyTableOptions& options) {
+ContentHash cache::hash_options(const SkyTableOptions& options) {
   const auto& [layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
-               exact_orders, colour, memory_limit_bytes] = options;
+               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, convergence_threshold,
+               truncate_orders, colour, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("sky tables");
   writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
-             exact_orders, colour);
+             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, convergence_threshold,
+             truncate_orders, colour);
   return writer.hash();
 }
 
-ContentHash hash_options(const Atmosphere& atmosphere) {
+ContentHash cache::hash_options(const Atmosphere& atmosphere) {
   const auto& [name, wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry,
                aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius, night] = atmosphere;
   static_cast<void>(name);

@@ -1,6 +1,7 @@
 // Values to bytes, and back with every length looked at: what is hashed, and what entries hold.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -104,7 +105,7 @@ class ByteReader {
     value.reset();
     if (there) get(value.emplace());
   }
-  void get(MipMethod& method) { enumerator(method, MipMethod::narrow); }
+  void get(MipMethod& method) { enumerator(method, MipMethod::near_far); }
   void get(std::string& text) {
     const std::size_t length = count(1);
     text.resize(length);
@@ -202,6 +203,18 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
   all.insert(all.end(), parts);
   return combine(all);
 }
+
+/// Hashes each face, independently of which face it is. Throws `Error` (invalid_argument).
+[[nodiscard]] std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control);
+
+/// Hash every option that a result depends on: not memory limits, an atmosphere's name, or `pixels` that are ignored.
+[[nodiscard]] ContentHash hash_options(const ProjectionOptions& options);
+[[nodiscard]] ContentHash hash_options(const PrefilterOptions& options);
+[[nodiscard]] ContentHash hash_options(const BrdfTableOptions& options);
+[[nodiscard]] ContentHash hash_options(const BakeOptions& options);
+[[nodiscard]] ContentHash hash_options(const ReadOptions& options);
+[[nodiscard]] ContentHash hash_options(const SkyTableOptions& options);
+[[nodiscard]] ContentHash hash_options(const Atmosphere& atmosphere);
 
 /// Of values in their order.
 template <class... Values>

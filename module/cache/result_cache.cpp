@@ -14,6 +14,7 @@
 #include "projection/sanitizer.h"
 #include "projection/target_size.h"
 #include "reflections/prefilter.h"
+#include "sky/table_sizes.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
@@ -33,12 +34,12 @@ void finished(const Control& control) {
   if (control.progress) control.progress(1.0);
 }
 
-bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change) {
+bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightTransform& change) {
   return change.keep_faces && !projection::effective_target(cubemap.size, options);
 }
 
 EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {
-  return {EntryKind::face_sums, cache::result_key("face sums", {face, hash_options(options)})};
+  return {EntryKind::face_sums, cache::result_key("face sums", {face, cache::hash_options(options)})};
 }
 
 /// By way of the sums of faces, of which `found_faces` were there.
@@ -65,7 +66,7 @@ Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubema
                 [&] { return cache::encode(*faces.face(face)); });
   }
   found_faces = 6 - missing.size();
-  return total(faces);
+  return combine(faces);
 }
 
 /// A file that was written to, or is gone, is not what was hashed. What was made of it is sound all the same.
@@ -77,18 +78,18 @@ bool is_still(const std::filesystem::path& path, const ContentHash& bytes) {
   }
 }
 
-void check(const LightChange& change) {
+void check(const LightTransform& change) {
   if (!(change.exposure >= 0.0) || !std::isfinite(change.exposure)) {
     throw Error(ErrorCode::invalid_argument,
                 "exposure is " + platform::number_text(change.exposure) + "; it must be a finite factor of at least 0");
   }
-  // Refuses what is no turn.
-  static_cast<void>(turned(SphericalHarmonics(1), change.turn));
+  // Refuses what is no rotation.
+  static_cast<void>(rotate(SphericalHarmonics(1), change.rotation));
 }
 
 }  // namespace
 
-Projection changed(const Projection& projection, const LightChange& change) {
+Projection changed(const Projection& projection, const LightTransform& change) {
   const platform::FloatingPointScope floating_point;
   check(change);
   Projection result = projection;
@@ -98,9 +99,9 @@ Projection changed(const Projection& projection, const LightChange& change) {
     result.diagnostics.total_radiance_before_clamp *= change.exposure;
     result.diagnostics.passes.push_back({"exposure", PassAction::run, "scales the coefficients"});
   }
-  if (change.turn != dmat3(1.0)) {
-    result.radiance = turned(result.radiance, change.turn);
-    result.diagnostics.passes.push_back({"turn", PassAction::run, "rotates the coefficients"});
+  if (change.rotation != dmat3(1.0)) {
+    result.radiance = rotate(result.radiance, change.rotation);
+    result.diagnostics.passes.push_back({"rotation", PassAction::run, "rotates the coefficients"});
   }
   return result;
 }
@@ -116,15 +117,15 @@ ResultCache& ResultCache::operator=(ResultCache&&) noexcept = default;
 CacheStatistics ResultCache::statistics() const { return store_->statistics(); }
 
 Projection ResultCache::project(const EnvironmentView& source, const ProjectionOptions& options,
-                                const LightChange& change, const Control& control) {
+                                const LightTransform& change, const Control& control) {
   const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   check(change);
   const Control hashing = jobs::part_of(control, 0.0, kHashing);
   const bool by_faces = source.kind() == EnvironmentKind::cubemap && keeps_faces(source.cubemap(), options, change);
   std::array<ContentHash, 6> faces{};
-  if (by_faces) faces = hash_faces(source.cubemap(), hashing);
-  const ContentHash pixels = by_faces ? hash_of_faces(faces) : hash_pixels(source, hashing);
+  if (by_faces) faces = cache::hash_faces(source.cubemap(), hashing);
+  const ContentHash pixels = by_faces ? combine(faces) : hash_pixels(source, hashing);
   const EntryName name = projection_name(pixels, options);
   if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
@@ -155,10 +156,11 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
   // The name says what kind of file some are, and which sixth of a cubemap. The limit decides whether it is refused.
   const std::string ending = platform::utf8(path.extension());
   const std::uint64_t limit = read_options.memory_limit_bytes;
-  const EntryName name{EntryKind::projection,
-                       cache::result_key("project file", {bytes, hash_bytes(ending.data(), ending.size()),
-                                                          hash_bytes(&limit, sizeof limit), hash_options(read_options),
-                                                          hash_options(options)})};
+  const EntryName name{
+      EntryKind::projection,
+      cache::result_key("project file",
+                        {bytes, hash_bytes(ending.data(), ending.size()), hash_bytes(&limit, sizeof limit),
+                         cache::hash_options(read_options), cache::hash_options(options)})};
   if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
     return std::move(*found);
@@ -211,8 +213,8 @@ std::optional<SkyTables> decode_sky(cache::ByteSpan entry, const Atmosphere& atm
                                     const SkyTableOptions& options) {
   try {
     SkyTables tables = load_sky_tables({std::as_bytes(entry), "sky tables"}, options.memory_limit_bytes);
-    if (hash_options(tables.atmosphere) != hash_options(atmosphere) ||
-        hash_options(tables.options) != hash_options(options))
+    if (cache::hash_options(tables.atmosphere) != cache::hash_options(atmosphere) ||
+        cache::hash_options(tables.options) != cache::hash_options(options))
       return std::nullopt;
     tables.atmosphere = atmosphere;
     tables.options = options;
@@ -228,10 +230,10 @@ std::optional<SkyTables> decode_sky(cache::ByteSpan entry, const Atmosphere& atm
 SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options,
                                       const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const EntryName name{EntryKind::sky_tables,
-                       cache::result_key("sky tables", {hash_options(atmosphere), hash_options(options)})};
+  const EntryName name{EntryKind::sky_tables, cache::result_key("sky tables", {cache::hash_options(atmosphere),
+                                                                               cache::hash_options(options)})};
   // Checks the arguments; what is refused without a cache is refused here.
-  const std::uint64_t most_bytes = sky_table_bytes(atmosphere, options);
+  const std::uint64_t most_bytes = sky::sky_table_bytes(atmosphere, options);
   const bool within_limit = most_bytes <= options.memory_limit_bytes;
   const auto decode = [&](cache::ByteSpan entry) { return decode_sky(entry, atmosphere, options); };
   if (auto found = within_limit ? store_->find(name, most_bytes + cache::kSmallPayload, decode) : std::nullopt) {

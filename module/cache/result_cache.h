@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <new>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
+#include "jobs/stopwatch.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::cache {
@@ -36,7 +36,7 @@ class ResultStore {
   auto find(const EntryName& name, std::uint64_t most_bytes, const Decode& decode)
       -> std::optional<FoundResult<typename decltype(decode(ByteSpan{}))::value_type>> {
     using Found = FoundResult<typename decltype(decode(ByteSpan{}))::value_type>;
-    const auto start = std::chrono::steady_clock::now();
+    const jobs::Stopwatch watch;
     const char* where = "in memory";
     Payload payload = memory_.find(name);
     decltype(decode(ByteSpan{})) result;
@@ -57,8 +57,7 @@ class ResultStore {
     const bool on_disk = where[0] == 'o';
     if (on_disk) memory_.store(name, payload);
     ++(on_disk ? disk_hits_ : memory_hits_);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    return Found{std::move(*result), where, took.count()};
+    return Found{std::move(*result), where, watch.milliseconds()};
   }
 
   /// Keeps what `encode` gives, if there is memory for that.

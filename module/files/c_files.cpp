@@ -1,4 +1,7 @@
 // The C interface to files.
+#include "files/c_files.h"
+
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -7,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,8 +22,6 @@
 #include "welkin/welkin.h"
 
 namespace welkin::c_interface {
-namespace {
-
 static_assert(WELKIN_LAYOUT_LAT_LONG == static_cast<int>(Layout::lat_long));
 static_assert(WELKIN_LAYOUT_HORIZONTAL_CROSS == static_cast<int>(Layout::horizontal_cross));
 static_assert(WELKIN_LAYOUT_SIX_FILES == static_cast<int>(Layout::six_files));
@@ -45,6 +47,8 @@ ReadOptions file_options(const welkin_read_options* options) {
   wanted.element = static_cast<int>(given.element);
   return wanted;
 }
+
+namespace {
 
 /// C's paths are UTF-8.
 std::filesystem::path file_path(const char* path) {
@@ -100,8 +104,6 @@ welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path, con
 // Textures.
 
 namespace welkin::c_interface {
-namespace {
-
 static_assert(WELKIN_TEXEL_RGBA32F == static_cast<int>(TexelFormat::rgba32f));
 static_assert(WELKIN_TEXEL_B10G11R11 == static_cast<int>(TexelFormat::b10g11r11));
 static_assert(WELKIN_TEXEL_E5B9G9R9 == static_cast<int>(TexelFormat::e5b9g9r9));
@@ -128,7 +130,9 @@ TextureOptions texture_options(const welkin_texture_options* options) {
   return wanted;
 }
 
-/// As `probe_environment` reads them: numbers with a space between, each read back as the same double.
+namespace {
+
+/// As `inspect_stored_environment` reads them: numbers with a space between, each read back as the same double.
 std::string roughness_text(std::span<const MipRecord> mips) {
   std::string text;
   for (const MipRecord& mip : mips) {
@@ -228,4 +232,21 @@ welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_byt
         memory_limit_bytes == 0 ? welkin::load_sky_tables(file) : welkin::load_sky_tables(file, memory_limit_bytes);
     return new welkin_sky_tables{std::make_shared<const welkin::SkyTables>(std::move(loaded))};
   });
+}
+
+welkin_status welkin_probes_write(const welkin_probes* probes, const char* path, const char* layouts) {
+  return guarded([&] {
+    require(probes, "probes");
+    std::vector<welkin::ProbeLayout> wanted;
+    for (std::string_view rest = layouts != nullptr ? layouts : ""; !rest.empty();) {
+      const std::size_t comma = std::min(rest.find(','), rest.size());
+      wanted.push_back(probe_layout(rest.substr(0, comma)));
+      rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+    welkin::write_probes(file_path(path), probes->probes, wanted);
+  });
+}
+
+welkin_status welkin_probes_read(const char* path, welkin_probes** probes) {
+  return guarded_making(probes, "probes", [&] { return new welkin_probes{welkin::read_probes(file_path(path))}; });
 }

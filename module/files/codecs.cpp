@@ -1,5 +1,6 @@
 // What this build can read and write, and what stands in for a codec that it was built without.
-// WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB, WELKIN_ZSTD and WELKIN_ASTC are 1 or 0; no other source knows them.
+// WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB, WELKIN_ZSTD, WELKIN_ASTC and WELKIN_JPEG are 1 or 0; no other
+// source knows them.
 #include "files/codecs.h"
 
 #include <array>
@@ -26,6 +27,7 @@ constexpr std::array kCodecs{
     Description{WELKIN_ZLIB != 0, "zlib", "WELKIN_ZLIB"},
     Description{WELKIN_ZSTD != 0, "Zstandard", "WELKIN_ZSTD"},
     Description{WELKIN_ASTC != 0, "astcenc (ASTC)", "WELKIN_ASTC"},
+    Description{WELKIN_JPEG != 0, "libjpeg (JPEG)", "WELKIN_JPEG"},
 };
 
 }  // namespace
@@ -78,6 +80,13 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgb
 }
 void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const stop_token& /*stop*/) {
   require_codec(Codec::png, picture.path, "use the image that the .env was made from");
+}
+#endif
+
+#if !WELKIN_JPEG
+std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions& /*options*/) {
+  require_codec(Codec::jpeg, file.path(), "convert it to OpenEXR or Radiance .hdr");
+  return nullptr;
 }
 #endif
 

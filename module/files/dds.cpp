@@ -61,17 +61,17 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   std::uint64_t chain = 0;  // of a face
   for (std::uint32_t level = 0; level < levels; ++level) chain += layout.face_bytes(static_cast<int>(level));
   const auto faces = static_cast<std::size_t>(layout.faces());
-  std::uint64_t place = kDdsFirstTexel + chain * faces * static_cast<std::uint64_t>(element);
+  std::uint64_t slot = kDdsFirstTexel + chain * faces * static_cast<std::uint64_t>(element);
   for (std::size_t face = 0; face < faces; ++face) {
     for (std::uint32_t level = 0; level < levels; ++level) {
-      layout.levels[level].faces[face] = place;
-      place += layout.face_bytes(static_cast<int>(level));
+      layout.levels[level].faces[face] = slot;
+      slot += layout.face_bytes(static_cast<int>(level));
     }
   }
-  place += chain * faces * static_cast<std::uint64_t>(layout.elements - 1 - element);
-  if (place > file.size()) {
+  slot += chain * faces * static_cast<std::uint64_t>(layout.elements - 1 - element);
+  if (slot > file.size()) {
     refuse(file, ErrorCode::corrupt_file,
-           "ends too early: its levels end at " + std::to_string(place) + ", the file has " +
+           "ends too early: its levels end at " + std::to_string(slot) + ", the file has " +
                std::to_string(file.size()) + " bytes; fetch or export it again");
   }
   return layout;
@@ -93,7 +93,7 @@ std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
   const bool blocks = is_compressed(kind);
   // Of a row; of blocks those of a whole face of level 0.
   const auto row_bytes =
-      static_cast<std::uint32_t>(place_of_rows(kind, shape.width, 0, blocks ? shape.height : 1).bytes);
+      static_cast<std::uint32_t>(row_byte_range(kind, shape.width, 0, blocks ? shape.height : 1).bytes);
   const std::uint32_t flags =
       kDdsCaps | kDdsHeight | kDdsWidth | (blocks ? kDdsLinearSize : kDdsPitch) | kDdsPixelFormat | kDdsMipMapCount;
   constexpr std::uint32_t one_texture = 1, alpha_unknown = 0;

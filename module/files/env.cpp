@@ -208,7 +208,7 @@ class EnvSource final : public RowSource {
   }
   [[nodiscard]] std::optional<SphericalHarmonics> stored_radiance() const override {
     if (!manifest_.polynomial || level_ != 0) return std::nullopt;
-    return turned(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
+    return rotate(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
   }
 
  private:

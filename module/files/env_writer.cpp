@@ -165,7 +165,7 @@ BabylonEnvironment to_babylon(const Cubemap& specular, const SphericalHarmonics&
   const platform::FloatingPointScope floating_point;
   BabylonEnvironment environment;
   environment.specular = mirrored_x(specular);
-  environment.polynomial = babylon_polynomial(turned(radiance, convention(Engine::babylon).from_welkin));
+  environment.polynomial = babylon_polynomial(rotate(radiance, convention(Engine::babylon).from_welkin));
   environment.irradiance = mirrored_x(irradiance_over_pi);
   return environment;
 }

@@ -241,7 +241,7 @@ namespace {
 
 }  // namespace
 
-std::string EnvironmentInfo::format_words() const {
+std::string EnvironmentInfo::format_description() const {
   std::string words = name(format);
   for (const FileFormat other : other_formats) words += std::string(", ") + name(other);
   return words;

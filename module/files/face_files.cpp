@@ -13,7 +13,6 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
-#include "platform/float_environment.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "welkin/environment_file.h"
@@ -400,14 +399,9 @@ std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vec
   return std::make_unique<SixFilesSource>(input, std::move(faces), reason);
 }
 
-}  // namespace welkin::files
-
-namespace welkin {
-
 std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {
-  const platform::FloatingPointScope floating_point;
   std::error_code ignored;
-  return std::filesystem::is_directory(path, ignored) ? files::faces_in(path) : files::faces_beside(path);
+  return std::filesystem::is_directory(path, ignored) ? faces_in(path) : faces_beside(path);
 }
 
-}  // namespace welkin
+}  // namespace welkin::files

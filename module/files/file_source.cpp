@@ -108,7 +108,7 @@ BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& 
 BakeResult bake_file(const FileInput& input, const ReadOptions& read_options, const BakeOptions& options,
                      const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const StoredEnvironment file = probe_environment(input, read_options);
+  const StoredEnvironment file = inspect_stored_environment(input, read_options);
   return bake(file, files::plan_whole(file, options), control);
 }
 

@@ -19,7 +19,7 @@ class FileSource final : public baking::Source {
   FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {}
 
   [[nodiscard]] SourceShape shape() const override { return file_.shape; }
-  [[nodiscard]] std::string words() const override { return file_.words(); }
+  [[nodiscard]] std::string description() const override { return file_.description(); }
   [[nodiscard]] baking::StoredKinds stored() const override;
   [[nodiscard]] std::optional<PlannedPass> reading() const override { return plan_.pass("read"); }
   [[nodiscard]] bool holds_pixels() const override { return !plan_.streams; }

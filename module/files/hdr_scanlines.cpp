@@ -240,8 +240,8 @@ void HdrColumns::decode() {
     const std::size_t count = std::min<std::size_t>(kTogether, width - first);
     for (std::size_t i = 0; i < count; ++i) {
       // From the left in memory, whichever way they come.
-      const std::size_t place = header_.right_first ? count - 1 - i : i;
-      scanlines.decode(columns.data() + coded_bytes(place * height));
+      const std::size_t slot = header_.right_first ? count - 1 - i : i;
+      scanlines.decode(columns.data() + coded_bytes(slot * height));
     }
     const std::size_t left = header_.right_first ? width - first - count : first;
     for (std::size_t component = 0; component < 4; ++component) {

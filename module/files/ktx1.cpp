@@ -100,19 +100,18 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
   layout.has_metadata = true;
   layout.metadata = read_key_values(file, kHeaderBytes, header.metadata_bytes);
   const bool counts_a_face = header.elements == 0 && layout.faces() == 6;
-  std::uint64_t place = kHeaderBytes + header.metadata_bytes;
+  std::uint64_t slot = kHeaderBytes + header.metadata_bytes;
   for (std::uint32_t number = 0; number < levels; ++number) {
     const auto level = static_cast<int>(number);
     const std::uint64_t whole = layout.whole_bytes(level);
     const std::uint64_t wanted = counts_a_face ? layout.face_bytes(level) : whole;
-    if (place + 4 > file.size() || whole > file.size() - place - 4) {
+    if (slot + 4 > file.size() || whole > file.size() - slot - 4) {
       refuse(file, ErrorCode::corrupt_file,
              "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) + " bytes at " +
-                 std::to_string(place + 4) + ", the file " + std::to_string(file.size()) +
-                 "; fetch or export it again");
+                 std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
     }
     std::array<std::uint8_t, 4> stated{};
-    file.seek(place);
+    file.seek(slot);
     file.read(stated.data(), stated.size());
     if (platform::read_little_endian<std::uint32_t>(stated.data()) != wanted) {
       refuse(file, ErrorCode::corrupt_file,
@@ -120,12 +119,12 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
                  std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) + " bytes instead of " +
                  std::to_string(wanted));
     }
-    place += 4;
+    slot += 4;
     TextureLayout::Level found;
     for (int face = 0; face < layout.faces(); ++face)
-      found.faces[static_cast<std::size_t>(face)] = place + layout.first_byte_of(level, face);
+      found.faces[static_cast<std::size_t>(face)] = slot + layout.first_byte_of(level, face);
     layout.levels.push_back(found);
-    place += whole;  // all kinds have rows of a multiple of four bytes: there is no padding
+    slot += whole;  // all kinds have rows of a multiple of four bytes: there is no padding
   }
   return layout;
 }

@@ -94,13 +94,15 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
   return std::nullopt;
 }
 
+/// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
+constexpr std::uint32_t kModelUastcHdr = 167;
+
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
   constexpr std::uint32_t model_bc6h = 133;
   constexpr std::uint32_t model_astc = 162;
-  constexpr std::uint32_t model_uastc_hdr = 167;  // by which loaders know that it can be turned into BC6H
-  constexpr std::uint32_t primaries_srgb = 1;     // Rec. 709's
+  constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
   const auto block_bytes = static_cast<std::uint32_t>(24 + 16 * samples.size());
@@ -109,7 +111,7 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
   platform::append_little_endian(bytes, version | block_bytes << 16U);
   const TexelKind kind = kind_of(format);
-  const std::uint32_t model = kind == TexelKind::uastc_hdr_4x4 ? model_uastc_hdr
+  const std::uint32_t model = kind == TexelKind::uastc_hdr_4x4 ? kModelUastcHdr
                               : is_astc(kind)                  ? model_astc
                               : is_compressed(kind)            ? model_bc6h
                                                                : model_rgbsda;
@@ -165,8 +167,6 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
                " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
                "rgba8 and rgb8 (unorm, srgb) are");
   }
-  if (is_astc(*kind_with(&KindTraits::vulkan, header.format)))
-    require_codec(Codec::astc, file.path(), "save it in another format");
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
            "its supercompression scheme " + std::to_string(header.scheme) +
@@ -258,6 +258,20 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
   return metadata;
 }
 
+namespace {
+
+/// Returns whether the descriptor's colour model is that of UASTC HDR. Vulkan's format is ASTC 4 x 4 for both.
+bool is_uastc_hdr(platform::ByteFile& file, const Header& header) {
+  constexpr std::uint32_t model = 12;  // offset in the descriptor's first block
+  if (header.descriptor_bytes <= model) return false;
+  std::uint8_t value = 0;
+  file.seek(header.descriptor_offset + std::uint64_t{model});
+  file.read(&value, 1);
+  return value == kModelUastcHdr;
+}
+
+}  // namespace
+
 TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const Header header = read_header(file);
   check_kind(file, header);
@@ -274,6 +288,8 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
         read_level(file, layout, static_cast<int>(level), index.data() + kKtx2LevelIndexBytes * level));
   }
   require_inside(file, "data format descriptor", header.descriptor_offset, header.descriptor_bytes);
+  if (layout.kind == TexelKind::astc_4x4_hdr && is_uastc_hdr(file, header)) layout.kind = TexelKind::uastc_hdr_4x4;
+  if (is_astc(layout.kind)) require_codec(Codec::astc, file.path(), "save it in another format");
   layout.has_metadata = true;
   layout.metadata = read_key_values(file, header.metadata_offset, header.metadata_bytes);
   return layout;
@@ -315,7 +331,7 @@ Bytes key_values(const platform::WholeFile& file, const TextureOptions& options,
   return key_value_bytes(file, all);
 }
 
-struct Place {
+struct LevelRange {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;
   std::uint64_t unpacked = 0;
@@ -326,27 +342,27 @@ struct Shape {
   int width;
   int height;
   std::uint32_t faces;
-  std::uint32_t depth = 0;  ///< slices of a volume; 0: it is none
+  std::uint32_t depth = 0;   ///< slices of a volume; 0: it is none
+  std::uint32_t layers = 0;  ///< of an array; 0: it is none
 };
 
 Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
-                   const std::vector<Place>& places) {
+                   const std::vector<LevelRange>& places) {
   const TexelKind kind = kind_of(options.format);
   const Bytes descriptor = ktx2_descriptor(options.format);
   const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * places.size());
   const auto descriptor_size = static_cast<std::uint32_t>(descriptor.size());
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
-  constexpr std::uint32_t layers = 0;
   for (const std::uint32_t field :
        {traits(kind).vulkan, traits(kind).unit, static_cast<std::uint32_t>(shape.width),
-        static_cast<std::uint32_t>(shape.height), shape.depth, layers, shape.faces,
+        static_cast<std::uint32_t>(shape.height), shape.depth, shape.layers, shape.faces,
         static_cast<std::uint32_t>(places.size()), ktx2_scheme(options.supercompression), descriptor_offset,
         descriptor_size, descriptor_offset + descriptor_size, static_cast<std::uint32_t>(metadata.size())}) {
     platform::append_little_endian(bytes, field);
   }
   platform::append_little_endian(bytes, std::uint64_t{0});  // no supercompression global data: offset and bytes
   platform::append_little_endian(bytes, std::uint64_t{0});
-  for (const Place& place : places) {
+  for (const LevelRange& place : places) {
     platform::append_little_endian(bytes, place.offset);
     platform::append_little_endian(bytes, place.bytes);
     platform::append_little_endian(bytes, place.unpacked);
@@ -360,7 +376,7 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
 /// multiples of a texel or block (all of ours are multiples of 4 bytes, so that this is also the least common multiple
 /// with 4).
 void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
-                  std::vector<Place>& places) {
+                  std::vector<LevelRange>& places) {
   const Bytes metadata = key_values(file, options, shape.depth > 0);
   const std::uint64_t alignment =
       options.supercompression == Supercompression::none ? texel_bytes(kind_of(options.format)) : 1;
@@ -418,7 +434,7 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
-  std::vector<Place> places;
+  std::vector<LevelRange> places;
   for (std::size_t level = 0; level < job.mips.size(); ++level) {
     const std::uint64_t unpacked = level_bytes(kind, job.mips[level].size);
     places.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
@@ -468,10 +484,10 @@ std::uint64_t write_ktx2(const PictureJob& job) {
   std::optional<BlockLevels> blocks = compressed(job);
   std::vector<Bytes> ready;  // levels that are packed or in blocks
   if (blocks) ready = std::move(blocks->levels);
-  std::vector<Place> places;
+  std::vector<LevelRange> places;
   for (std::size_t number = 0; number < levels.size(); ++number) {
     const LatLongView& level = levels[number];
-    const std::uint64_t unpacked = place_of_rows(kind_of(options.format), level.width, 0, level.height).bytes;
+    const std::uint64_t unpacked = row_byte_range(kind_of(options.format), level.width, 0, level.height).bytes;
     if (options.supercompression != Supercompression::none) {
       if (!blocks) ready.push_back(texels_of(level, job, encoder));
       ready[number] = pack(options.supercompression, ready[number], job.control.stop);
@@ -490,10 +506,13 @@ std::uint64_t write_ktx2(const PictureJob& job) {
   return encoder.clamped() + (blocks ? blocks->values_clamped : 0);
 }
 
-void write_ktx2_volume(platform::WholeFile& file, const std::array<int, 3>& size, std::span<const std::uint16_t> halves,
+void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata) {
-  std::vector<Place> places{{0, halves.size_bytes(), halves.size_bytes()}};
-  write_header(file, {size[0], size[1], 1, static_cast<std::uint32_t>(size[2])}, {.metadata = metadata}, places);
+  const auto deep = static_cast<std::uint32_t>(volume.size[2]);
+  const std::span<const std::uint16_t> halves = volume.halves;
+  std::vector<LevelRange> places{{0, halves.size_bytes(), halves.size_bytes()}};
+  write_header(file, {volume.size[0], volume.size[1], 1, volume.is_array ? 0 : deep, volume.is_array ? deep : 0},
+               {.metadata = metadata}, places);
   write_padding(file, places[0].offset);
   file.write(halves.data(), halves.size_bytes());
 }

@@ -238,6 +238,7 @@ const char* name(FileFormat format) noexcept {
     case FileFormat::dds: return "DDS";
     case FileFormat::ktx1: return "KTX";
     case FileFormat::babylon: return "Babylon.js .env";
+    case FileFormat::jpeg: return "JPEG";
   }
   return "unknown";
 }

@@ -129,6 +129,10 @@ Json append_arrays(std::vector<std::uint8_t>& bytes, const BakedProbes& probes) 
       append_array(bytes, "distances", "float32", {count, edge, edge, 2}, std::span<const float>(probes.distances)));
   entries.push_back(
       append_array(bytes, "sky", "float64", {count, functions(probes.sky_bands)}, std::span<const double>(probes.sky)));
+  if (!probes.offsets.empty()) {
+    entries.push_back(append_array(bytes, "offsets", "float64", {count, 3},
+                                   std::span<const double>(&probes.offsets[0].x, 3 * probes.offsets.size())));
+  }
   return entries;
 }
 
@@ -179,6 +183,48 @@ class Output {
   std::vector<std::unique_ptr<WholeFile>> files_;
 };
 
+/// The box that a grid's cells fill, half a cell around its outermost probes, as engines place a volume.
+Json box_of(const ProbeGrid& grid) {
+  const dvec3 counts(grid.counts[0], grid.counts[1], grid.counts[2]);
+  return {{"centre", three_numbers(grid.origin + 0.5 * (counts - 1.0) * grid.spacing)},
+          {"size", three_numbers(counts * grid.spacing)}};
+}
+
+/// A scene of three.js, as `Object3D.toJSON` writes it and ObjectLoader reads it: a group of LightProbes.
+Json three_scene(const BakedProbes& probes, const std::string& texture) {
+  const Json box = box_of(probes.grid);
+  Json children = Json::array();
+  const std::size_t functions = probes::squared(probes.bands);
+  for (std::size_t probe = 0; probe < probes.grid.size(); ++probe) {
+    Json numbers = Json::array();
+    for (std::size_t k = 0; k < 9; ++k) {
+      const dvec3 rgb = k < functions ? probes.coefficients[probe * functions + k] : dvec3(0.0);
+      for (int c = 0; c < 3; ++c) numbers.push_back(rgb[c]);
+    }
+    const dvec3 at = probes.grid.position(probe) + (probes.offsets.empty() ? dvec3(0.0) : probes.offsets[probe]);
+    children.push_back({{"type", "LightProbe"},
+                        {"name", std::to_string(probe)},
+                        {"layers", 1},
+                        {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, at.x, at.y, at.z, 1}},
+                        {"intensity", 1},
+                        {"sh", std::move(numbers)}});
+  }
+  return {{"metadata", {{"version", 4.7}, {"type", "Object"}, {"generator", "Welkin"}}},
+          {"object",
+           {{"type", "Group"},
+            {"name", "probes"},
+            {"layers", 1},
+            {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+            {"userData",
+             {{"counts", probes.grid.counts}, {"centre", box["centre"]}, {"size", box["size"]}, {"texture", texture}}},
+            {"children", std::move(children)}}}};
+}
+
+void write_json(WholeFile& file, const Json& json, int indent) {
+  const std::string text = json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  file.write(text.data(), text.size());
+}
+
 Json write_layout(Output& output, const std::filesystem::path& path, const BakedProbes& probes, ProbeLayout layout,
                   std::uint64_t& clamped) {
   const PackedProbes packed = pack_probes(probes, layout);
@@ -187,15 +233,28 @@ Json write_layout(Output& output, const std::filesystem::path& path, const Baked
   for (const ProbeTexture& texture : packed.textures) {
     const std::string ending = packed.textures.size() == 1 ? "" : "_" + texture.name;
     const std::filesystem::path file = beside(path, std::string("_") + name(layout) + ending + ".ktx2");
-    files::write_ktx2_volume(output.add(file), texture.size, texture.halves,
+    files::write_ktx2_volume(output.add(file), {texture.size, texture.halves, texture.is_array},
                              {{"welkin.probes", std::string(name(layout)) + " " + texture.name}});
     textures.push_back({{"name", texture.name},
                         {"file", platform::utf8(file.filename())},
                         {"format", "rgba16f"},
                         {"size", texture.size}});
+    if (texture.is_array) textures.back()["array"] = true;
   }
-  Json described{{"layout", name(layout)}, {"textures", std::move(textures)}};
+  Json described{{"layout", name(layout)}};
   if (layout == ProbeLayout::unity_l1 || layout == ProbeLayout::unity_l2) described["bricks"] = packed.bricks;
+  if (layout == ProbeLayout::three) {
+    const std::filesystem::path file = beside(path, "_three.json");
+    write_json(output.add(file), three_scene(probes, textures[0]["file"]), -1);
+    described["scene"] = platform::utf8(file.filename());
+  }
+  if (layout == ProbeLayout::bevy || layout == ProbeLayout::rtxgi) described["box"] = box_of(probes.grid);
+  if (layout == ProbeLayout::rtxgi) {
+    described["irradiance_gamma"] = 5;
+    described["irradiance_texels"] = 6;
+    described["distance_texels"] = probes.distance_size;
+  }
+  described["textures"] = std::move(textures);
   return described;
 }
 
@@ -254,8 +313,7 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
     description["layouts"].push_back(write_layout(output, path, probes, layouts[k], clamped));
   }
   output.add(arrays_path).write(arrays.data(), arrays.size());
-  const std::string text = description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  output.add(path).write(text.data(), text.size());
+  write_json(output.add(path), description, 2);
   return output.commit(clamped, control);
 }
 

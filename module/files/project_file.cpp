@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 double milliseconds(Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
 std::string kind_of(const EnvironmentInfo& info) {
-  return info.format_words() + ", " + info.storage + ", " + info.compression;
+  return info.format_description() + ", " + info.storage + ", " + info.compression;
 }
 
 // What the projection has to say comes behind what the file's side did.

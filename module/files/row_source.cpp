@@ -32,7 +32,6 @@ struct Signature {
 
 // What people are likely to hand in instead, so that the refusal can name it.
 constexpr std::array kOtherKinds{
-    Signature{"\xff\xd8\xff"sv, "a JPEG"},
     Signature{"II*\0"sv, "a TIFF"},
     Signature{"MM\0*"sv, "a TIFF"},
     Signature{"RIFF"sv, "a WebP, or another RIFF file"},
@@ -53,7 +52,9 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
                                                          : "is not an image or texture that Welkin reads";
   throw platform::file_error(
       ErrorCode::unsupported_file, path,
-      found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, KTX, DDS and .env are read: convert it");
+      found +
+          "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, JPEG with a gain map, KTX2, KTX, DDS and .env are read: "
+          "convert it");
 }
 
 std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const ReadOptions& options) {
@@ -70,6 +71,9 @@ std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const R
   }
   if (start.starts_with("\x89PNG"sv)) {
     return open_png(file, options);
+  }
+  if (start.starts_with("\xff\xd8\xff"sv)) {
+    return open_jpeg(file, options);
   }
   if (is_texture(file)) {
     return open_texture(file, options);

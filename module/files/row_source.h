@@ -101,6 +101,11 @@ class RowSource {
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options);
 
+/// Finds the six files of a cubemap, +X -X +Y -Y +Z -Z, from any one of them, or from a directory that holds one such
+/// set, by names alone (docs/reference/files.md). If several sets match, the extension of `path` decides. Throws
+/// `Error`: file_access naming the missing faces, unsupported_file if the name is no face's, or the set is ambiguous.
+[[nodiscard]] std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path);
+
 /// The six faces that an input has, or those that `face_files` finds by its path. Throws `Error` as `face_files`, and
 /// invalid_argument for one face in memory.
 [[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);

@@ -143,7 +143,7 @@ void parameters(Archive&& each, Tables& tables) {
   auto& options = tables.options;
   each(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles, options.transmittance_heights,
        options.transmittance_zeniths, options.irradiance_heights, options.irradiance_sun_zeniths,
-       options.minimum_sun_elevation_degrees, options.orders, options.until_change, options.memory_limit_bytes,
+       options.minimum_sun_elevation_degrees, options.orders, options.convergence_threshold, options.memory_limit_bytes,
        tables.orders, tables.last_change);
 }
 
@@ -155,7 +155,7 @@ std::vector<std::uint8_t> write_parameters(const SkyTables& tables) {
   writer.put(static_cast<int>(tables.atmosphere.aerosol_phase));
   writer.put(static_cast<int>(tables.options.layout));
   writer.put(static_cast<int>(tables.options.colour));
-  writer.put(static_cast<int>(tables.options.exact_orders));
+  writer.put(static_cast<int>(tables.options.truncate_orders));
   return std::move(writer.bytes);
 }
 
@@ -168,12 +168,12 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
   int phase = 0;
   int layout = 0;
   int colour = 0;
-  int exact_orders = 0;
-  for (int* const value : {&phase, &layout, &colour, &exact_orders}) reader.get(*value);
+  int truncate_orders = 0;
+  for (int* const value : {&phase, &layout, &colour, &truncate_orders}) reader.get(*value);
   tables.atmosphere.aerosol_phase = static_cast<AerosolPhase>(phase);
   tables.options.layout = static_cast<ScatteringLayout>(layout);
   tables.options.colour = static_cast<SkyColour>(colour);
-  tables.options.exact_orders = exact_orders != 0;
+  tables.options.truncate_orders = truncate_orders != 0;
   if (!reader.at_end()) throw file_error(ErrorCode::corrupt_file, path, "has bytes after its parameters");
   try {
     check(tables.atmosphere);

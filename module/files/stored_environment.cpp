@@ -89,9 +89,10 @@ void look_into_texture(StoredEnvironment& stored) {
 
 }  // namespace
 
-std::string StoredEnvironment::words() const {
+std::string StoredEnvironment::description() const {
   const platform::FloatingPointScope floating_point;
-  std::string text = platform::utf8(input.path().filename()) + ": " + info.format_words() + ", " + shape.words();
+  std::string text =
+      platform::utf8(input.path().filename()) + ": " + info.format_description() + ", " + shape.description();
   if (levels > 1) {
     text += ", " + std::to_string(levels) +
             (content == LevelContent::reflections ? " prefiltered mips"
@@ -101,7 +102,7 @@ std::string StoredEnvironment::words() const {
   return has_polynomial ? text + ", polynomial" : text;
 }
 
-StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read, LevelContent content) {
+StoredEnvironment inspect_stored_environment(const FileInput& input, const ReadOptions& read, LevelContent content) {
   const platform::FloatingPointScope floating_point;
   StoredEnvironment stored;
   stored.input = input;
@@ -131,7 +132,7 @@ StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& r
   if (stored.content != LevelContent::reflections) {
     stored.roughness.clear();
   } else if (stored.roughness.empty()) {
-    stored.roughness = roughness_of_mips(RoughnessSchedule::linear, stored.levels, face);
+    stored.roughness = mip_roughness(RoughnessSchedule::linear, stored.levels, face);
   }
   return stored;
 }
@@ -186,13 +187,13 @@ PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan) {
   if (plan.take_specular || plan.take_levels) texels *= 4.0 / 3.0;
   if (plan.streams) return {kRead, PassAction::run, "projected while it is read", 0};
   const std::uint64_t bytes = static_cast<std::uint64_t>(texels) * 3 * sizeof(float);
-  return {kRead, PassAction::run, file.words(), bytes};
+  return {kRead, PassAction::run, file.description(), bytes};
 }
 
 /// `kinds`: what is taken of the file.
 Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds) {
   Plan plan = baking::plan_pixels(file.shape, needed, kinds);
-  plan.source = file.words();
+  plan.source = file.description();
   plan.streams = streams(file, plan);
   plan.passes.insert(plan.passes.begin(), read_pass(file, plan));
   return plan;
@@ -208,10 +209,10 @@ Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
 
 }  // namespace files
 
-Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole) {
+Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& full_options) {
   const platform::FloatingPointScope floating_point;
   check(needs);
-  const baking::NeededOptions needed = baking::needed_options(file.shape, needs, whole);
+  const baking::NeededOptions needed = baking::needed_options(file.shape, needs, full_options);
   const baking::StoredKinds kinds = files::stored_kinds(file, needs, needed.options);
   Plan plan = files::plan_with(file, needed, kinds);
   if (plan.take_specular) {

@@ -10,6 +10,7 @@
 #include "files/textures.h"
 #include "image/bc6h.h"
 #include "image/pixels.h"
+#include "image/uastc_hdr_decoder.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
@@ -57,7 +58,7 @@ std::optional<TexelKind> kind_with(std::uint32_t KindTraits::*member, std::uint3
   return static_cast<TexelKind>(found - kKinds.begin());
 }
 
-RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept {
+ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noexcept {
   const int edge = block_edge(kind);
   const std::uint64_t row = static_cast<std::uint64_t>((size + edge - 1) / edge) * texel_bytes(kind);
   const auto first = static_cast<std::uint64_t>(first_row / edge);
@@ -70,11 +71,12 @@ void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_
     decode_texels(kind, bytes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(size), rgb);
     return;
   }
+  if (kind == TexelKind::uastc_hdr_4x4) return image::decode_uastc_hdr_rows(bytes, size, first_row, rows, rgb);
   const auto range = kind == TexelKind::bc6h_ufloat ? image::Bc6hRange::positive : image::Bc6hRange::signed_values;
   image::decode_bc6h_rows(bytes, range, size, first_row, rows, rgb);
 }
 
-std::uint64_t level_bytes(TexelKind kind, int size) noexcept { return 6 * place_of_rows(kind, size, 0, size).bytes; }
+std::uint64_t level_bytes(TexelKind kind, int size) noexcept { return 6 * row_byte_range(kind, size, 0, size).bytes; }
 
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
   if (const auto& pixels = traits(kind).pixels) {
@@ -260,7 +262,7 @@ std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int r
   const auto& place = layout.levels[static_cast<std::size_t>(level)];
   // Rows of blocks reach beyond the rows that are read, at either end.
   const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
-  std::uint64_t bytes = place_of_rows(layout.kind, size, 0, most_rows).bytes;
+  std::uint64_t bytes = row_byte_range(layout.kind, size, 0, most_rows).bytes;
   if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
   if (!is_astc(layout.kind)) return bytes;
   constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
@@ -292,7 +294,7 @@ void TextureReader::unpack_level(int level) {
 
 void TextureReader::read(int level, int face, int first_row, int rows, float* rgb) {
   const int size = layout_.level_size(level);
-  const RowPlace place = place_of_rows(layout_.kind, size, first_row, rows);
+  const ByteRange place = row_byte_range(layout_.kind, size, first_row, rows);
   if (layout_.supercompression != Supercompression::none) {
     if (unpacked_level_ != level) unpack_level(level);
     const std::uint64_t first_byte = layout_.first_byte_of(level, face);

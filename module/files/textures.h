@@ -118,13 +118,13 @@ struct KindTraits {
 [[nodiscard]] inline std::size_t texel_bytes(TexelKind kind) noexcept { return traits(kind).bytes; }
 
 /// What holds some rows of a face or picture, whole blocks of it; `size`: texels in a row.
-struct RowPlace {
+struct ByteRange {
   std::uint64_t first_byte;  ///< from the face's first one
   std::uint64_t bytes;
 };
-[[nodiscard]] RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept;
+[[nodiscard]] ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noexcept;
 
-/// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8:
+/// Packed RGB floats from what is at `row_byte_range`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8:
 /// any). Not for ASTC: `AstcDecoder` (astc.h) needs tables.
 void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
 
@@ -202,7 +202,7 @@ struct TextureLayout {
   }
   /// Bytes of a face, or of the picture.
   [[nodiscard]] std::uint64_t face_bytes(int level) const noexcept {
-    return place_of_rows(kind, level_size(level), 0, level_rows(level)).bytes;
+    return row_byte_range(kind, level_size(level), 0, level_rows(level)).bytes;
   }
   /// Bytes of all elements' faces.
   [[nodiscard]] std::uint64_t whole_bytes(int level) const noexcept {
@@ -333,8 +333,15 @@ std::uint64_t write_exr_cube(const TextureJob& job);
 std::uint64_t write_ktx2(const PictureJob& job);
 std::uint64_t write_dds(const PictureJob& job);
 
-/// Writes a three-dimensional texture of halves, four a texel, x first, then y, then z, as it is.
-void write_ktx2_volume(platform::WholeFile& file, const std::array<int, 3>& size, std::span<const std::uint16_t> halves,
+/// A three-dimensional texture of halves, four a texel, x first, then y, then z; or an array whose layers z counts.
+struct Volume {
+  std::array<int, 3> size;
+  std::span<const std::uint16_t> halves;
+  bool is_array = false;
+};
+
+/// Writes it as it is.
+void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata);
 
 /// Throws `Error` (cancelled), and tells the share that is done.

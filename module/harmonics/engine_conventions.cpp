@@ -46,7 +46,7 @@ constexpr glm::dmat3 kCentreXRightMinusYUpZ = matrix({{0, 0, 1}, {1, 0, 0}, {0, 
 constexpr glm::dmat3 kMirroredX = matrix({{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
 constexpr glm::dmat3 kMirroredZ = matrix({{1, 0, 0}, {0, 1, 0}, {0, 0, -1}});
 
-constexpr std::array<Convention, 12> kConventions{{
+constexpr std::array<Convention, 14> kConventions{{
     {Engine::welkin, "welkin", "Welkin", true, "right-handed, y up", "centre +z, right -x", "include/welkin/image.h",
      kSame, kSame},
     {Engine::openexr, "openexr", "OpenEXR", true, "right-handed, y up", "centre +z, right -x",
@@ -86,6 +86,12 @@ constexpr std::array<Convention, 12> kConventions{{
      kSame, kMirroredZ},
     {Engine::usd, "usd", "OpenUSD", true, "right-handed, y up", "centre +z, right -x",
      "UsdLuxDomeLight, which has OpenEXR's LatLongMap; of a stage whose up axis is y", kSame, std::nullopt},
+    {Engine::playcanvas, "playcanvas", "PlayCanvas", true, "right-handed, y up", "centre +z, right -x",
+     "playcanvas, shader-lib chunks reflectionEnv, which negates x, and spherical, toSphericalUv", kSame, kMirroredX},
+    {Engine::qt, "qt", "Qt Quick 3D", true, "right-handed, y up", "centre +x, right +z",
+     "sampleprobe.glsllib, which looks faces up by the world's direction as it is; derived: faces that balsam 6.4 "
+     "makes of a lat-long",
+     kCentreXRightZ, kSame},
 }};
 
 std::string all_names() {
@@ -286,11 +292,12 @@ EngineLight godot(const SphericalHarmonics& radiance) {
 }  // namespace
 
 bool has_engine_light(Engine engine) noexcept {
-  constexpr std::array kWithout{Engine::openexr, Engine::blender, Engine::bevy, Engine::usd};
+  constexpr std::array kWithout{Engine::openexr, Engine::blender,    Engine::bevy,
+                                Engine::usd,     Engine::playcanvas, Engine::qt};
   return std::find(kWithout.begin(), kWithout.end(), engine) == kWithout.end();
 }
 
-EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine) {
+EngineLight engine_light_unrotated(const SphericalHarmonics& radiance, Engine engine) {
   const platform::FloatingPointScope floating_point;
   switch (engine) {
     case Engine::welkin: return own_form(radiance);
@@ -304,7 +311,9 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
     case Engine::openexr:
     case Engine::blender:
     case Engine::bevy:
-    case Engine::usd: break;
+    case Engine::usd:
+    case Engine::playcanvas:
+    case Engine::qt: break;
   }
   throw Error(ErrorCode::invalid_argument,
               std::string(convention(engine).title) +
@@ -314,7 +323,7 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
 
 EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine) {
   const platform::FloatingPointScope floating_point;
-  return engine_light_in_place(turned(radiance, convention(engine).from_welkin), engine);
+  return engine_light_unrotated(rotate(radiance, convention(engine).from_welkin), engine);
 }
 
 }  // namespace welkin

@@ -28,13 +28,13 @@ dvec3 point_on_octahedron(double x, double y) noexcept {
   return {std::copysign(1.0 - std::abs(y), x), std::copysign(1.0 - std::abs(x), y), z};
 }
 
-struct Place {
+struct SquarePoint {
   double x;
   double y;
 };
 
 /// From beyond an edge back into the square from -1 to 1: over the edge, and turned along it.
-Place folded(double x, double y) noexcept {
+SquarePoint folded(double x, double y) noexcept {
   if (std::abs(x) > 1.0) {
     x = (x > 0.0 ? 2.0 : -2.0) - x;
     y = -y;
@@ -241,7 +241,7 @@ class Resampling {
 
 }  // namespace
 
-std::array<double, 2> octahedral_place(const dvec3& direction) {
+std::array<double, 2> octahedral_encode(const dvec3& direction) {
   const platform::FloatingPointScope floating_point;
   const dvec3 towards = math::moderate_direction(direction, "direction");
   const double sum = std::abs(towards.x) + std::abs(towards.y) + std::abs(towards.z);
@@ -251,10 +251,10 @@ std::array<double, 2> octahedral_place(const dvec3& direction) {
   return {0.5 * std::copysign(1.0 - std::abs(y), x) + 0.5, 0.5 * std::copysign(1.0 - std::abs(x), y) + 0.5};
 }
 
-dvec3 octahedral_direction(double column, double row) noexcept {
+dvec3 octahedral_decode(double column, double row) noexcept {
   const platform::FloatingPointScope floating_point;
-  const Place place = folded(2.0 * column - 1.0, 2.0 * row - 1.0);
-  return glm::normalize(point_on_octahedron(place.x, place.y));
+  const SquarePoint index = folded(2.0 * column - 1.0, 2.0 * row - 1.0);
+  return glm::normalize(point_on_octahedron(index.x, index.y));
 }
 
 OctahedralMap to_octahedral(const Cubemap& chain, const OctahedralOptions& options, const Control& control) {

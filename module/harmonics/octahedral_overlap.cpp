@@ -149,8 +149,8 @@ void TexelOverlap::find(int a, int b) {
 }
 
 void TexelOverlap::add_face(int face, std::span<const glm::dvec2> corners) {
-  const auto part_of = [this](double place) {
-    return std::clamp(static_cast<int>(place * parts_), 0, (size_ + 1) * parts_ - 1);
+  const auto part_of = [this](double position) {
+    return std::clamp(static_cast<int>(position * parts_), 0, (size_ + 1) * parts_ - 1);
   };
   Polygon<glm::dvec2> rest;
   glm::dvec2 low = corners.front();
@@ -197,13 +197,13 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
   double across = 0.0;
   double down = 0.0;
   double both = 0.0;
-  const auto add = [&](const glm::dvec2& place, double area) {
-    const double u = scale * (place.x - 0.5) - 1.0;
-    const double v = scale * (place.y - 0.5) - 1.0;
+  const auto add = [&](const glm::dvec2& position, double area) {
+    const double u = scale * (position.x - 0.5) - 1.0;
+    const double v = scale * (position.y - 0.5) - 1.0;
     const double square = 1.0 + u * u + v * v;
     const double angle = area / (square * std::sqrt(square));
-    const double s = place.x - column;
-    const double t = place.y - row;
+    const double s = position.x - column;
+    const double t = position.y - row;
     whole += angle;
     across += angle * s;
     down += angle * t;
@@ -228,17 +228,17 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
 }
 
 FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept {
-  const auto turned = [&](const glm::dvec3& axis) {
-    const glm::dvec3 place = symmetry.swapped ? glm::dvec3(axis.y, axis.x, axis.z) : axis;
-    return glm::dvec3(symmetry.mirrored_x ? -place.x : place.x, symmetry.mirrored_y ? -place.y : place.y,
-                      symmetry.mirrored_z ? -place.z : place.z);
+  const auto rotated = [&](const glm::dvec3& axis) {
+    const glm::dvec3 position = symmetry.swapped ? glm::dvec3(axis.y, axis.x, axis.z) : axis;
+    return glm::dvec3(symmetry.mirrored_x ? -position.x : position.x, symmetry.mirrored_y ? -position.y : position.y,
+                      symmetry.mirrored_z ? -position.z : position.z);
   };
   const image::Frame& frame = image::face_frame(face);
   FaceImage to{};
-  to.face = image::face_of(turned(frame.normal));
+  to.face = image::face_of(rotated(frame.normal));
   const image::Frame& other = image::face_frame(to.face);
   const auto along = [&](const glm::dvec3& of, const glm::dvec3& axis) {
-    return static_cast<int>(glm::dot(turned(of), axis));
+    return static_cast<int>(glm::dot(rotated(of), axis));
   };
   to.across_columns = along(frame.u, other.u);
   to.across_rows = along(frame.u, other.v);

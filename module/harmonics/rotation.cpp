@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "platform/float_environment.h"
 #include "platform/text.h"
@@ -18,18 +20,17 @@ namespace {
 
 constexpr double kOrthogonalWithin = 1e-6;
 
-SphericalHarmonics turned_by(const glm::dmat3& map, const SphericalHarmonics& harmonics) {
-  SphericalHarmonics result(harmonics.bands());
-  result.at(0, 0) = harmonics.at(0, 0);
-  harmonics::BandRotation matrix(map);
-  for (int l = 1; l < harmonics.bands(); ++l) {
-    matrix.advance();
-    for (int m = -l; m <= l; ++m) {
-      glm::dvec3 sum(0.0);
-      for (int n = -l; n <= l; ++n) sum += matrix.at(m, n) * harmonics.at(l, n);
-      result.at(l, m) = sum;
-    }
-  }
+SphericalHarmonics rotate_by(const glm::dmat3& map, const SphericalHarmonics& harmonics) {
+  SphericalHarmonics result = harmonics;
+  if (harmonics.bands() < 2) return result;
+  const glm::dvec3 x = harmonics.at(1, 1);
+  const glm::dvec3 y = harmonics.at(1, -1);
+  const glm::dvec3 z = harmonics.at(1, 0);
+  const auto row = [&](int axis) { return map[0][axis] * x + map[1][axis] * y + map[2][axis] * z; };
+  result.at(1, 1) = row(0);
+  result.at(1, -1) = row(1);
+  result.at(1, 0) = row(2);
+  if (harmonics.bands() > 2) harmonics::ThreeRotations(map, harmonics.bands()).apply(result);
   return result;
 }
 
@@ -66,14 +67,14 @@ double distance_from_orthogonal(const glm::dmat3& matrix) {
 
 }  // namespace
 
-SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& turn) {
+SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const Quaternion& rotation) {
   const platform::FloatingPointScope floating_point;
-  return turned_by(glm::mat3_cast(normalised(turn)), harmonics);
+  return rotate_by(glm::mat3_cast(normalised(rotation)), harmonics);
 }
 
-SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn) {
+SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const dmat3& rotation) {
   const platform::FloatingPointScope floating_point;
-  const double off = distance_from_orthogonal(turn);
+  const double off = distance_from_orthogonal(rotation);
   if (!(off <= kOrthogonalWithin)) {
     throw Error(ErrorCode::invalid_argument,
                 "the matrix is not orthogonal: its columns' products are off those of unit axes by up to " +
@@ -82,9 +83,9 @@ SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn
   }
   // What is off would grow with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
   // (Bjorck and Bowie 1971); twice is enough from 1e-6, and an exact matrix stays as it is.
-  glm::dmat3 map = turn;
+  glm::dmat3 map = rotation;
   for (int step = 0; step < 2; ++step) map = 0.5 * (map * (glm::dmat3(3.0) - glm::transpose(map) * map));
-  return turned_by(map, harmonics);
+  return rotate_by(map, harmonics);
 }
 
 }  // namespace welkin
@@ -130,41 +131,12 @@ struct Factors {
   double u, v, w;
 };
 
-Factors compute_factors(int l, int m, int n) noexcept {
+Factors factors(int l, int m, int n) noexcept {
   const int size = std::abs(m);
   const double below = std::abs(n) == l ? 2.0 * l * (2.0 * l - 1.0) : (l + n) * (static_cast<double>(l) - n);
   return {std::sqrt((l + m) * (static_cast<double>(l) - m) / below),
           0.5 * std::sqrt((l + size - 1.0) * (l + size) / below),
           0.5 * std::sqrt((l - size - 1.0) * (l - size) / below)};
-}
-
-/// Those of the bands below this are kept: 32 KB, and 20 us of the first call.
-constexpr int kKeptBands = 10;
-
-/// Where a band's factors begin: the sum of (2 k + 1)^2 over k < l.
-constexpr std::size_t first_factor(int l) { return static_cast<std::size_t>(l * (4 * l * l - 1) / 3); }
-
-class KeptFactors {
- public:
-  KeptFactors() {
-    Factors* next = factors_.data() + first_factor(2);
-    for (int l = 2; l < kKeptBands; ++l) {
-      for (int m = -l; m <= l; ++m) {
-        for (int n = -l; n <= l; ++n) *next++ = compute_factors(l, m, n);
-      }
-    }
-  }
-  [[nodiscard]] const Factors& at(int l, int m, int n) const noexcept {
-    return factors_[first_factor(l) + static_cast<std::size_t>((m + l) * (2 * l + 1) + n + l)];
-  }
-
- private:
-  std::array<Factors, first_factor(kKeptBands)> factors_;
-};
-
-Factors factors(int l, int m, int n) noexcept {
-  static const KeptFactors kept;
-  return l < kKeptBands ? kept.at(l, m, n) : compute_factors(l, m, n);
 }
 
 }  // namespace
@@ -193,6 +165,110 @@ double BandRotation::entry(int m, int n) const noexcept {
   if (m == 0 || size > l - 2) return sum;
   if (m > 0) return sum - w * (product(1, m + 1, n) + product(-1, -m - 1, n));
   return sum - w * (product(1, m - 1, n) - product(-1, 1 - m, n));
+}
+
+namespace {
+
+/// The matrices of the mirror that swaps y and z, one per band. Harmonics are even or odd in each axis, so row m has a
+/// quarter of the columns: every other one on one side of 0.
+class Swap {
+ public:
+  explicit Swap(int bands) : first_(static_cast<std::size_t>(bands)) {
+    BandRotation matrix({{1, 0, 0}, {0, 0, 1}, {0, 1, 0}});
+    for (int l = 1; l < bands; ++l) {
+      matrix.advance();
+      first_[static_cast<std::size_t>(l)] = entries_.size();
+      for (int m = -l; m <= l; ++m) {
+        for (int n = begin(l, m); n <= end(l, m); n += 2) entries_.push_back(matrix.at(m, n));
+      }
+    }
+  }
+
+  /// to[m] of band l = the mirror of from[m]; both are counted from the middle.
+  void apply(int l, const glm::dvec3* from, glm::dvec3* to) const {
+    const double* entry = entries_.data() + first_[static_cast<std::size_t>(l)];
+    for (int m = -l; m <= l; ++m) {
+      glm::dvec3 sum(0.0);
+      for (int n = begin(l, m); n <= end(l, m); n += 2) sum += *entry++ * from[n];
+      to[m] = sum;
+    }
+  }
+
+  /// That of at least so many bands; made by the first call.
+  static const Swap& of_bands(int bands) {
+    constexpr int few = 4;
+    if (bands <= few) {
+      static const Swap kept(few);
+      return kept;
+    }
+    static const Swap kept(kMaximumBands);
+    return kept;
+  }
+
+ private:
+  // Y(l, m) is even in y for m >= 0, else odd, and even in z for even l + m.
+  static int begin(int l, int m) {
+    const int parity = m >= 0 ? 0 : 1;  // of l + n
+    if ((l + m) % 2 == 0) return (l + parity) % 2;
+    return -l + parity;
+  }
+  static int end(int l, int m) { return (l + m) % 2 == 0 ? l : -1; }
+
+  std::vector<std::size_t> first_;
+  std::vector<double> entries_;
+};
+
+/// Coefficients of a band after a turn about z: of Y(l, m) and Y(l, -m), which hold the cosine and the sine of m phi.
+void rotate_about_z(int l, const glm::dvec2* turns, glm::dvec3* middle) {
+  for (int m = 1; m <= l; ++m) {
+    const glm::dvec3 cosine = middle[m];
+    const glm::dvec3 sine = middle[-m];
+    middle[m] = turns[m].x * cosine - turns[m].y * sine;
+    middle[-m] = turns[m].y * cosine + turns[m].x * sine;
+  }
+}
+
+}  // namespace
+
+// The third column of Rz(alpha) Ry(beta) Rz(gamma) is (cos alpha sin beta, sin alpha sin beta, cos beta); the second
+// row of Rz(-alpha) times it is (sin gamma, cos gamma, 0). Near the poles alpha is off, and gamma by as much in the
+// other direction, so that the product is not.
+ThreeRotations::ThreeRotations(const glm::dmat3& map, int bands)
+    : mirrored_(glm::determinant(map) < 0.0), bands_(bands) {
+  const double sign = mirrored_ ? -1.0 : 1.0;
+  constexpr double least = 1e-20;
+  const glm::dvec3 pole = sign * map[2];
+  const double sine = std::sqrt(pole.x * pole.x + pole.y * pole.y);
+  const glm::dvec2 alpha = sine > least ? glm::dvec2(pole.x / sine, pole.y / sine) : glm::dvec2(1.0, 0.0);
+  const auto row = [&](int column) { return sign * (alpha.x * map[column].y - alpha.y * map[column].x); };
+  set_multiples({row(1), row(0)}, turns_[0]);
+  set_multiples({pole.z, sine > least ? -sine : 0.0}, turns_[1]);  // y and z are swapped: the other way round
+  set_multiples(alpha, turns_[2]);
+}
+
+void ThreeRotations::set_multiples(const glm::dvec2& rotation, Multiples& multiples) const {
+  multiples[0] = {1.0, 0.0};
+  for (int m = 1; m < bands_; ++m) {
+    const glm::dvec2 before = multiples[static_cast<std::size_t>(m - 1)];
+    multiples[static_cast<std::size_t>(m)] = {before.x * rotation.x - before.y * rotation.y,
+                                              before.y * rotation.x + before.x * rotation.y};
+  }
+}
+
+void ThreeRotations::apply(SphericalHarmonics& harmonics) const {
+  const Swap& swap = Swap::of_bands(bands_);
+  glm::dvec3 swapped[2 * kMaximumBands - 1];
+  for (int l = 2; l < bands_; ++l) {
+    glm::dvec3* const middle = &harmonics.at(l, 0);
+    glm::dvec3* const mirror = swapped + l;
+    rotate_about_z(l, turns_[0].data(), middle);
+    swap.apply(l, middle, mirror);
+    rotate_about_z(l, turns_[1].data(), mirror);
+    swap.apply(l, mirror, middle);
+    rotate_about_z(l, turns_[2].data(), middle);
+    if (!mirrored_ || l % 2 == 0) continue;
+    for (int m = -l; m <= l; ++m) middle[m] = -middle[m];
+  }
 }
 
 }  // namespace welkin::harmonics

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 
 #include "welkin/spherical_harmonics.h"
 
@@ -13,8 +14,7 @@ namespace welkin::harmonics {
 /// c'(l, m) = sum over n of at(m, n) c(l, n) are the coefficients of d -> f(map^-1 d).
 ///
 /// `map` must be orthogonal; mirrors are as good as rotations, since a band's matrix is what band 1's makes of a
-/// product of harmonics. Error below 1e-13 to band 15. Cost: some 20 flops an entry, and beyond band 9 three square
-/// roots.
+/// product of harmonics. Error below 1e-13 to band 15. Cost: some 20 flops and three square roots per entry.
 class BandRotation {
  public:
   /// Band 0.
@@ -46,6 +46,30 @@ class BandRotation {
   int band_ = 0;
   double linear_[3][3];  ///< band 1: the map in the order y, z, x
   Matrix matrices_[2];   ///< of this band and the one before, in turn
+};
+
+/// An orthogonal map as turns about z, y and z, after an inversion if it is a mirror.
+///
+/// A turn about z takes four products per pair of coefficients. One about y is one about z between two swaps of y and
+/// z, which are one fixed, sparse matrix per band (D. Pinchon and P. E. Hoggan, "Rotation matrices for real spherical
+/// harmonics: general rotations of atomic orbitals in space-fixed axes", J. Phys. A 40, 2007, 1597-1610).
+class ThreeRotations {
+ public:
+  /// `map` must be orthogonal; bands >= 3.
+  ThreeRotations(const glm::dmat3& map, int bands);
+
+  /// Turns bands 2 to bands - 1 in place.
+  void apply(SphericalHarmonics& harmonics) const;
+
+ private:
+  /// Cosine and sine of a turn's multiples.
+  using Multiples = std::array<glm::dvec2, kMaximumBands>;
+
+  void set_multiples(const glm::dvec2& rotation, Multiples& multiples) const;
+
+  bool mirrored_;
+  int bands_;
+  Multiples turns_[3];
 };
 
 }  // namespace welkin::harmonics

@@ -166,7 +166,7 @@ SphericalHarmonics lerp(const SphericalHarmonics& a, const SphericalHarmonics& b
   return combined(a, 1.0 - t, b, t);
 }
 
-SphericalHarmonics with_bands(const SphericalHarmonics& harmonics, int bands) {
+SphericalHarmonics resized(const SphericalHarmonics& harmonics, int bands) {
   const platform::FloatingPointScope floating_point;
   SphericalHarmonics result(bands);
   const std::size_t kept = std::min(result.coefficients().size(), harmonics.coefficients().size());

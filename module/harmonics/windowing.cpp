@@ -167,7 +167,7 @@ const char* name(Window window) noexcept {
   }
 }
 
-Windowed apply_window(const SphericalHarmonics& radiance, Window window, double width) {
+WindowResult apply_window(const SphericalHarmonics& radiance, Window window, double width) {
   const platform::FloatingPointScope floating_point;
   // 1e12 bands of width leave every factor 1; beyond it l / width could vanish.
   if (!(width >= 0.0 && width <= 1e12)) {
@@ -175,7 +175,7 @@ Windowed apply_window(const SphericalHarmonics& radiance, Window window, double 
                                                  " bands; it must be from 0 (the number of bands) to 1e12");
   }
   const SphericalHarmonics irradiance = irradiance_from_radiance(radiance);
-  Windowed result;
+  WindowResult result;
   if (window == Window::hanning || window == Window::lanczos) result.parameter = width > 0.0 ? width : radiance.bands();
   if (window == Window::min_laplacian) result.parameter = harmonics::min_laplacian_lambda(irradiance);
   for (int l = 0; l < radiance.bands(); ++l) result.factors.push_back(factor(window, l, result.parameter));

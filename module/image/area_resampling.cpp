@@ -186,8 +186,8 @@ class RingSums final : public RunSink {
         const double weight = scale * static_cast<double>(weights[j]);
         if (weight == 0.0) continue;
         const int column = run.columns[k] + j;
-        const int place = (run.mirrored ? run.base - 1 - column : run.base + column) % weights_.width();
-        double* const sum = line + std::ptrdiff_t{3} * (place < 0 ? place + weights_.width() : place);
+        const int index = (run.mirrored ? run.base - 1 - column : run.base + column) % weights_.width();
+        double* const sum = line + std::ptrdiff_t{3} * (index < 0 ? index + weights_.width() : index);
         for (int c = 0; c < 3; ++c) sum[c] += weight * static_cast<double>(rgb[c]);
       }
     }

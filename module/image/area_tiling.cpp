@@ -167,17 +167,17 @@ constexpr std::array<TileImage, 16> kSideImages = [] {
 
 constexpr std::array<TileImage, 16> kPolarImages = [] {
   // On +Y: {quarter, mirrored, u > 0, v > 0, swapped}. On -Y the same with v turned over.
-  struct Place {
+  struct TileImageKind {
     int quarter;
     bool mirrored, right, lower, swapped;
   };
-  constexpr Place places[] = {{2, true, true, true, false},   {2, false, false, true, false},
-                              {0, false, true, false, false}, {4, true, false, false, false},
-                              {1, false, true, true, true},   {1, true, true, false, true},
-                              {3, true, false, true, true},   {3, false, false, false, true}};
+  constexpr TileImageKind places[] = {{2, true, true, true, false},   {2, false, false, true, false},
+                                      {0, false, true, false, false}, {4, true, false, false, false},
+                                      {1, false, true, true, true},   {1, true, true, false, true},
+                                      {3, true, false, true, true},   {3, false, false, false, true}};
   std::array<TileImage, 16> images{};
   std::size_t next = 0;
-  for (const Place& p : places) {
+  for (const TileImageKind& p : places) {
     images[next++] = {2, p.quarter, p.mirrored, false, p.right, p.lower, p.swapped};
     images[next++] = {3, p.quarter, p.mirrored, true, p.right, !p.lower, p.swapped};
   }

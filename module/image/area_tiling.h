@@ -59,7 +59,7 @@ class PolarRow {
   /// one on.
   void place(int row);
 
-  /// The sides of a tile, at most `TileRun::kMostSides`, whose sum of longitude (to - from) is its solid angle; how
+  /// The sides of a tile, at most `TileRun::kMaxSides`, whose sum of longitude (to - from) is its solid angle; how
   /// many there are. Not for the middle texel of an odd number, which has no boundary in longitude.
   int sides(int column, TileSide* sides) const noexcept;
 

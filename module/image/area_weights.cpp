@@ -43,7 +43,7 @@ TileScratch::TileScratch(const TileWeights& weights)
   for (auto* indices : {&rows_, &columns_}) indices->resize(count);
   for (auto* counts : {&down_count_, &across_count_}) counts->resize(count, 1);
   for (auto* values : {&areas_, &upper_, &lower_}) values->resize(count);
-  down_shares_.resize(static_cast<std::size_t>(TileRun::kMostSides) * static_cast<std::size_t>(weights.height() + 8));
+  down_shares_.resize(static_cast<std::size_t>(TileRun::kMaxSides) * static_cast<std::size_t>(weights.height() + 8));
 }
 
 TileWeights::TileWeights(int width, int height, int size, bool soft)
@@ -259,7 +259,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
     // First what each tile covers, then stretches of them with patches of one size.
     int row_guess = 0;
     for (int k = 0; k < count; ++k) {
-      TileSide side[TileRun::kMostSides];
+      TileSide side[TileRun::kMaxSides];
       const Extent extent = extent_of(side, sides(k, side));
       const auto at = static_cast<std::size_t>(k);
       const int guess = static_cast<int>(extent.left * columns_per_radian_) + reach_;
@@ -280,7 +280,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       for (int k = 0; k < patches.count; ++k) {
         const auto at = static_cast<std::size_t>(run.first + k);
         scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
-        TileSide side[TileRun::kMostSides];
+        TileSide side[TileRun::kMaxSides];
         const TileRun tile{side,
                            sides(run.first + k, side),
                            columns_per_radian_,
@@ -310,10 +310,10 @@ SoftCells::SoftCells(std::vector<double> edges, std::vector<double> half_ramps)
   for (const double half : half_ramps_) inverses_.push_back(half > 0.0 ? 1.0 / (4.0 * half) : 0.0);
 }
 
-int SoftCells::first_beyond(double place, int guess) const noexcept {
+int SoftCells::first_beyond(double position, int guess) const noexcept {
   const auto ends_beyond = [&](int cell) {
     const auto end = static_cast<std::size_t>(cell + 1);
-    return edges_[end] + half_ramps_[end] > place;
+    return edges_[end] + half_ramps_[end] > position;
   };
   int cell = std::clamp(guess, 0, count() - 1);
   while (cell > 0 && ends_beyond(cell - 1)) --cell;
@@ -321,10 +321,10 @@ int SoftCells::first_beyond(double place, int guess) const noexcept {
   return cell;
 }
 
-int SoftCells::last_before(double place, int guess) const noexcept {
+int SoftCells::last_before(double position, int guess) const noexcept {
   const auto begins_before = [&](int cell) {
     const auto begin = static_cast<std::size_t>(cell);
-    return edges_[begin] - half_ramps_[begin] < place;
+    return edges_[begin] - half_ramps_[begin] < position;
   };
   int cell = std::clamp(guess, 0, count() - 1);
   while (cell < count() - 1 && begins_before(cell + 1)) ++cell;

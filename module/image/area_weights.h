@@ -24,10 +24,10 @@ class SoftCells {
 
   [[nodiscard]] int count() const noexcept { return cells_; }
 
-  /// The first cell that has a share beyond `place`, from `guess` on or before.
-  [[nodiscard]] int first_beyond(double place, int guess) const noexcept;
-  /// The last cell that has a share before `place`.
-  [[nodiscard]] int last_before(double place, int guess) const noexcept;
+  /// The first cell that has a share beyond `position`, from `guess` on or before.
+  [[nodiscard]] int first_beyond(double position, int guess) const noexcept;
+  /// The last cell that has a share before `position`.
+  [[nodiscard]] int last_before(double position, int guess) const noexcept;
 
   /// Cells from `first` on, for as many as there are and 16 more beyond the last.
   [[nodiscard]] CellRow from(int first) const noexcept {
@@ -39,8 +39,8 @@ class SoftCells {
   [[nodiscard]] double integral_from_edge(int edge, double from, double to) const noexcept {
     const auto at = static_cast<std::size_t>(std::min(edge, cells_));
     const double half = half_ramps_[at];
-    const auto up_to = [&](double place) {  // as `weigh_tile` has it
-      const double beyond = place - edges_[at];
+    const auto up_to = [&](double position) {  // as `weigh_tile` has it
+      const double beyond = position - edges_[at];
       const double on_ramp = std::min(std::max(beyond, -half), half) + half;
       return on_ramp * on_ramp * inverses_[at] + std::max(beyond - half, 0.0);
     };

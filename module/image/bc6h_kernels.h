@@ -42,9 +42,9 @@ struct alignas(64) TwoLineBlocks {
   float errors[simd::kLanes];
 };
 
-inline constexpr int kMostPartitionsTried = 4;
+inline constexpr int kMaxPartitionsTried = 4;
 
-/// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMostPartitionsTried`.
+/// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMaxPartitionsTried`.
 using EncodeTwoLines = void (*)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
 
 /// 16 choices of one channel's ends of a line, as the decoder has them with 16 bits, and the line's texels: how far

@@ -131,9 +131,9 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
   Lanes least(kBig);
   Lanes most(-kBig);
   for (int k = 0; k < kTexels; ++k) {
-    const Lanes place = plain.at(block, k);
-    least = xsimd::min(least, texels.inside(k, place, Lanes(kBig)));
-    most = xsimd::max(most, texels.inside(k, place, Lanes(-kBig)));
+    const Lanes position = plain.at(block, k);
+    least = xsimd::min(least, texels.inside(k, position, Lanes(kBig)));
+    most = xsimd::max(most, texels.inside(k, position, Lanes(-kBig)));
   }
   const Lanes anchor = texels.at_anchor([&](int k) WELKIN_INLINE_LAMBDA { return plain.at(block, k); });
   const Lanes range = most - least;

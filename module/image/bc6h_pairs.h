@@ -50,8 +50,8 @@ WELKIN_INLINE Lanes left_out(const Lanes (&sums)[kMoments]) {
 
 /// The partitions that leave out least, the best one first.
 struct Ranking {
-  Lanes scores[kMostPartitionsTried];
-  Lanes partitions[kMostPartitionsTried];
+  Lanes scores[kMaxPartitionsTried];
+  Lanes partitions[kMaxPartitionsTried];
 
   WELKIN_INLINE void insert(Lanes score, Lanes partition, int places) {
     for (int k = 0; k < places; ++k) {

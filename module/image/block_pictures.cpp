@@ -30,7 +30,7 @@ struct Tile {
   int blocks;
 };
 
-struct Place {
+struct BlockPosition {
   int picture, row, column;  ///< the first texel's
 };
 
@@ -76,15 +76,15 @@ class TileEncoder {
   }
 
  private:
-  [[nodiscard]] Place place_of(int block) const {
+  [[nodiscard]] BlockPosition place_of(int block) const {
     const int number = tile_.first_block + block;
     const int across = blocks_across(width_);
     const int down = blocks_across(height_);
     return {number / (across * down), number / across % down * kBlockEdge, number % across * kBlockEdge};
   }
 
-  [[nodiscard]] bool reaches_beyond(const Place& place) const {
-    return place.row + kBlockEdge > height_ || place.column + kBlockEdge > width_;
+  [[nodiscard]] bool reaches_beyond(const BlockPosition& position) const {
+    return position.row + kBlockEdge > height_ || position.column + kBlockEdge > width_;
   }
 
   [[nodiscard]] std::uint8_t* bytes_of(int block) const {
@@ -92,46 +92,46 @@ class TileEncoder {
   }
 
   /// Rows of a lane's block: in the picture where it has floats, else copied.
-  void set_rows(const Place& place, std::size_t lane) {
-    const LatLongView& view = pictures_[static_cast<std::size_t>(place.picture)];
-    const bool in_place = !reaches_beyond(place) && view.format == PixelFormat::rgb32f;
+  void set_rows(const BlockPosition& position, std::size_t lane) {
+    const LatLongView& view = pictures_[static_cast<std::size_t>(position.picture)];
+    const bool in_place = !reaches_beyond(position) && view.format == PixelFormat::rgb32f;
     for (int row = 0; row < kBlockEdge; ++row) {
-      const int line = std::min(place.row + row, height_ - 1);
+      const int line = std::min(position.row + row, height_ - 1);
       const float*& to = scratch_.rows[4 * lane + static_cast<std::size_t>(row)];
       if (in_place) {
-        to = static_cast<const float*>(row_of(view, line)) + std::ptrdiff_t{3} * place.column;
+        to = static_cast<const float*>(row_of(view, line)) + std::ptrdiff_t{3} * position.column;
         continue;
       }
       float* const copy = scratch_.texels[lane].data() + std::ptrdiff_t{12} * row;
-      read_block_row(view, line, place.column, copy);
+      read_block_row(view, line, position.column, copy);
       to = copy;
     }
   }
 
   /// Texels of a block that lie in the picture.
   template <class Visit>
-  void for_each_inner(const Place& place, const Visit& visit) const {
-    for (int row = 0; row < std::min(kBlockEdge, height_ - place.row); ++row) {
-      for (int column = 0; column < std::min(kBlockEdge, width_ - place.column); ++column) {
+  void for_each_inner(const BlockPosition& position, const Visit& visit) const {
+    for (int row = 0; row < std::min(kBlockEdge, height_ - position.row); ++row) {
+      for (int column = 0; column < std::min(kBlockEdge, width_ - position.column); ++column) {
         visit(static_cast<std::size_t>(kBlockEdge * row + column));
       }
     }
   }
 
-  void set_weights(const Place& place, std::size_t lane, BlockGroup& group) const {
-    const bool beyond = reaches_beyond(place);
+  void set_weights(const BlockPosition& position, std::size_t lane, BlockGroup& group) const {
+    const bool beyond = reaches_beyond(position);
     for (auto& weights : group.weights) weights[lane] = beyond ? kPaddingWeight : 1.0F;
-    if (beyond) for_each_inner(place, [&](std::size_t texel) { group.weights[texel][lane] = 1.0F; });
+    if (beyond) for_each_inner(position, [&](std::size_t texel) { group.weights[texel][lane] = 1.0F; });
   }
 
   /// Counts clamped values. Texels beyond the edge repeat others and are not counted.
-  void count_clamped(const Place& place, std::size_t lane, std::int32_t of_block) {
-    if (!reaches_beyond(place)) {
+  void count_clamped(const BlockPosition& position, std::size_t lane, std::int32_t of_block) {
+    if (!reaches_beyond(position)) {
       result_.clamped += static_cast<std::uint64_t>(of_block);
       return;
     }
     const float least = format_.is_signed ? -kLargestHalf : 0.0F;
-    for_each_inner(place, [&](std::size_t texel) {
+    for_each_inner(position, [&](std::size_t texel) {
       for (std::size_t c = 0; c < 3; ++c) {
         const float value = scratch_.texels[lane][3 * texel + c];
         if (!(value >= least && value <= kLargestHalf)) ++result_.clamped;
@@ -143,9 +143,9 @@ class TileEncoder {
     BlockGroup& group = scratch_.groups[static_cast<std::size_t>(first / kLanes)];
     const int count = std::min(kLanes, tile_.blocks - first);
     for (int lane = 0; lane < kLanes; ++lane) {  // lanes without a block repeat the last one
-      const Place place = place_of(first + std::min(lane, count - 1));
-      set_rows(place, static_cast<std::size_t>(lane));
-      set_weights(place, static_cast<std::size_t>(lane), group);
+      const BlockPosition position = place_of(first + std::min(lane, count - 1));
+      set_rows(position, static_cast<std::size_t>(lane));
+      set_weights(position, static_cast<std::size_t>(lane), group);
     }
     kernels_.load(scratch_.rows.data(), group);
     std::array<std::int32_t, kLanes> clamped{};

@@ -46,7 +46,7 @@ struct BlockFormat {
   void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
 
   /// How many partitions of a block are encoded.
-  [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMostPartitionsTried : 1; }
+  [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
 };
 
 /// Levels in blocks, and what was measured on the way.

@@ -43,12 +43,12 @@ inline glm::ivec3 moved_back(const CubeImage& image, glm::ivec3 point) noexcept 
 using WholeMatrix = glm::mat<3, 3, int>;
 
 /// Returns the matrix in whole numbers if it is one of the cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
-[[nodiscard]] inline std::optional<WholeMatrix> cube_symmetry_of(const glm::dmat3& turn) noexcept {
+[[nodiscard]] inline std::optional<WholeMatrix> cube_symmetry_of(const glm::dmat3& rotation) noexcept {
   WholeMatrix result(0);
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) {
-      const double whole = std::round(turn[column][row]);
-      if (!(std::abs(turn[column][row] - whole) <= 1e-9)) return {};
+      const double whole = std::round(rotation[column][row]);
+      if (!(std::abs(rotation[column][row] - whole) <= 1e-9)) return {};
       result[column][row] = static_cast<int>(whole);
     }
   }

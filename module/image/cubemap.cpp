@@ -59,7 +59,7 @@ Cubemap::Cubemap(int size, int levels, memory_resource* memory) : size_(size) {
     values_ += 6 * edge * edge * 3;
   }
   if (memory == nullptr) memory = get_default_resource();
-  if (memory != new_delete_resource() || bytes() < platform::kLeastOwnBlock) {
+  if (memory != new_delete_resource() || bytes() < platform::kMinOwnBlock) {
     pixels_ = {static_cast<float*>(memory->allocate(bytes(), platform::kCacheLine)), Free{memory, bytes()}};
     return;
   }

@@ -205,11 +205,11 @@ std::int64_t TexelGrid::on_cubemap(int face, int row, int column) const noexcept
     *coordinate = *coordinate < 0.0 ? -edge : edge;
   }
   const Frame& from = face_frame(face);
-  const glm::dvec3 place = u * from.u + v * from.v + along_normal * from.normal;
+  const glm::dvec3 position = u * from.u + v * from.v + along_normal * from.normal;
   int to = 0;
-  while (to < 5 && glm::dot(place, face_frame(to).normal) != edge) ++to;
+  while (to < 5 && glm::dot(position, face_frame(to).normal) != edge) ++to;
   const auto index = [&](const glm::dvec3& axis) {
-    return static_cast<int>((glm::dot(place, axis) + edge - 1.0) / 2.0);
+    return static_cast<int>((glm::dot(position, axis) + edge - 1.0) / 2.0);
   };
   const int new_row = index(face_frame(to).v);
   const int new_column = index(face_frame(to).u);
@@ -264,14 +264,15 @@ std::vector<double> solid_angles_of(const TexelGrid& grid, const std::vector<std
 
 namespace welkin {
 
-glm::dmat3 turn_about_y(double degrees) {
+glm::dmat3 rotation_about_y(double degrees) {
   const platform::FloatingPointScope floating_point;
   if (!(std::abs(degrees) <= 1e6)) {
     throw Error(ErrorCode::invalid_argument,
                 "a turn of " + platform::number_text(degrees) + " degrees about y; it must be within 1e6 degrees");
   }
-  const math::SineCosine turn = math::sine_cosine_of_turns(degrees / 360.0);
-  return {glm::dvec3(turn.cosine, 0.0, -turn.sine), glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(turn.sine, 0.0, turn.cosine)};
+  const math::SineCosine rotation = math::sine_cosine_of_turns(degrees / 360.0);
+  return {glm::dvec3(rotation.cosine, 0.0, -rotation.sine), glm::dvec3(0.0, 1.0, 0.0),
+          glm::dvec3(rotation.sine, 0.0, rotation.cosine)};
 }
 
 }  // namespace welkin

@@ -119,8 +119,8 @@ void plane_lengths(const double* u, double v, int count, double* lengths) {
   });
 }
 
-void places_of_angles(const double* across, const double* along, int count, double quarter, double offset,
-                      double* places) {
+void angle_positions(const double* across, const double* along, int count, double quarter, double offset,
+                     double* positions) {
   const double scale = quarter / kPi2;
   for_each_register(count, [&](int k, int part) WELKIN_INLINE_LAMBDA {
     const DoubleLanes x = load_part(along + k, part);
@@ -129,18 +129,18 @@ void places_of_angles(const double* across, const double* along, int count, doub
     const DoubleLanes turned = DoubleLanes(scale) * angle(xsimd::select(steep, x, y), xsimd::select(steep, y, x));
     const DoubleLanes rounded = (turned + DoubleLanes(kRoundTo32Bits)) - DoubleLanes(kRoundTo32Bits);
     const DoubleLanes all = xsimd::select(steep, DoubleLanes(quarter) - rounded, rounded);
-    store_part(DoubleLanes(offset) + all, part, places + k);
+    store_part(DoubleLanes(offset) + all, part, positions + k);
   });
 }
 
 // With t the share of the way from the second to the third texel, the cubic B-spline weighs them
 //   (1 - t)^3 / 6,  2/3 - t^2 + t^3 / 2,  2/3 - (1 - t)^2 + (1 - t)^3 / 2,  t^3 / 6.
 // Where the place is a texel's own, t may be 0 or 1: the weights are the same function either way.
-void taps_of_places(const double* places, int count, bool cubic, std::int32_t* first, float* weights) {
+void position_taps(const double* positions, int count, bool cubic, std::int32_t* first, float* weights) {
   for (int k = 0; k < count; ++k) {
-    const double second = (places[k] - 0.5 + kRoundToWhole) - kRoundToWhole;
+    const double second = (positions[k] - 0.5 + kRoundToWhole) - kRoundToWhole;
     first[k] = static_cast<std::int32_t>(second) - 1;
-    const auto t = static_cast<float>(places[k] - second);
+    const auto t = static_cast<float>(positions[k] - second);
     const float rest = 1.0F - t;
     const float outer = t * t * t * (1.0F / 6.0F);
     const float rest_outer = rest * rest * rest * (1.0F / 6.0F);
@@ -306,9 +306,9 @@ void reduce_pairs(const float* top, const float* bottom, const float* top_weight
 
 // The bandwidth yardstick.
 
-/// As much of a cell's share and those of all cells after it as lies before `place`, for the cells from `first` on.
-WELKIN_INLINE DoubleLanes integrals_up_to(DoubleLanes place, const CellRow& cells, std::ptrdiff_t first) {
-  const DoubleLanes beyond = place - DoubleLanes::load_unaligned(cells.edges + first);
+/// As much of a cell's share and those of all cells after it as lies before `position`, for the cells from `first` on.
+WELKIN_INLINE DoubleLanes integrals_up_to(DoubleLanes position, const CellRow& cells, std::ptrdiff_t first) {
+  const DoubleLanes beyond = position - DoubleLanes::load_unaligned(cells.edges + first);
   const DoubleLanes half = DoubleLanes::load_unaligned(cells.half_ramps + first);
   // On the ramp (beyond + half)^2 / (4 half), and from its end on as much as lies beyond.
   const DoubleLanes on_ramp = xsimd::min(xsimd::max(beyond, DoubleLanes(0.0) - half), half) + half;
@@ -320,9 +320,9 @@ WELKIN_INLINE DoubleLanes integrals_up_to(DoubleLanes place, const CellRow& cell
 struct Shares {
   DoubleLanes from_here, from_next;
 
-  WELKIN_INLINE Shares(double place, const CellRow& cells, std::ptrdiff_t first)
-      : from_here(integrals_up_to(DoubleLanes(place), cells, first)),
-        from_next(integrals_up_to(DoubleLanes(place), cells, first + 1)) {}
+  WELKIN_INLINE Shares(double position, const CellRow& cells, std::ptrdiff_t first)
+      : from_here(integrals_up_to(DoubleLanes(position), cells, first)),
+        from_next(integrals_up_to(DoubleLanes(position), cells, first + 1)) {}
 
   [[nodiscard]] WELKIN_INLINE DoubleLanes since(const Shares& start) const {
     return (from_here - start.from_here) - (from_next - start.from_next);
@@ -331,16 +331,16 @@ struct Shares {
 
 double weigh_tile(const TileRun& run, float* weights) {
   const double start = run.sides[run.number - 1].longitude * run.columns_per_radian;
-  double places[TileRun::kMostSides];
-  int kept[TileRun::kMostSides];
+  double positions[TileRun::kMaxSides];
+  int kept[TileRun::kMaxSides];
   int number = 0;
   double area = 0.0;
   for (int s = 0; s < run.number; ++s) {
-    const double place = run.sides[s].longitude * run.columns_per_radian;
-    if (place == start || run.sides[s].from == run.sides[s].to) continue;
-    area += (place - start) * (run.sides[s].to - run.sides[s].from);
+    const double position = run.sides[s].longitude * run.columns_per_radian;
+    if (position == start || run.sides[s].from == run.sides[s].to) continue;
+    area += (position - start) * (run.sides[s].to - run.sides[s].from);
     kept[number] = s;
-    places[number++] = place;
+    positions[number++] = position;
   }
   const std::ptrdiff_t stride = (run.down + 7) / 8 * 8;
   for (int row = 0; row < run.down; row += kDoubleWidth) {
@@ -353,8 +353,8 @@ double weigh_tile(const TileRun& run, float* weights) {
   const int across = 4 * run.groups;
   for (int column = 0; column < across; column += kDoubleWidth) {
     const Shares none(start, run.columns, column);
-    DoubleLanes shares[TileRun::kMostSides];
-    for (int k = 0; k < number; ++k) shares[k] = Shares(places[k], run.columns, column).since(none);
+    DoubleLanes shares[TileRun::kMaxSides];
+    for (int k = 0; k < number; ++k) shares[k] = Shares(positions[k], run.columns, column).since(none);
     const int count = across - column < kDoubleWidth ? across - column : kDoubleWidth;
     for (int row = 0; row < run.down; ++row) {
       DoubleLanes sum(0.0);
@@ -368,46 +368,49 @@ double weigh_tile(const TileRun& run, float* weights) {
   return area;
 }
 
-// Plain loops, which the compiler vectorises; `half_from_float` and `float_from_half` are the same for one value.
+// Plain loops that the compiler vectorises: it does only without branches, into which it would move a sum of floats.
+// `half_from_float` and `float_from_half` are the same for one value.
 
-std::uint32_t bits_of(float value) {
-  std::uint32_t bits = 0;
+std::int32_t bits_of(float value) {
+  std::int32_t bits = 0;
   std::memcpy(&bits, &value, sizeof bits);
   return bits;
 }
 
-float float_of(std::uint32_t bits) {
+float float_of(std::int32_t bits) {
   float value = 0.0F;
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }
 
 int halves_of_floats(const float* values, int count, std::uint16_t* halves) {
-  constexpr float largest = 65504.0F;
-  constexpr float least_normal = 0x1p-14F;
-  constexpr std::uint32_t bits_of_half = 0x3F000000U;  // 0.5, whose last place is the least half
+  constexpr std::int32_t largest = 0x477FE000;       // 65504
+  constexpr std::int32_t least_normal = 0x38800000;  // 2^-14
+  constexpr std::int32_t bits_of_half = 0x3F000000;  // 0.5, whose last place is the least half
+  constexpr std::int32_t infinity = 0x7F800000;
+  const auto mask_if_less = [](std::int32_t a, std::int32_t b) { return (a - b) >> 31; };
   int changed = 0;
   for (int k = 0; k < count; ++k) {
-    const auto bits = bits_of(values[k]);
-    const float whole = float_of(bits & 0x7FFFFFFFU);
-    changed += whole <= largest ? 0 : 1;
-    const float magnitude = whole <= largest ? whole : largest;
-    const auto number = bits_of(magnitude);
-    const std::uint32_t normal = (number - 0x38000000U + 0xFFFU + ((number >> 13U) & 1U)) >> 13U;
-    const std::uint32_t denormal = bits_of(magnitude + 0.5F) - bits_of_half;
-    const std::uint32_t half = (magnitude < least_normal ? denormal : normal) | ((bits >> 16U) & 0x8000U);
-    halves[k] = static_cast<std::uint16_t>(values[k] == values[k] ? half : 0U);
+    const std::int32_t bits = bits_of(values[k]);
+    const std::int32_t whole = bits & 0x7FFFFFFF;
+    changed -= mask_if_less(largest, whole);
+    const std::int32_t magnitude = largest + ((whole - largest) & mask_if_less(whole, largest));
+    const std::int32_t normal = (magnitude - 0x38000000 + 0xFFF + ((magnitude >> 13) & 1)) >> 13;
+    const std::int32_t denormal = bits_of(float_of(magnitude) + 0.5F) - bits_of_half;
+    const std::int32_t is_denormal = mask_if_less(magnitude, least_normal);
+    const std::int32_t half = (denormal & is_denormal) | (normal & ~is_denormal) | ((bits >> 16) & 0x8000);
+    halves[k] = static_cast<std::uint16_t>(half & ~mask_if_less(infinity, whole));  // 0 for what is no number
   }
   return changed;
 }
 
 void floats_of_halves(const std::uint16_t* halves, int count, float* values) {
   for (int k = 0; k < count; ++k) {
-    const std::uint32_t magnitude = halves[k] & 0x7FFFU;
-    const std::uint32_t sign = (halves[k] & 0x8000U) << 16U;
-    const float scaled = float_of(magnitude << 13U) * 0x1p112F;
-    const std::uint32_t beyond = 0x7F800000U | (magnitude << 13U);  // infinite, or no number
-    values[k] = float_of(sign | (magnitude >= 0x7C00U ? beyond : bits_of(scaled)));
+    const std::int32_t magnitude = halves[k] & 0x7FFF;
+    const auto sign = static_cast<std::int32_t>((halves[k] & 0x8000U) << 16U);
+    const std::int32_t scaled = bits_of(float_of(magnitude << 13) * 0x1p112F);
+    const std::int32_t beyond = magnitude > 0x7BFF ? 0x7F800000 : 0;  // infinite, or no number
+    values[k] = float_of(sign | beyond | scaled);
   }
 }
 
@@ -415,12 +418,15 @@ void floats_of_halves(const std::uint16_t* halves, int count, float* values) {
 
 const ImageKernels image_kernels_table = {
     .plane_lengths = plane_lengths,
-    .places_of_angles = places_of_angles,
-    .taps_of_places = taps_of_places,
+    .angle_positions = angle_positions,
+    .position_taps = position_taps,
     .sample_grid = sample_grid,
     .sample_patches = sample_patches,
     .reduce_pairs = reduce_pairs,
     .weigh_tile = weigh_tile,
+};
+
+const HalfKernels half_kernels_table = {
     .halves_of_floats = halves_of_floats,
     .floats_of_halves = floats_of_halves,
 };

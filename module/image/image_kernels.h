@@ -10,6 +10,13 @@
 
 namespace welkin::image {
 
+/// A value for each byte.
+struct ByteValues {
+  float of[256];
+};
+/// Radiance of bytes of the sRGB transfer function (IEC 61966-2-1), each rounded once.
+extern const ByteValues kLinearFromSrgb;
+
 /// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
 using PlaneLengths = void (*)(const double* u, double v, int count, double* lengths);
 
@@ -17,12 +24,12 @@ using PlaneLengths = void (*)(const double* u, double v, int count, double* leng
 /// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is rounded
 /// to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds nothing;
 /// with across and along exchanged it is `quarter` less the product.
-using PlacesOfAngles = void (*)(const double* across, const double* along, int count, double quarter, double offset,
+using AnglePositions = void (*)(const double* across, const double* along, int count, double quarter, double offset,
                                 double* places);
 
 /// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on weigh
 /// there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
-using TapsOfPlaces = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
+using PositionTaps = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
 
 /// Points of a row of a picture, on a grid of texels of four floats (red, green, blue, unused).
 struct GridRun {
@@ -84,7 +91,7 @@ struct TileSide {
 
 /// A tile and the patch that it covers, from the first cell of either row on.
 struct TileRun {
-  static constexpr int kMostSides = 10;
+  static constexpr int kMaxSides = 10;
 
   const TileSide* sides;
   int number;
@@ -93,7 +100,7 @@ struct TileRun {
   CellRow rows;
   int down;
   int groups;           ///< of four columns
-  double* down_shares;  ///< room for [kMostSides][down, up to a multiple of eight]
+  double* down_shares;  ///< room for [kMaxSides][down, up to a multiple of eight]
 };
 
 /// weights[down][4 groups] = the integral over the tile of each cell's share, over the tile's area, which is returned.
@@ -109,16 +116,21 @@ using FloatsOfHalves = void (*)(const std::uint16_t* halves, int count, float* v
 
 struct ImageKernels {
   PlaneLengths plane_lengths;
-  PlacesOfAngles places_of_angles;
-  TapsOfPlaces taps_of_places;
+  AnglePositions angle_positions;
+  PositionTaps position_taps;
   SampleGrid sample_grid;
   SamplePatches sample_patches;
   ReducePairs reduce_pairs;
   WeighTile weigh_tile;
+};
+WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)
+
+/// Apart from the others: a module of WebAssembly that only reads halves then has none of those.
+struct HalfKernels {
   HalvesOfFloats halves_of_floats;
   FloatsOfHalves floats_of_halves;
 };
-WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)
+WELKIN_KERNEL_TABLES(HalfKernels, half_kernels)
 
 /// What a texel of a cubemap face stands for; positions are counted in the face's top left quadrant and
 /// weights are those of its mirror image with u >= 0 and v >= 0.
@@ -131,6 +143,9 @@ struct TexelRun {
   bool midpoint;  ///< solid angle times the value at the centre, instead of the integral
   /// How far below the row's the texels lie, in rows: weights between rows, for what is interpolated in them.
   double row_offset = 0.0;
+  /// For `IntegrateTexels`: the integral along the texels' middles times their height, for what averages over rows
+  /// itself.
+  bool along_middle = false;
 };
 
 /// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in

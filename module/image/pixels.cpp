@@ -11,6 +11,7 @@
 #include "image/image_kernels.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/sent_code.h"
 #include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -20,7 +21,7 @@ namespace {
 
 /// x^(1/5) for x in (0, 1], by Newton from a guess that divides the exponent by five. libm's pow would give
 /// other last bits on other machines.
-double fifth_root(double x) noexcept {
+constexpr double fifth_root(double x) noexcept {
   // The bits of a double are close to its logarithm; 4/5 of the bits of 1.0 puts the exponent's bias back.
   constexpr auto bits_of_one = platform::bit_cast<std::uint64_t>(1.0);
   auto root = platform::bit_cast<double>(platform::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
@@ -31,32 +32,37 @@ double fifth_root(double x) noexcept {
   return root;
 }
 
-using EightBitTable = std::array<float, 256>;
-
-template <class Curve>
-EightBitTable make_table(const Curve& curve) {
-  EightBitTable table{};
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(curve(static_cast<double>(i) / 255.0));
-  return table;
+constexpr double decoded_srgb(double encoded) noexcept {
+  if (encoded <= 0.04045) return encoded / 12.92;
+  const double t = (encoded + 0.055) / 1.055;  // t^2.4 = t^2 (t^(1/5))^2
+  const double root = fifth_root(t);
+  return t * t * (root * root);
 }
 
+constexpr ByteValues decoded_bytes() {
+  ByteValues values{};
+  for (int i = 0; i < 256; ++i) values.of[i] = static_cast<float>(decoded_srgb(static_cast<double>(i) / 255.0));
+  return values;
+}
+ByteValues decoded_bytes_at_start() { return decoded_bytes(); }
+
 // One load for several bytes: with one for each rgb takes 1.2 times, rgba 1.6 times as long (Zen 3).
-void decode_eight_bit_rgb(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
+void decode_srgb(const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
   const std::ptrdiff_t numbers = std::ptrdiff_t{3} * count;
   std::ptrdiff_t k = 0;
   for (; k + 8 <= numbers; k += 8) {
     auto word = platform::read_little_endian<std::uint64_t>(from + k);
-    for (int i = 0; i < 8; ++i, word >>= 8U) rgb[k + i] = table[word & 0xFFU];
+    for (int i = 0; i < 8; ++i, word >>= 8U) rgb[k + i] = kLinearFromSrgb.of[word & 0xFFU];
   }
-  for (; k < numbers; ++k) rgb[k] = table[from[k]];
+  for (; k < numbers; ++k) rgb[k] = kLinearFromSrgb.of[from[k]];
 }
 
-void decode_eight_bit_rgba(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
+void decode_srgba(const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
   for (int i = 0; i < count; ++i, from += 4, rgb += 3) {
     const auto word = platform::read_little_endian<std::uint32_t>(from);
-    for (unsigned c = 0; c < 3; ++c) rgb[c] = table[(word >> (8U * c)) & 0xFFU];
+    for (unsigned c = 0; c < 3; ++c) rgb[c] = kLinearFromSrgb.of[(word >> (8U * c)) & 0xFFU];
   }
 }
 
@@ -77,9 +83,16 @@ constexpr bool all_bytes_round_once() {
 }
 static_assert(all_bytes_round_once());
 
-void decode_linear_bytes(const void* texels, int count, float* rgb) noexcept {
+void decode_rgb(const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
   for (int k = 0; k < 3 * count; ++k) rgb[k] = unit_from_byte(from[k]);
+}
+
+void decode_rgba(const void* texels, int count, float* rgb) noexcept {
+  const auto* from = static_cast<const std::uint8_t*>(texels);
+  for (int i = 0; i < count; ++i, from += 4, rgb += 3) {
+    for (int c = 0; c < 3; ++c) rgb[c] = unit_from_byte(from[c]);
+  }
 }
 
 constexpr int kHalvesBlock = 64;  ///< texels that are converted at a time
@@ -89,11 +102,11 @@ void decode_half(const void* texels, int channels, int count, float* rgb) noexce
   constexpr int few = 4;
   for (; count <= few && count > 0; --count, from += channels)
     rgb = std::transform(from, from + 3, rgb, float_from_half);
-  if (channels == 3) return image_kernels().floats_of_halves(from, 3 * count, rgb);
+  if (channels == 3) return half_kernels().floats_of_halves(from, 3 * count, rgb);
   std::array<float, 4 * kHalvesBlock> block;
   for (int first = 0; first < count; first += kHalvesBlock, from += 4 * kHalvesBlock) {
     const int here = std::min(kHalvesBlock, count - first);
-    image_kernels().floats_of_halves(from, 4 * here, block.data());
+    half_kernels().floats_of_halves(from, 4 * here, block.data());
     for (const float* texel = block.data(); texel != block.data() + 4 * here; texel += 4)
       rgb = std::copy_n(texel, 3, rgb);
   }
@@ -173,7 +186,7 @@ std::uint64_t write_halves(const float* values, int channels, std::size_t count,
                     block.data() + i * static_cast<std::size_t>(kept));
       from = block.data();
     }
-    changed += static_cast<std::uint64_t>(image_kernels().halves_of_floats(from, numbers, halves.data()));
+    changed += static_cast<std::uint64_t>(half_kernels().halves_of_floats(from, numbers, halves.data()));
     write_texels(halves.data(), kept, here, layout.channels, one, place);
     values += here * static_cast<std::size_t>(channels);
     place += here * layout.texel_bytes();
@@ -191,12 +204,10 @@ std::uint64_t encode_texels(const float* values, int channels, std::size_t count
   return 0;
 }
 
-double linear_from_srgb(double encoded) noexcept {
-  if (encoded <= 0.04045) return encoded / 12.92;
-  const double t = (encoded + 0.055) / 1.055;  // t^2.4 = t^2 (t^(1/5))^2
-  const double root = fifth_root(t);
-  return t * t * (root * root);
-}
+// Where code is sent, the loop is shorter than its 1024 bytes, which do not pack.
+const ByteValues kLinearFromSrgb = platform::kCodeIsSent ? decoded_bytes_at_start() : decoded_bytes();
+
+double linear_from_srgb(double encoded) noexcept { return decoded_srgb(encoded); }
 
 double power_2_2(double value) noexcept {
   if (value <= 0.0) return 0.0;
@@ -204,8 +215,6 @@ double power_2_2(double value) noexcept {
 }
 
 void decode_texels(PixelFormat format, const void* texels, int count, float* rgb) noexcept {
-  static const EightBitTable linear = make_table([](double value) { return value; });
-  static const EightBitTable srgb = make_table(linear_from_srgb);
   switch (format) {
     case PixelFormat::rgb32f: std::memcpy(rgb, texels, static_cast<std::size_t>(count) * 3 * sizeof(float)); return;
     case PixelFormat::rgba32f: {
@@ -215,10 +224,10 @@ void decode_texels(PixelFormat format, const void* texels, int count, float* rgb
     }
     case PixelFormat::rgb16f: return decode_half(texels, 3, count, rgb);
     case PixelFormat::rgba16f: return decode_half(texels, 4, count, rgb);
-    case PixelFormat::rgb8: return decode_linear_bytes(texels, count, rgb);
-    case PixelFormat::rgba8: return decode_eight_bit_rgba(linear, texels, count, rgb);
-    case PixelFormat::srgb8: return decode_eight_bit_rgb(srgb, texels, count, rgb);
-    case PixelFormat::srgba8: return decode_eight_bit_rgba(srgb, texels, count, rgb);
+    case PixelFormat::rgb8: return decode_rgb(texels, count, rgb);
+    case PixelFormat::rgba8: return decode_rgba(texels, count, rgb);
+    case PixelFormat::srgb8: return decode_srgb(texels, count, rgb);
+    case PixelFormat::srgba8: return decode_srgba(texels, count, rgb);
   }
 }
 

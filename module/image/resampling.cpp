@@ -28,16 +28,16 @@ constexpr int kTileSamples = 4096;
 constexpr int kMinSamples = 2;  // along each edge of a texel, that it has an area also where there is no reduction
 constexpr int kSamplesToLookUp = 64;  // along an edge; from here on a single texel makes a person wait
 
-void require_orthogonal(const glm::dmat3& turn) {
+void require_orthogonal(const glm::dmat3& rotation) {
   constexpr double kTolerance = 1e-6;
-  const glm::dmat3 product = glm::transpose(turn) * turn;
+  const glm::dmat3 product = glm::transpose(rotation) * rotation;
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) {
       const double off = std::abs(product[column][row] - (column == row ? 1.0 : 0.0));
       if (off <= kTolerance) continue;
-      throw Error(ErrorCode::invalid_argument, "the turn is not an orthogonal matrix: two of its columns are off by " +
-                                                   platform::number_text(off) +
-                                                   "; pass a rotation, or a rotation and a mirror");
+      throw Error(ErrorCode::invalid_argument,
+                  "the rotation is not an orthogonal matrix: two of its columns are off by " +
+                      platform::number_text(off) + "; pass a rotation, or a rotation and a mirror");
     }
   }
 }
@@ -71,16 +71,16 @@ class Cells {
   };
 
   /// What a row of samples shares: sample row `sub_row` of texel row `row`.
-  struct RowPlace {
+  struct RowSample {
     int face;
     double v;       // cube: the place on the face
     double sine;    // lat-long: of the latitude
     double cosine;  // lat-long: of the latitude
   };
-  [[nodiscard]] virtual RowPlace row_place(int row, int sub_row) const noexcept = 0;
+  [[nodiscard]] virtual RowSample row_place(int row, int sub_row) const noexcept = 0;
 
   /// Sample column `column`, counted through all texels.
-  [[nodiscard]] virtual Sample sample(const RowPlace& place, int column) const noexcept = 0;
+  [[nodiscard]] virtual Sample sample(const RowSample& place, int column) const noexcept = 0;
 
  private:
   int columns_;
@@ -98,13 +98,13 @@ class CubeCells final : public Cells {
         size_(size),
         lines_(1.0 * size * samples_down()) {}
 
-  [[nodiscard]] RowPlace row_place(int row, int sub_row) const noexcept override {
+  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept override {
     const double line = 1.0 * (row % size_) * samples_down() + sub_row;
     return {row / size_, (2.0 * line + 1.0) / lines_ - 1.0, 0.0, 0.0};
   }
 
   // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2).
-  [[nodiscard]] Sample sample(const RowPlace& place, int column) const noexcept override {
+  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
     const image::Frame& frame = image::face_frame(place.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
     const double squared = 1.0 + u * u + place.v * place.v;
@@ -130,13 +130,13 @@ class LatLongCells final : public Cells {
     }
   }
 
-  [[nodiscard]] RowPlace row_place(int row, int sub_row) const noexcept override {
+  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept override {
     const double line = 1.0 * row * samples_down() + sub_row;
     const math::SineCosine latitude = math::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_));
     return {0, 0.0, latitude.sine, latitude.cosine};
   }
 
-  [[nodiscard]] Sample sample(const RowPlace& place, int column) const noexcept override {
+  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
     const math::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
     return {{longitude.sine * place.cosine, place.sine, longitude.cosine * place.cosine}, place.cosine};
   }
@@ -153,8 +153,8 @@ LatLongImage empty_lat_long(int width, int height) {
 
 class Resampler {
  public:
-  Resampler(const Cells& cells, const image::Sampler& source, const glm::dmat3& turn, const Control& control)
-      : cells_(cells), source_(source), back_(glm::transpose(turn)), control_(control) {}
+  Resampler(const Cells& cells, const image::Sampler& source, const glm::dmat3& rotation, const Control& control)
+      : cells_(cells), source_(source), back_(glm::transpose(rotation)), control_(control) {}
 
   /// To `cells.rows()` x `cells.columns()` texels of three floats.
   void run(float* rgb) const {
@@ -185,7 +185,7 @@ class Resampler {
     double weights = 0.0;
     for (int sub_row = 0; sub_row < cells_.samples_down(); ++sub_row) {
       if (across >= kSamplesToLookUp) jobs::throw_if_cancelled(control_);
-      const Cells::RowPlace place = cells_.row_place(row, sub_row);
+      const Cells::RowSample place = cells_.row_place(row, sub_row);
       for (int sub_column = 0; sub_column < across; ++sub_column) {
         const Cells::Sample sample = cells_.sample(place, column * across + sub_column);
         source_.add(back_ * sample.direction, sample.weight, sum);
@@ -202,28 +202,28 @@ class Resampler {
 };
 
 template <typename SamplerKind, typename View>
-Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& turn, const Control& control) {
+Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& rotation, const Control& control) {
   const SamplerKind sampler(source);
   const CubeCells cells(size, closest_texels(source));
   Cubemap result(size, 1, control.memory);
-  Resampler(cells, sampler, turn, control).run(result.face(0));
+  Resampler(cells, sampler, rotation, control).run(result.face(0));
   return result;
 }
 
 template <typename SamplerKind, typename View>
-LatLongImage resampled_lat_long(const View& source, int width, int height, const glm::dmat3& turn,
+LatLongImage resampled_lat_long(const View& source, int width, int height, const glm::dmat3& rotation,
                                 const Control& control) {
   const SamplerKind sampler(source);
   const LatLongCells cells(width, height, closest_texels(source));
   LatLongImage result = empty_lat_long(width, height);
-  Resampler(cells, sampler, turn, control).run(result.pixels.data());
+  Resampler(cells, sampler, rotation, control).run(result.pixels.data());
   return result;
 }
 
 /// What an upright picture becomes by one of a cube's symmetries.
-Cubemap turned(Cubemap upright, const glm::dmat3& turn, const Control& control) {
-  if (turn == glm::dmat3(1.0)) return upright;
-  return *image::turned_exactly(upright.view(), turn, control);
+Cubemap rotate(Cubemap upright, const glm::dmat3& rotation, const Control& control) {
+  if (rotation == glm::dmat3(1.0)) return upright;
+  return *image::rotate_exactly(upright.view(), rotation, control);
 }
 
 /// How often `size` doubles to `source_size`; 0 if it does not.
@@ -245,77 +245,77 @@ Cubemap reduced(const CubemapView& source, int levels, const Control& control) {
   return result;
 }
 
-Cubemap cubemap_of(const CubemapView& source, int size, const glm::dmat3& turn, ResampleFilter /*filter*/,
+Cubemap cubemap_of(const CubemapView& source, int size, const glm::dmat3& rotation, ResampleFilter /*filter*/,
                    const Control& control) {
   if (size == source.size) {
-    if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
+    if (auto exact = image::rotate_exactly(source, rotation, control)) return *std::move(exact);
   }
   const int levels = halvings(source.size, size);
-  if (levels > 0 && image::cube_symmetry_of(turn)) {
-    return turned(reduced(source, levels, jobs::part_of(control, 0.0, kShareOfFilling)), turn,
+  if (levels > 0 && image::cube_symmetry_of(rotation)) {
+    return rotate(reduced(source, levels, jobs::part_of(control, 0.0, kShareOfFilling)), rotation,
                   jobs::part_of(control, kShareOfFilling, 1.0));
   }
-  return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
+  return resampled_cubemap<image::CubemapSampler>(source, size, rotation, control);
 }
 
-Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& rotation, ResampleFilter filter,
                    const Control& control) {
-  if (image::cube_symmetry_of(turn)) {
-    const bool upright = turn == glm::dmat3(1.0);
+  if (image::cube_symmetry_of(rotation)) {
+    const bool upright = rotation == glm::dmat3(1.0);
     Cubemap result(size, 1, control.memory);
     image::fill_cubemap(source, result, 0, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
-    return turned(std::move(result), turn, jobs::part_of(control, kShareOfFilling, 1.0));
+    return rotate(std::move(result), rotation, jobs::part_of(control, kShareOfFilling, 1.0));
   }
-  return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
+  return resampled_cubemap<image::LatLongSampler>(source, size, rotation, control);
 }
 
-LatLongImage lat_long_of(const CubemapView& source, int width, int height, const glm::dmat3& turn,
+LatLongImage lat_long_of(const CubemapView& source, int width, int height, const glm::dmat3& rotation,
                          ResampleFilter filter, const Control& control) {
-  if (filter == ResampleFilter::area && image::cube_symmetry_of(turn)) {
+  if (filter == ResampleFilter::area && image::cube_symmetry_of(rotation)) {
     LatLongImage result = empty_lat_long(width, height);
     const auto fill = [&](const CubemapView& upright, const Control& part) {
       image::fill_lat_long_by_area(upright, width, height, result.pixels.data(), part);
     };
-    if (turn == glm::dmat3(1.0)) {
+    if (rotation == glm::dmat3(1.0)) {
       fill(source, control);
     } else {
       const double turning = 1.0 - kShareOfFilling;
-      const Cubemap upright = *image::turned_exactly(source, turn, jobs::part_of(control, 0.0, turning));
+      const Cubemap upright = *image::rotate_exactly(source, rotation, jobs::part_of(control, 0.0, turning));
       fill(upright.view(), jobs::part_of(control, turning, 1.0));
     }
     return result;
   }
-  return resampled_lat_long<image::CubemapSampler>(source, width, height, turn, control);
+  return resampled_lat_long<image::CubemapSampler>(source, width, height, rotation, control);
 }
 
-LatLongImage lat_long_of(const LatLongView& source, int width, int height, const glm::dmat3& turn,
+LatLongImage lat_long_of(const LatLongView& source, int width, int height, const glm::dmat3& rotation,
                          ResampleFilter /*filter*/, const Control& control) {
   if (width == source.width && height == source.height) {
-    if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
-    if (auto moved = image::moved_along_rows(source, turn, control)) return *std::move(moved);
+    if (auto exact = image::rotate_exactly(source, rotation, control)) return *std::move(exact);
+    if (auto moved = image::moved_along_rows(source, rotation, control)) return *std::move(moved);
   }
-  return resampled_lat_long<image::LatLongSampler>(source, width, height, turn, control);
+  return resampled_lat_long<image::LatLongSampler>(source, width, height, rotation, control);
 }
 
 }  // namespace
 
-Cubemap to_cubemap(const EnvironmentView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+Cubemap to_cubemap(const EnvironmentView& source, int size, const glm::dmat3& rotation, ResampleFilter filter,
                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_face_size(size);
-  require_orthogonal(turn);
-  return image::with_view(source, [&](const auto& view) { return cubemap_of(view, size, turn, filter, control); });
+  require_orthogonal(rotation);
+  return image::with_view(source, [&](const auto& view) { return cubemap_of(view, size, rotation, filter, control); });
 }
 
-LatLongImage to_lat_long(const EnvironmentView& source, int width, int height, const glm::dmat3& turn,
+LatLongImage to_lat_long(const EnvironmentView& source, int width, int height, const glm::dmat3& rotation,
                          ResampleFilter filter, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_lat_long_size(width, height);
-  require_orthogonal(turn);
-  return image::with_view(source,
-                          [&](const auto& view) { return lat_long_of(view, width, height, turn, filter, control); });
+  require_orthogonal(rotation);
+  return image::with_view(
+      source, [&](const auto& view) { return lat_long_of(view, width, height, rotation, filter, control); });
 }
 
 }  // namespace welkin
@@ -427,11 +427,11 @@ struct ColumnsAndRows {
 
 /// A longitude, in turns, becomes shift + itself, or shift - itself if the picture is mirrored: the columns move left
 /// by shift times the width.
-std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& turn, int width) {
-  const glm::dvec3 up = turn * glm::dvec3(0, 1, 0);
+std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& rotation, int width) {
+  const glm::dvec3 up = rotation * glm::dvec3(0, 1, 0);
   if (!is_near(std::abs(up.y), 1.0) || !is_near(up.x, 0.0) || !is_near(up.z, 0.0)) return {};
-  const glm::dvec3 ahead = turn * glm::dvec3(0, 0, 1);
-  const glm::dvec3 left = turn * glm::dvec3(1, 0, 0);
+  const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, 1);
+  const glm::dvec3 left = rotation * glm::dvec3(1, 0, 0);
   const double shift = math::turns_of(ahead.x, ahead.z) * width;
   const bool is_whole = std::abs(shift - std::round(shift)) <= kColumnTolerance;
   const double whole = is_whole ? std::round(shift) : std::floor(shift);
@@ -449,8 +449,8 @@ void for_each_row(int rows, int width, const Control& control, const Move& move)
 
 }  // namespace
 
-std::optional<Cubemap> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
-  const std::optional<WholeMatrix> forward = cube_symmetry_of(turn);
+std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat3& rotation, const Control& control) {
+  const std::optional<WholeMatrix> forward = cube_symmetry_of(rotation);
   if (!forward) return {};
   const int size = source.size;
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size);
@@ -468,8 +468,9 @@ std::optional<Cubemap> turned_exactly(const CubemapView& source, const glm::dmat
   return result;
 }
 
-std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm::dmat3& turn, const Control& control) {
-  const std::optional<ColumnsAndRows> places = columns_and_rows(turn, source.width);
+std::optional<LatLongImage> rotate_exactly(const LatLongView& source, const glm::dmat3& rotation,
+                                           const Control& control) {
+  const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
   if (!places || places->share > 0.0) return {};
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
   LatLongImage result = empty_lat_long(source.width, source.height);
@@ -486,9 +487,9 @@ std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm:
   return result;
 }
 
-std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& turn,
+std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,
                                              const Control& control) {
-  const std::optional<ColumnsAndRows> places = columns_and_rows(turn, source.width);
+  const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
   if (!places) return {};
   const FloatPlane plane(source);
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);

@@ -166,7 +166,7 @@ class FaceSampler {
 
   void take_taps(const std::vector<double>& places, const Taps& taps) const {
     const bool cubic = grid_.content() == GridContent::spline_coefficients;
-    kernels_.taps_of_places(places.data(), size_, cubic, taps.first, taps.weights);
+    kernels_.position_taps(places.data(), size_, cubic, taps.first, taps.weights);
   }
 
   [[nodiscard]] static RowTaps taps_of(const Rows& rows, int row, Scratch& scratch) {
@@ -176,16 +176,16 @@ class FaceSampler {
 
   void place_side_rings(int row, Scratch& scratch, const Taps& rings) const {
     std::fill_n(scratch.across.begin(), half_, distance(row));
-    kernels_.places_of_angles(scratch.across.data(), side_lengths_.data(), half_, -rings_a_quarter_,
-                              0.5 * grid_.rings() - 0.5, scratch.places.data());
+    kernels_.angle_positions(scratch.across.data(), side_lengths_.data(), half_, -rings_a_quarter_,
+                             0.5 * grid_.rings() - 0.5, scratch.places.data());
     place_rings(scratch, rings);
   }
 
   void place_polar_taps(int row, Scratch& scratch, const RowTaps& taps) const {
     kernels_.plane_lengths(distances_.data(), distance(row), half_, scratch.across.data());
     std::fill_n(scratch.along.begin(), half_, 1.0);
-    kernels_.places_of_angles(scratch.across.data(), scratch.along.data(), half_, rings_a_quarter_, -0.5,
-                              scratch.places.data());
+    kernels_.angle_positions(scratch.across.data(), scratch.along.data(), half_, rings_a_quarter_, -0.5,
+                             scratch.places.data());
     place_rings(scratch, taps.rings);
     place_polar_columns(row, scratch, taps);
   }
@@ -213,8 +213,8 @@ class FaceSampler {
   void place_side_columns() {
     Scratch scratch(size_, 0);
     std::fill_n(scratch.along.begin(), half_, 1.0);
-    kernels_.places_of_angles(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
-                              scratch.angles.data());
+    kernels_.angle_positions(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
+                             scratch.angles.data());
     const double columns = grid_.columns();
     const std::array<double, 4> middles{0.25 * columns - 0.5, 0.75 * columns - 0.5, 0.5 * columns - 0.5, -0.5};
     for (std::size_t side = 0; side < kSides.size(); ++side) {
@@ -231,8 +231,8 @@ class FaceSampler {
   // The longitude is +-a where z >= 0 and +-(pi - a) where z < 0, a = atan(|u| / |v|).
   void place_polar_columns(int row, Scratch& scratch, const RowTaps& taps) const {
     std::fill_n(scratch.along.begin(), half_, distance(row));
-    kernels_.places_of_angles(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
-                              scratch.angles.data());
+    kernels_.angle_positions(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
+                             scratch.angles.data());
     const double columns = grid_.columns();
     const double middle = 0.5 * columns - 0.5;
     fill_places(

@@ -25,58 +25,67 @@ WELKIN_INLINE double centre_of_row(const TexelRun& run) {
 
 constexpr int padded(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
+WELKIN_INLINE void clear_padding(const TexelRun& run, float* weights, int stride) {
+  for (int f = 0; f < run.bands * run.bands; ++f) {
+    for (int k = run.count; k < padded(run.count); ++k) weights[f * stride + k] = 0.0F;
+  }
+}
+
 constexpr int kMaximumFunctions = math::kRecurrenceBands * math::kRecurrenceBands;
 
 /// Adds scale Y at (u, v, 1) to sums[place].
 WELKIN_INLINE void add_basis(const TexelRun& run, const math::BasisRecurrence& recurrence, DoubleLanes u, double v,
-                             DoubleLanes area, bool unit_scale, const int* place, DoubleLanes* sums) {
+                             DoubleLanes area, bool unit_scale, const int* slot, DoubleLanes* sums) {
   const DoubleLanes q = DoubleLanes(1.0) / (DoubleLanes(1.0) + u * u + DoubleLanes(v) * DoubleLanes(v));
   const DoubleLanes s = xsimd::sqrt(q);
   const DoubleLanes scale = unit_scale ? area : area * q * s;
   math::for_each_basis_value(recurrence, u * s, DoubleLanes(v) * s, s, scale, run.bands,
                              [&](int index, DoubleLanes value)
-                                 WELKIN_INLINE_LAMBDA { sums[place[index]] = sums[place[index]] + value; });
+                                 WELKIN_INLINE_LAMBDA { sums[slot[index]] = sums[slot[index]] + value; });
 }
 
 /// One register's worth of texels.
 WELKIN_INLINE void integrate_lanes(const TexelRun& run, const math::BasisRecurrence& recurrence,
-                                   const math::GaussRule& rule, DoubleLanes u, double v, const int* place,
+                                   const math::GaussRule& rule, DoubleLanes u, double v, const int* slot,
                                    DoubleLanes* sums) {
   const double h = 1.0 / static_cast<double>(run.size);
   DoubleLanes solid_angle(0.0);
-  for (int j = 0; j < rule.order; ++j) {
+  const int rows = run.along_middle ? 1 : rule.order;
+  for (int j = 0; j < rows; ++j) {
+    const double v_node = run.along_middle ? v : v + h * rule.nodes[j];
+    const double height = run.along_middle ? 2.0 * h : h * rule.weights[j];
     for (int i = 0; i < rule.order; ++i) {
       const DoubleLanes u_node = u + DoubleLanes(h * rule.nodes[i]);
-      const double v_node = v + h * rule.nodes[j];
-      const DoubleLanes area(h * rule.weights[i] * (h * rule.weights[j]));
+      const DoubleLanes area(h * rule.weights[i] * height);
       if (run.midpoint) {
         const DoubleLanes q = DoubleLanes(1.0) / (DoubleLanes(1.0) + u_node * u_node + DoubleLanes(v_node * v_node));
         solid_angle = solid_angle + area * q * xsimd::sqrt(q);
       } else {
-        add_basis(run, recurrence, u_node, v_node, area, false, place, sums);
+        add_basis(run, recurrence, u_node, v_node, area, false, slot, sums);
       }
     }
   }
-  if (run.midpoint) add_basis(run, recurrence, u, v, solid_angle, true, place, sums);
+  if (run.midpoint) add_basis(run, recurrence, u, v, solid_angle, true, slot, sums);
 }
 
 void integrate_texels(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
-                      const int* place, float* weights, int stride) {
+                      const int* slot, float* weights, int stride) {
   const int functions = run.bands * run.bands;
   const double v = centre_of_row(run);
-  for (int first = 0; first < padded(run.count); first += kDoubleWidth) {
-    alignas(64) double lanes[kDoubleWidth];
-    for (int k = 0; k < kDoubleWidth; ++k) lanes[k] = centre(run.size, run.first_column + first + k);
-    DoubleLanes sums[kMaximumFunctions];
-    for (int f = 0; f < functions; ++f) sums[f] = DoubleLanes(0.0);
-    integrate_lanes(run, recurrence, rule, DoubleLanes::load_aligned(lanes), v, place, sums);
+  for (int first = 0; first < padded(run.count); first += kWidth) {
+    DoubleLanes sums[2][kMaximumFunctions];
+    for (int half = 0; half < 2; ++half) {
+      alignas(64) double u[kDoubleWidth];
+      for (int k = 0; k < kDoubleWidth; ++k)
+        u[k] = centre(run.size, run.first_column + first + half * kDoubleWidth + k);
+      for (int f = 0; f < functions; ++f) sums[half][f] = DoubleLanes(0.0);
+      integrate_lanes(run, recurrence, rule, DoubleLanes::load_aligned(u), v, slot, sums[half]);
+    }
     for (int f = 0; f < functions; ++f) {
-      sums[f].store_aligned(lanes);
-      for (int k = 0; k < kDoubleWidth; ++k) {
-        weights[f * stride + first + k] = first + k < run.count ? static_cast<float>(lanes[k]) : 0.0F;
-      }
+      simd::narrow(sums[0][f], sums[1][f]).store_unaligned(weights + f * stride + first);
     }
   }
+  clear_padding(run, weights, stride);
 }
 
 /// What one call multiplies with: texel area 4 h^2 times the normalisation of each harmonic, each product
@@ -99,11 +108,11 @@ struct Factors {
 /// Where in `weights` each of the nine functions goes: place[l(l+1)+m] rows down.
 struct Rows {
   float* weights;
-  const int* place;
+  const int* slot;
   int stride;
 
   WELKIN_INLINE void put(int index, int position, Lanes value) const {
-    value.store_unaligned(weights + place[index] * stride + position);
+    value.store_unaligned(weights + slot[index] * stride + position);
   }
 };
 
@@ -170,10 +179,10 @@ struct Inverse {
   float low;
 };
 
-void expand_texels(const TexelRun& run, const int* place, float* weights, int stride) {
+void expand_texels(const TexelRun& run, const int* slot, float* weights, int stride) {
   const Inverse inverse(run.size);
   const Factors factors(run.size);
-  const Rows rows{weights, place, stride};
+  const Rows rows{weights, slot, stride};
   const Lanes v = run.row_offset == 0.0 ? inverse.times(Lanes(static_cast<float>(run.size - 1 - 2 * run.row)))
                                         : Lanes(static_cast<float>(centre_of_row(run)));
   alignas(64) float steps[kWidth];
@@ -189,9 +198,7 @@ void expand_texels(const TexelRun& run, const int* place, float* weights, int st
       expand_exact(rows, factors, run.bands, first, u, v, q);
     }
   }
-  for (int f = 0; f < run.bands * run.bands; ++f) {
-    for (int k = run.count; k < padded(run.count); ++k) weights[f * stride + k] = 0.0F;
-  }
+  clear_padding(run, weights, stride);
 }
 
 }  // namespace

@@ -38,8 +38,8 @@ constexpr int byte_of(int number, const Levels& levels) {
 /// For each byte and each count of upper bits that must stay, the nearest byte that a number stands for; and the
 /// numbers of those bytes.
 struct LevelTable {
-  static constexpr int kMostKept = 4;
-  std::array<std::array<std::uint8_t, 256>, kMostKept + 1> nearest{};
+  static constexpr int kMaxKept = 4;
+  std::array<std::array<std::uint8_t, 256>, kMaxKept + 1> nearest{};
   std::array<std::uint8_t, 256> number{};
 
   constexpr explicit LevelTable(const Levels& levels) {
@@ -49,7 +49,7 @@ struct LevelTable {
       stored[byte] = true;
       number[byte] = static_cast<std::uint8_t>(n);
     }
-    for (int kept = 0; kept <= kMostKept; ++kept) {
+    for (int kept = 0; kept <= kMaxKept; ++kept) {
       for (int byte = 0; byte < 256; ++byte) {
         const int first = byte & (0xFF00 >> kept);
         const int last = byte | (0xFF >> kept);
@@ -117,6 +117,16 @@ UastcEnds ends_of(const Numbers& n) noexcept {
            {n[kA], n[kA] - n[kB0], n[kA] - n[kB1]}}};
 }
 
+/// In steps of 12 bits, the channels in their places.
+UastcEnds shifted_ends(const Numbers& n, const EndMode& mode, std::size_t brightest) noexcept {
+  UastcEnds ends = ends_of(n);
+  for (auto& end : ends) {
+    for (std::int32_t& number : end) number = std::clamp(number * (1 << mode.shift), 0, 4095);
+  }
+  exchange_channel(ends, brightest);
+  return ends;
+}
+
 bool fits(const Numbers& n, const EndMode& mode) noexcept {
   const auto below = [](std::int32_t number, int bits) { return number >= 0 && number < 1 << bits; };
   const auto within = [](std::int32_t number, int bits) {
@@ -175,11 +185,7 @@ UastcLine stored_by(std::size_t mode, std::size_t brightest, Numbers n, const Fl
   store(kB1, as_float(kA) - high[2] * unit);
   store(kD0, as_float(kA) - as_float(kB0) - as_float(kC) - low[1] * unit);
   store(kD1, as_float(kA) - as_float(kB1) - as_float(kC) - low[2] * unit);
-  line.ends = ends_of(n);
-  for (auto& end : line.ends) {
-    for (std::int32_t& number : end) number = std::clamp(number * (1 << here.shift), 0, 4095);
-  }
-  exchange_channel(line.ends, brightest);
+  line.ends = shifted_ends(n, here, brightest);
   return line;
 }
 
@@ -383,6 +389,28 @@ UastcLine store_uastc_line(const FloatEnds& wanted, UastcLines lines) noexcept {
     std::swap(ends[0], ends[1]);
   }
   return stored_plainly(ends, levels);
+}
+
+UastcEnds uastc_ends_of(const std::uint8_t* bytes) noexcept {
+  const auto bit = [&](std::size_t byte, int slot) { return bytes[byte] >> slot & 1; };
+  const auto brightest = static_cast<std::size_t>(bit(4, 7) | bit(5, 7) << 1);
+  if (brightest == 3) {
+    const auto end = [&](std::size_t k) -> std::array<std::int32_t, 3> {
+      return {bytes[k] << 4, bytes[2 + k] << 4, (bytes[4 + k] & 0x7F) << 5};
+    };
+    return {end(0), end(1)};
+  }
+  const EndMode& mode = kEndModes[static_cast<std::size_t>(bit(1, 7) | bit(2, 7) << 1 | bit(3, 7) << 2)];
+  Numbers n{};
+  for (const Number number : {kA, kC, kB0, kB1, kD0, kD1}) {
+    n[number] = bytes[number] & ((1 << bits_in_byte(number, mode)) - 1);
+  }
+  n[kA] |= bit(1, 6) << 8;
+  const std::array<int, 6> extras{bit(2, 6), bit(3, 6), bit(4, 6), bit(5, 6), bit(4, 5), bit(5, 5)};
+  for (std::size_t k = 0; k < mode.extras; ++k) n[mode.extra[k].number] |= extras[k] << mode.extra[k].bit;
+  const int sign = 1 << (mode.bits[3] - 1);
+  for (const Number number : {kD0, kD1}) n[number] = (n[number] ^ sign) - sign;
+  return shifted_ends(n, mode, brightest);
 }
 
 void pack_uastc_single(const UastcLine& line, const std::array<std::uint8_t, kBlockTexels>& indices,

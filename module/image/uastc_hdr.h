@@ -34,6 +34,9 @@ struct UastcLine {
 /// Returns the nearest line found for ends that need not be whole numbers. Low and high may come back exchanged.
 [[nodiscard]] UastcLine store_uastc_line(const std::array<std::array<float, 3>, 2>& wanted, UastcLines lines) noexcept;
 
+/// Returns the ends that six bytes of endpoint format 11 stand for.
+[[nodiscard]] UastcEnds uastc_ends_of(const std::uint8_t* bytes) noexcept;
+
 /// Bit k is set for the partitions of BC6H that ASTC has, too: 27 of 32.
 extern const std::uint32_t kUastcPartitions;
 

@@ -137,7 +137,7 @@ void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to
 
 /// Blocks that are better than those in `to` take their place.
 void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to, AllHalves* halves) {
-  alignas(64) float partitions[kMostPartitionsTried][kLanes];
+  alignas(64) float partitions[kMaxPartitionsTried][kLanes];
   uastc_hdr_kernels().rank_partitions(group, kUastcPartitions, tried, partitions);
   std::array<std::uint8_t, kBlockBytes> block;
   for (int rank = 0; rank < tried; ++rank) {

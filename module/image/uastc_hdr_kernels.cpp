@@ -177,11 +177,11 @@ void index_pairs(const BlockGroup& group, const float* partitions, const BlockLi
   }
 }
 
-void rank_partitions_of(const BlockGroup& group, std::uint32_t allowed, int places, float (*partitions)[kLanes]) {
+void rank_partitions_of(const BlockGroup& group, std::uint32_t allowed, int slots, float (*partitions)[kLanes]) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     Ranking ranking;
-    rank_partitions(lanes_of(group, lane), allowed, places, ranking);
-    for (int rank = 0; rank < places; ++rank) ranking.partitions[rank].store_aligned(partitions[rank] + lane);
+    rank_partitions(lanes_of(group, lane), allowed, slots, ranking);
+    for (int rank = 0; rank < slots; ++rank) ranking.partitions[rank].store_aligned(partitions[rank] + lane);
   }
 }
 

@@ -33,7 +33,7 @@ using IndexPairs = void (*)(const BlockGroup& group, const float* partitions, co
                             BlockIndices& to);
 
 /// The partitions among `allowed` (bit k for k) that promise most: partitions[rank][block], the best one first.
-using RankPartitions = void (*)(const BlockGroup& group, std::uint32_t allowed, int places,
+using RankPartitions = void (*)(const BlockGroup& group, std::uint32_t allowed, int slots,
                                 float (*partitions)[simd::kLanes]);
 
 struct UastcHdrKernels {

@@ -331,8 +331,8 @@ double ImportanceTable::density(const dvec3& direction) const {
   const platform::FloatingPointScope floating_point;
   importance::check_table(*this);
   const dvec3 unit = math::as_unit_direction(direction, "direction");
-  const auto cell = [](double place, int cells) {
-    return std::min(static_cast<std::size_t>(std::max(place, 0.0)), static_cast<std::size_t>(cells) - 1);
+  const auto cell = [](double position, int cells) {
+    return std::min(static_cast<std::size_t>(std::max(position, 0.0)), static_cast<std::size_t>(cells) - 1);
   };
   const std::size_t column = cell((0.5 - math::turns_of(unit.x, unit.z)) * width, width);
   const double ring = std::sqrt(unit.x * unit.x + unit.z * unit.z);

@@ -1,5 +1,5 @@
-// What tiles and graphs ask of whatever runs them: one source does it with oneTBB (one_tbb.cpp), another on the calling
-// thread alone (serial.cpp). A build has one of the two (WELKIN_THREADS).
+// The interface by which tiles and graphs run: on oneTBB (one_tbb.cpp), on the standard library's threads
+// (standard_threads.cpp) or on the calling thread alone (serial.cpp). A build has one of them (CMakeLists.txt).
 #pragma once
 
 #include <cstddef>

@@ -1,9 +1,6 @@
-// Where there is one thread: all work is done by whoever asks for it, in order.
-#include <deque>
+// Loops on the calling thread alone.
+#include <cstddef>
 #include <functional>
-#include <memory>
-#include <string>
-#include <utility>
 
 #include "jobs/backend.h"
 #include "jobs/tiles.h"
@@ -13,27 +10,8 @@ namespace welkin::jobs::backend {
 
 int concurrency() noexcept { return 1; }
 
-void isolate(Call<> work) { work(); }
-
 void loop(std::size_t count, Call<std::size_t> part) {
   for (std::size_t index = 0; index < count; ++index) part(index);
-}
-
-struct TaskGroup::Tasks {
-  std::deque<std::function<void()>> waiting;
-};
-
-TaskGroup::TaskGroup() : tasks_(std::make_unique<Tasks>()) {}
-TaskGroup::~TaskGroup() = default;
-
-void TaskGroup::run(std::function<void()> task) { tasks_->waiting.push_back(std::move(task)); }
-
-void TaskGroup::wait() {
-  while (!tasks_->waiting.empty()) {
-    const std::function<void()> task = std::move(tasks_->waiting.front());
-    tasks_->waiting.pop_front();
-    task();
-  }
 }
 
 }  // namespace welkin::jobs::backend

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include "jobs/activity.h"
 #include "jobs/backend.h"
 #include "jobs/control.h"
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "welkin/core.h"
@@ -150,14 +150,13 @@ class TaskGraph::Run {
 
   void run_pass(std::size_t pass) {
     throw_if_cancelled(stop_.get_token());
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     Control control{stop_.get_token(), {}, memory_};
     if (progress_.wanted()) {
       control.progress = [this, pass](double done) { pass_progress_[pass].report(done, progress_); };
     }
     passes_[pass].work(control);
-    passes_[pass].milliseconds =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    passes_[pass].milliseconds = watch.milliseconds();
     pass_progress_[pass].end(progress_);
     ++ended_;
   }

@@ -199,9 +199,9 @@ template <std::unsigned_integral Value>
 
 template <std::unsigned_integral Value>
 void append_little_endian(std::vector<std::uint8_t>& bytes, Value value) {
-  const std::size_t place = bytes.size();
-  bytes.resize(place + sizeof value);
-  std::memcpy(bytes.data() + place, &value, sizeof value);
+  const std::size_t index = bytes.size();
+  bytes.resize(index + sizeof value);
+  std::memcpy(bytes.data() + index, &value, sizeof value);
 }
 
 }  // namespace welkin::platform

@@ -113,7 +113,7 @@ bool PendingFile::make_without_name() {
 }
 
 bool PendingFile::make_beside() {
-  for (int tried = 0; file_ == kNoFile && tried < kMostNamesTried; ++tried) {
+  for (int tried = 0; file_ == kNoFile && tried < kMaxNamesTried; ++tried) {
     beside_ = name_beside(place_);
     errno = 0;
     file_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -170,7 +170,7 @@ bool PendingFile::give_name() {
   };
   bool named = link_to(place_);
   if (named) return true;
-  for (int tried = 0; !named && errno == EEXIST && tried < kMostNamesTried; ++tried) {
+  for (int tried = 0; !named && errno == EEXIST && tried < kMaxNamesTried; ++tried) {
     beside_ = name_beside(place_);
     named = link_to(beside_);
   }

@@ -29,7 +29,7 @@ bool FolderLock::take() noexcept { return file_ == kNoFile; }
 
 void remove_left_behind(const std::filesystem::path& /*folder*/) noexcept {}
 
-PendingPlace place_of(const std::filesystem::path& path, WholeFile::Link /*link*/) {
+PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link /*link*/) {
   throw file_error(ErrorCode::file_access, path, kNoFiles);
 }
 

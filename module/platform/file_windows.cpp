@@ -153,7 +153,7 @@ void PendingFile::discard() noexcept {
 }
 
 bool PendingFile::make() {
-  for (int tried = 0; tried < kMostNamesTried; ++tried) {
+  for (int tried = 0; tried < kMaxNamesTried; ++tried) {
     beside_ = name_beside(place_);
     const HANDLE file = CreateFileW(beside_.c_str(), GENERIC_WRITE | DELETE, kSharedByAll, nullptr, CREATE_NEW,
                                     FILE_ATTRIBUTE_NORMAL, nullptr);

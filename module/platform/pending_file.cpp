@@ -82,11 +82,11 @@ void remove_left_behind(const std::filesystem::path& folder) noexcept {
   }
 }
 
-PendingPlace place_of(const std::filesystem::path& path, WholeFile::Link link) {
+PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link link) {
   const bool kept = link == WholeFile::Link::kept;
   std::filesystem::file_status replaced;
   if (kept) replaced = require_replaceable(path);
-  PendingPlace place{reachable(kept ? behind_links(path) : path), std::nullopt};
+  PendingTarget place{reachable(kept ? behind_links(path) : path), std::nullopt};
   tidy_once(std::filesystem::absolute(place.path).parent_path());
   if (std::filesystem::exists(replaced)) place.permissions = replaced.permissions();
   return place;

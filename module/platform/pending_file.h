@@ -55,14 +55,14 @@ class PendingFile {
 };
 
 /// Where a file will be, and the permissions of what it replaces there, if something it does.
-struct PendingPlace {
+struct PendingTarget {
   std::filesystem::path path;
   std::optional<std::filesystem::perms> permissions;
 };
 
 /// The place of a file that is asked for as `path`: behind all links, unless they are replaced. Removes what a killed
 /// process left in its folder, once. Throws `Error` (file_access) where something else than a file is there.
-[[nodiscard]] PendingPlace place_of(const std::filesystem::path& path, WholeFile::Link link);
+[[nodiscard]] PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link link);
 
 /// A name for a temporary file beside `path`: in the same directory, so that renaming is one step; hidden, and no other
 /// process's or call's.
@@ -72,6 +72,6 @@ struct PendingPlace {
 void remove_if_left_behind(const std::filesystem::path& path) noexcept;
 
 /// For a system's functions that try names: after so many that are taken it is not the name.
-inline constexpr int kMostNamesTried = 100;
+inline constexpr int kMaxNamesTried = 100;
 
 }  // namespace welkin::platform

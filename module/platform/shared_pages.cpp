@@ -24,8 +24,8 @@ struct Page {
   char* data = nullptr;
 };
 
-std::array<Page, kMost>& pages() {
-  static auto& all = *new std::array<Page, kMost>;  // never destroyed: threads may compute while the program exits
+std::array<Page, kMaxPages>& pages() {
+  static auto& all = *new std::array<Page, kMaxPages>;  // never destroyed: threads may compute while the program exits
   return all;
 }
 
@@ -52,14 +52,14 @@ WorkingMemory block_of(std::size_t index, std::uint64_t run) noexcept {
 
 WorkingMemory take(std::size_t bytes) noexcept {
   const auto units = static_cast<unsigned>((bytes + kUnit - 1) / kUnit);
-  for (std::size_t index = 0; index < kMost; ++index) {
+  for (std::size_t index = 0; index < kMaxPages; ++index) {
     std::atomic<std::uint64_t>& free = pages()[index].free;
     std::uint64_t now = free.load(std::memory_order_relaxed);
     for (std::uint64_t run = run_of(now, units); run != 0; run = run_of(now, units)) {
       if (free.compare_exchange_weak(now, now & ~run, std::memory_order_acquire)) return block_of(index, run);
     }
   }
-  for (std::size_t index = 0; index < kMost; ++index) {
+  for (std::size_t index = 0; index < kMaxPages; ++index) {
     Page& page = pages()[index];
     if (page.taken.exchange(true, std::memory_order_acquire)) continue;
     page.data = static_cast<char*>(::operator new(kBytes, kAlignment, std::nothrow));

@@ -11,10 +11,10 @@
 namespace welkin::platform::shared_pages {
 
 inline constexpr std::size_t kBytes = std::size_t{2} << 20U;  ///< of a page
-inline constexpr std::size_t kMost = 64;                      ///< pages, those in use among them
+inline constexpr std::size_t kMaxPages = 64;                  ///< pages, those in use among them
 
 /// Returns a block of at least `bytes` bytes, at most half a page: from a page with room for it, or from a new one. Its
-/// data is null where there are `kMost` pages already or there is no memory for one more. Takes no lock.
+/// data is null where there are `kMaxPages` pages already or there is no memory for one more. Takes no lock.
 [[nodiscard]] WorkingMemory take(std::size_t bytes) noexcept;
 
 /// Takes a block back. Returns whether its page has no block in use; such a page stays until `free_one`.

@@ -38,14 +38,14 @@ using std::from_chars;
                               : format == std::chars_format::scientific ? "%.*e"
                                                                         : "%.*g";
   std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), pattern, precision, value);
+  std::sprintf(text.data(), pattern, precision, value);  // snprintf would bring long doubles: 3 KB that are sent
   return text.data();
 }
 
 [[nodiscard]] inline std::string number_text(double value) {
-  constexpr int kMostDigits = 17;
+  constexpr int kMaxDigits = 17;
   std::string text;
-  for (int digits = 1; digits <= kMostDigits; ++digits) {
+  for (int digits = 1; digits <= kMaxDigits; ++digits) {
     text = number_text(value, std::chars_format::general, digits);
     if (std::strtod(text.c_str(), nullptr) == value) break;
   }

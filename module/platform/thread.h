@@ -10,7 +10,7 @@
 namespace welkin::detail {
 
 /// That the system keeps of a thread's name.
-inline constexpr std::size_t kMostNameCharacters = 15;
+inline constexpr std::size_t kMaxNameCharacters = 15;
 
 /// Names the calling thread, in no more characters than these.
 void name_current_thread(const char* name) noexcept;

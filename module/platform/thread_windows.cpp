@@ -18,9 +18,9 @@ void name_current_thread(const char* name) noexcept {
   const auto set_description =
       reinterpret_cast<SetDescription>(reinterpret_cast<void*>(GetProcAddress(library, "SetThreadDescription")));
   if (set_description == nullptr) return;
-  wchar_t wide[kMostNameCharacters + 1] = {};
+  wchar_t wide[kMaxNameCharacters + 1] = {};
   // What was cut within a character of UTF-8 ends in U+FFFD.
-  if (MultiByteToWideChar(CP_UTF8, 0, name, -1, wide, static_cast<int>(kMostNameCharacters + 1)) == 0) return;
+  if (MultiByteToWideChar(CP_UTF8, 0, name, -1, wide, static_cast<int>(kMaxNameCharacters + 1)) == 0) return;
   static_cast<void>(set_description(GetCurrentThread(), wide));
 }
 

@@ -18,31 +18,31 @@ namespace welkin::platform {
 // Without futexes libstdc++ 12 looks at the value before it takes the lock that it waits with: a change in between
 // wakes nobody.
 
-struct WaitPlace {
+struct WaitPoint {
   std::mutex mutex;
   std::condition_variable changed;
 };
 
 /// Several atomics may share one: who is woken looks again.
-inline WaitPlace& wait_place(const void* atomic) noexcept {
-  static auto& places = *new std::array<WaitPlace, 16>;  // never destroyed: threads may outlive main
-  return places[reinterpret_cast<std::uintptr_t>(atomic) / 16 % places.size()];
+inline WaitPoint& wait_point(const void* atomic) noexcept {
+  static auto& indices = *new std::array<WaitPoint, 16>;  // never destroyed: threads may outlive main
+  return indices[reinterpret_cast<std::uintptr_t>(atomic) / 16 % indices.size()];
 }
 
 /// Returns once the atomic has another value than `old`.
 template <class Value>
 void wait_while(const std::atomic<Value>& atomic, Value old) {
-  WaitPlace& place = wait_place(&atomic);
-  std::unique_lock lock(place.mutex);
-  place.changed.wait(lock, [&] { return atomic.load() != old; });
+  WaitPoint& index = wait_point(&atomic);
+  std::unique_lock lock(index.mutex);
+  index.changed.wait(lock, [&] { return atomic.load() != old; });
 }
 
 /// After a change: wakes all who wait for one. The atomic may be gone by then; it is not looked at.
 template <class Value>
 void wake_all(std::atomic<Value>& atomic) {
-  WaitPlace& place = wait_place(&atomic);
-  const std::lock_guard lock(place.mutex);
-  place.changed.notify_all();
+  WaitPoint& index = wait_point(&atomic);
+  const std::lock_guard lock(index.mutex);
+  index.changed.notify_all();
 }
 
 #else

@@ -13,7 +13,7 @@ namespace welkin::platform {
 WholeFile::WholeFile(std::filesystem::path path, std::vector<std::byte>* memory, Link link)
     : path_(std::move(path)), memory_(memory) {
   if (memory_ != nullptr) return;
-  const PendingPlace place = place_of(path_, link);
+  const PendingTarget place = place_of(path_, link);
   pending_ = std::make_unique<PendingFile>(place.path);
   if (!pending_->make()) fail("cannot be written in that directory", pending_->why());
   if (!pending_->open_stream()) fail("cannot be opened for writing", pending_->why());

@@ -30,7 +30,7 @@ constexpr std::size_t kDefaultLimit = std::size_t{128} << 20U;
 /// Bytes to allocate for a request: sizes are few, so that a block serves requests that differ little, and at most an
 /// eighth is lost, or a part of the last huge page.
 std::size_t rounded_up(std::size_t bytes) noexcept {
-  std::size_t step = std::max(kLeastOwnBlock / 8, kHugePage);
+  std::size_t step = std::max(kMinOwnBlock / 8, kHugePage);
   while (step <= bytes / 16) step *= 2;
   return (bytes + step - 1) / step * step;
 }
@@ -148,9 +148,9 @@ Pool& pool() {
 std::atomic<int> filling{-1};
 
 WorkingMemory take_block(std::size_t bytes) {
-  if (bytes < kLeastKeptBlock || bytes > std::numeric_limits<std::size_t>::max() / 2 || pool().limit() == 0)
+  if (bytes < kMinKeptBlock || bytes > std::numeric_limits<std::size_t>::max() / 2 || pool().limit() == 0)
     return allocate(bytes, kCacheLine);
-  if (bytes < kLeastOwnBlock) {
+  if (bytes < kMinOwnBlock) {
     const WorkingMemory part = shared_pages::take(bytes);
     return part.data != nullptr ? part : allocate(bytes, kCacheLine);
   }
@@ -177,7 +177,7 @@ WorkingMemory take_working_memory(std::size_t bytes) {
 void give_working_memory(const WorkingMemory& block) noexcept {
   if (block.page >= 0) {
     if (shared_pages::give(block)) pool().shrink_to(pool().limit());
-  } else if (block.bytes < kLeastOwnBlock) {
+  } else if (block.bytes < kMinOwnBlock) {
     free_block(block);
   } else {
     pool().give(block);

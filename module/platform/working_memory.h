@@ -21,9 +21,9 @@ inline constexpr std::size_t kHugePage = std::size_t{2} << 20U;  // of x86-64, a
 inline constexpr std::size_t kHugePage = kCacheLine;  // no call asks for large pages
 #endif
 /// Smaller blocks come from the heap and return to it: malloc keeps them itself.
-inline constexpr std::size_t kLeastKeptBlock = std::size_t{64} << 10U;
+inline constexpr std::size_t kMinKeptBlock = std::size_t{64} << 10U;
 /// Smaller blocks share huge pages.
-inline constexpr std::size_t kLeastOwnBlock = std::size_t{1} << 20U;
+inline constexpr std::size_t kMinOwnBlock = std::size_t{1} << 20U;
 
 /// Returns at least `bytes` bytes that start on a cache line and are not initialised: a block that was kept, of at most
 /// twice the size, or a new one. Throws std::bad_alloc.

@@ -1,6 +1,5 @@
 // A grid of captured cubemaps and depths to light, validity, distances and visibility of the sky.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/many.h"
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "probes/depth_maps.h"
@@ -22,10 +22,10 @@
 namespace welkin {
 namespace {
 
+using probes::check_depths;
 using probes::DepthMaps;
 using probes::DepthRules;
-
-constexpr int kLargestDepth = 1024;
+using probes::require_count;
 
 /// Visibility is projected as so many bytes of masks at a time, or a probe's.
 constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
@@ -33,34 +33,6 @@ constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
 constexpr std::size_t kDepthsPerTile = 8;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
-void check_depths(std::span<const DepthView> depths) {
-  for (std::size_t k = 0; k < depths.size(); ++k) {
-    jobs::naming_probe(k, [&] {
-      image::require_range("size of a depth cubemap", depths[k].size, 1, kLargestDepth);
-      if (depths[k].size != depths[0].size) {
-        refuse("its depths have " + std::to_string(depths[k].size) + " texels along an edge, those of probe 0 have " +
-               std::to_string(depths[0].size) + "; all must have as many");
-      }
-      for (std::size_t face = 0; face < 6; ++face) {
-        if (depths[k].faces[face] == nullptr)
-          refuse("face " + std::to_string(face) + " of its depths is null; pass the address of its first texel");
-      }
-      const std::ptrdiff_t stride = std::abs(depths[k].row_stride_bytes);
-      const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * depths[k].size;
-      if (stride != 0 && (stride < row || stride % static_cast<std::ptrdiff_t>(sizeof(float)) != 0)) {
-        refuse("a row of its depths takes " + std::to_string(row) + " bytes, and row_stride_bytes is " +
-               std::to_string(depths[k].row_stride_bytes) + "; it must be no less, in whole floats");
-      }
-    });
-  }
-}
-
-void require_count(const char* name, std::size_t is, std::size_t must_be) {
-  if (is == must_be) return;
-  refuse(std::string(name) + ": there are " + std::to_string(is) + " for " + std::to_string(must_be) +
-         " probes; pass one per probe");
-}
 
 double smallest_spacing(const ProbeGrid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
 
@@ -96,11 +68,10 @@ class Capture {
  private:
   template <class Work>
   void timed(const char* name, const Work& work) {
-    const auto began = std::chrono::steady_clock::now();
+    const jobs::Stopwatch watch;
     work();
     into_.diagnostics.passes.push_back(
-        {name, PassAction::run, std::to_string(depths_.size()) + " depths",
-         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count()});
+        {name, PassAction::run, std::to_string(depths_.size()) + " depths", watch.milliseconds()});
   }
 
   void read_depths(const Control& control) {
@@ -109,22 +80,18 @@ class Capture {
                                 into_.distance_size, options_.distance_power});
     const auto placement = jobs::placement_for(static_cast<std::int64_t>(6 * probes::squared(size) * depths_.size()));
     const std::size_t workers = jobs::worker_count(placement);
-    std::vector<DepthMaps::Room> rooms(workers, DepthMaps::Room(maps));
+    std::vector<DepthMaps::Scratch> scratches(workers, DepthMaps::Scratch(maps));
     const std::size_t floats = probes::distance_floats(into_);
     jobs::run_tiles((depths_.size() + kDepthsPerTile - 1) / kDepthsPerTile, placement, workers, control,
                     [&](std::size_t tile, std::size_t worker) {
                       const std::size_t end = std::min(depths_.size(), (tile + 1) * kDepthsPerTile);
                       for (std::size_t k = tile * kDepthsPerTile; k < end; ++k) {
-                        into_.validity[k] = maps.read(depths_[k], rooms[worker],
+                        into_.validity[k] = maps.read(depths_[k], scratches[worker],
                                                       std::span(into_.distances).subspan(k * floats, floats));
                       }
                     });
     for (std::size_t k = 0; k < depths_.size(); ++k) {
-      if (into_.validity[k] < 0.0F) {
-        throw Error(
-            ErrorCode::rejected_pixel,
-            "probe " + std::to_string(k) + ": a depth is NaN; pass infinity where only the environment is visible");
-      }
+      if (into_.validity[k] < 0.0F) probes::refuse_nan_depth(k);
       into_.passes[k] = static_cast<double>(into_.validity[k]) < options_.valid_share ? probes::kUnfilled : 0;
     }
   }

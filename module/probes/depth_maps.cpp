@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "harmonics/octahedral_border.h"
 #include "image/geometry.h"
+#include "image/pixels.h"
+#include "jobs/many.h"
 #include "probes/probe_arrays.h"
 #include "welkin/resampling.h"
 
@@ -41,7 +44,44 @@ double lobe_correction(double cosine, int power, double steradians, double texel
   return std::max(0.0, 1.0 - (1.0 - 1.0 / (texels * texels)) * steradians / 24.0 * laplacian);
 }
 
+constexpr int kLargestDepth = 1024;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
+
 }  // namespace
+
+void check_depths(std::span<const DepthView> depths) {
+  for (std::size_t k = 0; k < depths.size(); ++k) {
+    jobs::naming_probe(k, [&] {
+      image::require_range("size of a depth cubemap", depths[k].size, 1, kLargestDepth);
+      if (depths[k].size != depths[0].size) {
+        refuse("its depths have " + std::to_string(depths[k].size) + " texels along an edge, those of probe 0 have " +
+               std::to_string(depths[0].size) + "; all must have as many");
+      }
+      for (std::size_t face = 0; face < 6; ++face) {
+        if (depths[k].faces[face] == nullptr)
+          refuse("face " + std::to_string(face) + " of its depths is null; pass the address of its first texel");
+      }
+      const std::ptrdiff_t stride = std::abs(depths[k].row_stride_bytes);
+      const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * depths[k].size;
+      if (stride != 0 && (stride < row || stride % static_cast<std::ptrdiff_t>(sizeof(float)) != 0)) {
+        refuse("a row of its depths takes " + std::to_string(row) + " bytes, and row_stride_bytes is " +
+               std::to_string(depths[k].row_stride_bytes) + "; it must be no less, in whole floats");
+      }
+    });
+  }
+}
+
+void require_count(const char* name, std::size_t is, std::size_t must_be) {
+  if (is == must_be) return;
+  refuse(std::string(name) + ": there are " + std::to_string(is) + " for " + std::to_string(must_be) +
+         " probes; pass one per probe");
+}
+
+void refuse_nan_depth(std::size_t probe) {
+  throw Error(ErrorCode::rejected_pixel, "probe " + std::to_string(probe) +
+                                             ": a depth is NaN; pass infinity where only the environment is visible");
+}
 
 const float* row_of(const DepthView& view, int face, int row) noexcept {
   const float* first = view.faces[static_cast<std::size_t>(face)];
@@ -82,7 +122,7 @@ DepthMaps::DepthMaps(int size, const DepthRules& rules)
 
 void DepthMaps::gather_shares(int column, int row) {
   first_share_.push_back(shares_.size());
-  const dvec3 axis = octahedral_direction((column + 0.5) / rules_.distance_size, (row + 0.5) / rules_.distance_size);
+  const dvec3 axis = octahedral_decode((column + 0.5) / rules_.distance_size, (row + 0.5) / rules_.distance_size);
   // Cosines are taken beside the largest, so that some weight is near 1 whatever the power.
   double nearest = 0.0;
   for (const dvec3& direction : directions_) nearest = std::max(nearest, glm::dot(axis, direction));
@@ -102,13 +142,13 @@ void DepthMaps::gather_shares(int column, int row) {
   for (std::size_t k = first; k < shares_.size(); ++k) shares_[k].weight /= sum;
 }
 
-DepthMaps::Room::Room(const DepthMaps& maps)
+DepthMaps::Scratch::Scratch(const DepthMaps& maps)
     : columns_(3 * static_cast<std::size_t>(maps.size_)), blocks_(2 * maps.directions_.size()) {}
 
-void DepthMaps::add_row(const float* depths, int row, Room& room, bool& is_number) const noexcept {
+void DepthMaps::add_row(const float* depths, int row, Scratch& scratch, bool& is_number) const noexcept {
   const auto size = static_cast<std::size_t>(size_);
   const double* angles = solid_angles_.data() + static_cast<std::size_t>(row) * size;
-  double* means = room.columns_.data();
+  double* means = scratch.columns_.data();
   double* squares = means + size;
   double* bad = squares + size;
   const double near_distance = rules_.near_distance;
@@ -127,27 +167,27 @@ void DepthMaps::add_row(const float* depths, int row, Room& room, bool& is_numbe
   is_number = is_number && numbers == size_;
 }
 
-float DepthMaps::read(const DepthView& depths, Room& room, std::span<float> distances) const noexcept {
+float DepthMaps::read(const DepthView& depths, Scratch& scratch, std::span<float> distances) const noexcept {
   const auto size = static_cast<std::size_t>(size_);
   const auto edge = static_cast<std::size_t>(edge_);
   double bad = 0.0;
   double whole = 0.0;
   bool is_number = true;
-  double* mean = room.blocks_.data();
+  double* mean = scratch.blocks_.data();
   for (int face = 0; face < 6; ++face) {
     for (int block_row = 0; block_row < edge_; ++block_row) {
-      std::fill(room.columns_.begin(), room.columns_.end(), 0.0);
+      std::fill(scratch.columns_.begin(), scratch.columns_.end(), 0.0);
       for (int row = first_of(block_row); row < first_of(block_row + 1); ++row) {
-        add_row(row_of(depths, face, row), row, room, is_number);
+        add_row(row_of(depths, face, row), row, scratch, is_number);
       }
-      for (std::size_t k = 0; k < size; ++k) bad += room.columns_[2 * size + k];
+      for (std::size_t k = 0; k < size; ++k) bad += scratch.columns_[2 * size + k];
       if (rules_.distance_size == 0) continue;
       for (std::size_t column = 0; column < edge; ++column, mean += 2) {
         mean[0] = mean[1] = 0.0;
         const auto end = static_cast<std::size_t>(first_of(static_cast<int>(column) + 1));
         for (auto k = static_cast<std::size_t>(first_of(static_cast<int>(column))); k < end; ++k) {
-          mean[0] += room.columns_[k];
-          mean[1] += room.columns_[size + k];
+          mean[0] += scratch.columns_[k];
+          mean[1] += scratch.columns_[size + k];
         }
         const double angle = block_angles_[static_cast<std::size_t>(block_row) * edge + column];
         mean[0] /= angle;
@@ -156,12 +196,12 @@ float DepthMaps::read(const DepthView& depths, Room& room, std::span<float> dist
     }
   }
   if (!is_number) return -1.0F;
-  if (rules_.distance_size > 0) write_map(room, distances);
+  if (rules_.distance_size > 0) write_map(scratch, distances);
   for (const double angle : solid_angles_) whole += 6.0 * angle;
   return bad > 0.0 ? static_cast<float>(std::max(0.0, 1.0 - bad / whole)) : 1.0F;
 }
 
-void DepthMaps::write_map(const Room& room, std::span<float> distances) const noexcept {
+void DepthMaps::write_map(const Scratch& scratch, std::span<float> distances) const noexcept {
   const int inner = rules_.distance_size;
   const auto at = [&](int column, int row) {
     return distances.data() + 2 * (static_cast<std::size_t>(row + 1) * static_cast<std::size_t>(inner + 2) +
@@ -173,7 +213,7 @@ void DepthMaps::write_map(const Room& room, std::span<float> distances) const no
       double mean = 0.0;
       double square = 0.0;
       for (std::size_t k = first_share_[texel]; k < first_share_[texel + 1]; ++k) {
-        const double* block = room.blocks_.data() + 2 * std::size_t{shares_[k].block};
+        const double* block = scratch.blocks_.data() + 2 * std::size_t{shares_[k].block};
         mean += shares_[k].weight * block[0];
         square += shares_[k].weight * block[1];
       }

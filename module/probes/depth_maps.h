@@ -11,6 +11,13 @@
 
 namespace welkin::probes {
 
+/// Throws `Error` (invalid_argument) unless all views can be read and have one size.
+void check_depths(std::span<const DepthView> depths);
+/// Throws `Error` (invalid_argument) unless there is one for each probe.
+void require_count(const char* name, std::size_t is, std::size_t must_be);
+/// Throws `Error` (rejected_pixel).
+[[noreturn]] void refuse_nan_depth(std::size_t probe);
+
 /// A row of texels.
 [[nodiscard]] const float* row_of(const DepthView& view, int face, int row) noexcept;
 
@@ -28,9 +35,9 @@ class DepthMaps {
   DepthMaps(int size, const DepthRules& rules);
 
   /// What a thread needs.
-  class Room {
+  class Scratch {
    public:
-    explicit Room(const DepthMaps& maps);
+    explicit Scratch(const DepthMaps& maps);
 
    private:
     friend class DepthMaps;
@@ -40,7 +47,7 @@ class DepthMaps {
 
   /// Writes (distance_size + 2)^2 x 2 floats, and returns the share of the sphere that is neither near nor a back;
   /// below 0 if a depth is NaN. Allocates nothing.
-  [[nodiscard]] float read(const DepthView& depths, Room& room, std::span<float> distances) const noexcept;
+  [[nodiscard]] float read(const DepthView& depths, Scratch& scratch, std::span<float> distances) const noexcept;
 
  private:
   /// What a block adds to a texel of the map.
@@ -50,9 +57,9 @@ class DepthMaps {
   };
 
   [[nodiscard]] int first_of(int block) const noexcept { return (block * size_ + edge_ - 1) / edge_; }
-  void add_row(const float* depths, int row, Room& room, bool& is_number) const noexcept;
+  void add_row(const float* depths, int row, Scratch& scratch, bool& is_number) const noexcept;
   void gather_shares(int column, int row);
-  void write_map(const Room& room, std::span<float> distances) const noexcept;
+  void write_map(const Scratch& scratch, std::span<float> distances) const noexcept;
 
   int size_;
   int edge_;  ///< blocks along an edge of a face

@@ -62,7 +62,7 @@ void for_each_neighbour(const ProbeGrid& grid, const std::vector<Neighbour>& nei
 /// The mean of the neighbours that have light, to the probe; false if none has.
 bool fill(BakedProbes& probes, const std::vector<Neighbour>& neighbours, std::size_t probe) {
   const std::size_t functions = probes::squared(probes.bands);
-  std::array<dvec3, probes::kMostBands * probes::kMostBands> sums{};
+  std::array<dvec3, probes::kMaxBands * probes::kMaxBands> sums{};
   double whole = 0.0;
   for_each_neighbour(probes.grid, neighbours, probe, [&](std::size_t neighbour, double weight) {
     if (probes.passes[neighbour] == kUnfilled) return;

@@ -5,16 +5,15 @@
 //                   src/renderers/shaders/ShaderChunk/lightprobes_pars_fragment.glsl.js
 //   Unity           com.unity.render-pipelines.core Runtime/Lighting/ProbeVolume: ProbeBrickPool.cs (bricks),
 //                   DecodeSH.hlsl (EncodeSH, EncodeSH_L2), ProbeVolume.hlsl (SampleAPV: what lies in which texture)
+#include "probes/packing.h"
+
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "image/pixels.h"
-#include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
@@ -24,62 +23,14 @@
 namespace welkin {
 namespace {
 
-using Texel = std::array<float, 4>;
+using probes::coefficient;
+using probes::Filling;
+using probes::for_each_slice;
+using probes::number_of;
+using probes::Texel;
 
 constexpr int kBrickEdge = 4;         // probes: three cells and one more
 constexpr int kMaxBricksInRow = 512;  // 2048 texels
-constexpr int kMaxTexels = 2048;      // along an edge of a texture
-
-/// A texture that is being filled.
-class Filling {
- public:
-  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size)
-      : size_(size), index_(packed.textures.size()) {
-    for (const int edge : size)
-      image::require_range("texels along an edge of a texture of probes", edge, 1, kMaxTexels);
-    packed.textures.push_back(
-        {name, size,
-         std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
-                                    static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]))});
-  }
-
-  /// Returns how many values did not fit.
-  std::uint64_t set(PackedProbes& packed, int x, int y, int z, const Texel& texel) const {
-    const std::size_t place =
-        (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
-            static_cast<std::size_t>(size_[0]) +
-        static_cast<std::size_t>(x);
-    auto* halves = reinterpret_cast<std::uint8_t*>(packed.textures[index_].halves.data() + 4 * place);
-    return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
-  }
-
- private:
-  std::array<int, 3> size_;
-  std::size_t index_;
-};
-
-/// Calls work(slice) for each slice of a texture; returns the sum of what it returns.
-template <class Work>
-std::uint64_t for_each_slice(int slices, std::int64_t texels, const Control& control, const Work& work) {
-  std::vector<std::uint64_t> clamped(static_cast<std::size_t>(slices));
-  const auto placement = jobs::placement_for(texels);
-  jobs::run_tiles(clamped.size(), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t slice, std::size_t /*worker*/) { clamped[slice] = work(static_cast<int>(slice)); });
-  std::uint64_t sum = 0;
-  for (const std::uint64_t each : clamped) sum += each;
-  return sum;
-}
-
-dvec3 coefficient(const BakedProbes& probes, std::size_t probe, std::size_t index) {
-  const std::size_t functions = probes::squared(probes.bands);
-  return index < functions ? probes.coefficients[probe * functions + index] : dvec3(0.0);
-}
-
-std::size_t number_of(const ProbeGrid& grid, int x, int y, int z) {
-  return static_cast<std::size_t>(x) +
-         static_cast<std::size_t>(grid.counts[0]) *
-             (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.counts[1]) * static_cast<std::size_t>(z));
-}
 
 PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
   constexpr int volumes = 7;
@@ -156,7 +107,7 @@ UnityTexels unity_texels(const BakedProbes& probes, std::size_t probe, int bands
     radiance.coefficients()[k] = coefficient(probes, probe, k);
   }
   // unity_SHAr, SHAg, SHAb, SHBr, SHBg, SHBb, SHC. The mean is w of the first three without what z^2 of the next adds.
-  const EngineLight light = engine_light_in_place(radiance, Engine::unity);
+  const EngineLight light = engine_light_unrotated(radiance, Engine::unity);
   UnityTexels texels{};
   for (std::size_t c = 0; c < 3; ++c) {
     const dvec4& first = light.vectors[c].value;
@@ -227,6 +178,8 @@ const char* name(ProbeLayout layout) noexcept {
     case ProbeLayout::unity_l2: return "unity-l2";
     case ProbeLayout::unity_l1: return "unity-l1";
     case ProbeLayout::plain: return "plain";
+    case ProbeLayout::bevy: return "bevy";
+    case ProbeLayout::rtxgi: return "rtxgi";
   }
   return "";
 }
@@ -239,8 +192,10 @@ PackedProbes pack_probes(const BakedProbes& probes, ProbeLayout layout, const Co
     case ProbeLayout::unity_l2:
     case ProbeLayout::unity_l1: return pack_unity(probes, layout, control);
     case ProbeLayout::plain: return pack_plain(probes, control);
+    case ProbeLayout::bevy: return probes::pack_bevy(probes, control);
+    case ProbeLayout::rtxgi: return probes::pack_rtxgi(probes, control);
   }
-  throw Error(ErrorCode::invalid_argument, "ProbeLayout: no known value; pass three, unity_l2, unity_l1 or plain");
+  throw Error(ErrorCode::invalid_argument, "ProbeLayout: no known value; pass one of the enumeration");
 }
 
 }  // namespace welkin

@@ -50,14 +50,14 @@ void check_grid(const ProbeGrid& grid) {
 
 void check_options(const ProbeOptions& options, bool with_depths) {
   projection::check_options(options.projection);
-  image::require_range("bands of probes", options.projection.bands, 1, kMostBands);
+  image::require_range("bands of probes", options.projection.bands, 1, kMaxBands);
   require_between("near_share", options.near_share, 0.0, 1e6);
   require_between("valid_share", options.valid_share, 0.0, 1.0);
   require_between("distance_limit", options.distance_limit, 0.0, 1e30);
   image::require_range("distance_size of probes", options.distance_size, 0, 64);
   image::require_range("distance_power of probes", options.distance_power, 1, 1024);
   image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);
-  image::require_range("environment_bands of probes", options.environment_bands, 0, kMaximumBands + 1 - kMostBands);
+  image::require_range("environment_bands of probes", options.environment_bands, 0, kMaximumBands + 1 - kMaxBands);
   if (options.environment_bands > 0 && !with_depths) {
     refuse("ProbeOptions: environment_bands is " + std::to_string(options.environment_bands) +
            ", but there are no depths, which show where a probe sees the environment; pass them, or 0");
@@ -66,7 +66,7 @@ void check_options(const ProbeOptions& options, bool with_depths) {
 
 void check_arrays(const BakedProbes& probes) {
   check_grid(probes.grid);
-  image::require_range("bands of probes", probes.bands, 1, kMostBands);
+  image::require_range("bands of probes", probes.bands, 1, kMaxBands);
   image::require_range("distance_size of probes", probes.distance_size, 0, 64);
   image::require_range("sky_bands of probes", probes.sky_bands, 0, kMaximumBands);
   const std::size_t count = probes.grid.size();
@@ -75,6 +75,7 @@ void check_arrays(const BakedProbes& probes) {
   require_length("passes", probes.passes.size(), count);
   require_length("distances", probes.distances.size(), count * distance_floats(probes));
   require_length("sky", probes.sky.size(), count * squared(probes.sky_bands));
+  if (!probes.offsets.empty()) require_length("offsets", probes.offsets.size(), count);
 }
 
 }  // namespace welkin::probes

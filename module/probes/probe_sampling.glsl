@@ -99,7 +99,7 @@ vec3 probe_volume_light(ProbeVolume volume, vec3 surface, vec3 normal) {
     int probe = int(at.x) + volume.counts.x * (int(at.y) + volume.counts.y * int(at.z));
     vec3 part = vec3(1.0f, 1.0f, 1.0f) - abs(step_up - inside);
     float weight = 1.0f;
-    vec3 probe_place = volume.origin + at * volume.spacing;
+    vec3 probe_place = volume.origin + at * volume.spacing + probe_offset(probe);
     if (volume.facing > 0) {
       vec3 way = probe_place - surface;
       float cosine = dot(way, normal) / max(length(way), 1e-12f);

@@ -40,7 +40,7 @@ std::vector<dvec3> transfer_of(const SphericalHarmonics& environment, int sky_ba
   for (std::size_t k = 0; k < probes::squared(sky_bands); ++k) {
     SphericalHarmonics one(sky_bands);
     one.coefficients()[k] = dvec3(1.0);
-    const SphericalHarmonics seen = with_bands(product(one, environment, bands), bands);
+    const SphericalHarmonics seen = resized(product(one, environment, bands), bands);
     transfer.insert(transfer.end(), seen.coefficients().begin(), seen.coefficients().end());
   }
   return transfer;
@@ -79,7 +79,7 @@ void relight(BakedProbes& probes, const SphericalHarmonics& from, const Spherica
                 "of ProbeOptions");
   }
   const int environment_bands = probes.sky_bands - probes.bands + 1;
-  const SphericalHarmonics change = with_bands(add(to, scale(from, dvec3(-1.0))), environment_bands);
+  const SphericalHarmonics change = resized(add(to, scale(from, dvec3(-1.0))), environment_bands);
   const std::size_t functions = probes::squared(probes.bands);
   const std::size_t sky = probes::squared(probes.sky_bands);
   const std::vector<dvec3> transfer = transfer_of(change, probes.sky_bands, probes.bands);
@@ -104,7 +104,7 @@ BakedProbes windowed(const BakedProbes& probes, Window window, double width, con
   for_each_probe(probes.grid.size(), 100'000, control, [&](std::size_t probe) {
     SphericalHarmonics radiance(probes.bands);
     std::copy_n(probes.coefficients.data() + probe * functions, functions, radiance.coefficients().begin());
-    const Windowed done = jobs::naming_probe(probe, [&] { return apply_window(radiance, window, width); });
+    const WindowResult done = jobs::naming_probe(probe, [&] { return apply_window(radiance, window, width); });
     platform::ranges::copy(done.radiance.coefficients(),
                            result.coefficients.begin() + static_cast<std::ptrdiff_t>(probe * functions));
   });

@@ -49,6 +49,13 @@ class Lookup {
   [[nodiscard]] float probe_share(int probe) const {
     return welkin::probe_share(probes_.passes[static_cast<std::size_t>(probe)]);
   }
+  [[nodiscard]] vec3 probe_offset(int probe) const {
+    if (probes_.offsets.empty()) return vec3(0.0F);
+    const dvec3& offset = probes_.offsets[static_cast<std::size_t>(probe)];
+    const bool is_good =
+        std::abs(offset.x) <= kFarthest && std::abs(offset.y) <= kFarthest && std::abs(offset.z) <= kFarthest;
+    return is_good ? vec3(offset) : vec3(0.0F);
+  }
 
   const BakedProbes& probes_;
   double scale_;  ///< of light

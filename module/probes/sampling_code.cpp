@@ -23,20 +23,20 @@ constexpr std::array kWgslWords{Word{"float", "f32"}, Word{"int", "i32"}, Word{"
 
 bool is_of_word(char c) noexcept { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// The word that begins at `place`.
-std::string_view word_at(std::string_view line, std::size_t place) noexcept {
-  std::size_t end = place;
+/// The word that begins at `index`.
+std::string_view word_at(std::string_view line, std::size_t index) noexcept {
+  std::size_t end = index;
   while (end < line.size() && is_of_word(line[end])) ++end;
-  return line.substr(place, end - place);
+  return line.substr(index, end - index);
 }
 
 template <class Words>
 std::string with_words(std::string_view line, const Words& words) {
   std::string result;
-  for (std::size_t place = 0; place < line.size();) {
-    const std::string_view word = word_at(line, place);
+  for (std::size_t index = 0; index < line.size();) {
+    const std::string_view word = word_at(line, index);
     if (word.empty()) {
-      result += line[place++];
+      result += line[index++];
       continue;
     }
     std::string_view taken = word;
@@ -44,7 +44,7 @@ std::string with_words(std::string_view line, const Words& words) {
       if (each.from == word) taken = each.to;
     }
     result += taken;
-    place += word.size();
+    index += word.size();
   }
   return result;
 }
@@ -54,11 +54,11 @@ bool is_type(std::string_view word) noexcept {
          platform::ranges::any_of(kWgslWords, [word](const Word& each) { return each.from == word; });
 }
 
-/// "TYPE NAME" at `place` as "NAME : TYPE"; `place` moves behind it.
-std::string turned_round(std::string_view line, std::size_t& place) {
-  const std::string_view type = word_at(line, place);
-  const std::string_view name = word_at(line, place + type.size() + 1);
-  place += type.size() + 1 + name.size();
+/// "TYPE NAME" at `index` as "NAME : TYPE"; `index` moves behind it.
+std::string turned_round(std::string_view line, std::size_t& index) {
+  const std::string_view type = word_at(line, index);
+  const std::string_view name = word_at(line, index + type.size() + 1);
+  index += type.size() + 1 + name.size();
   return std::string(name) + " : " + std::string(type);
 }
 
@@ -67,13 +67,13 @@ std::string wgsl_function(std::string_view line) {
   const std::string_view type = word_at(line, 0);
   const std::size_t open = line.find('(');
   std::string result = "fn " + std::string(line.substr(type.size() + 1, open - type.size() - 1)) + "(";
-  std::size_t place = open + 1;
-  while (line[place] != ')') {
-    if (line[place] == ',') {
+  std::size_t index = open + 1;
+  while (line[index] != ')') {
+    if (line[index] == ',') {
       result += ", ";
-      place += 2;
+      index += 2;
     }
-    result += turned_round(line, place);
+    result += turned_round(line, index);
   }
   return result + ") -> " + std::string(type) + " {";
 }
@@ -83,16 +83,16 @@ std::string wgsl_line(std::string_view line, bool in_structure) {
   if (indent == std::string_view::npos || line.substr(indent, 2) == "//") return std::string(line);
   const std::string margin(indent, ' ');
   if (indent == 0 && is_type(word_at(line, 0))) return with_words(wgsl_function(line), kWgslWords);
-  std::size_t place = indent;
+  std::size_t index = indent;
   if (line.substr(indent, 5) == "for (") {
-    place += 5;
-    const std::string counter = turned_round(line, place);
-    return with_words(margin + "for (var " + counter + std::string(line.substr(place)), kWgslWords);
+    index += 5;
+    const std::string counter = turned_round(line, index);
+    return with_words(margin + "for (var " + counter + std::string(line.substr(index)), kWgslWords);
   }
   if (!is_type(word_at(line, indent))) return with_words(line, kWgslWords);
-  const std::string declared = turned_round(line, place);
+  const std::string declared = turned_round(line, index);
   if (in_structure) return with_words(margin + declared + ",", kWgslWords);
-  return with_words(margin + "var " + declared + std::string(line.substr(place)), kWgslWords);
+  return with_words(margin + "var " + declared + std::string(line.substr(index)), kWgslWords);
 }
 
 }  // namespace

@@ -60,13 +60,9 @@ ChunkProjection::ChunkProjection(const CubemapView& cubemap, const ProjectionOpt
       fetches_ahead_(options.bands == 3 && (one_of_many || is_beyond_cache(cubemap))) {}
 
 FoldQuadrants ChunkProjection::direct_fold(PixelFormat format) const {
-  if (sanitizer_.looks_at_every_texel()) return nullptr;
-  switch (format) {
-    case PixelFormat::rgb32f: return kernels_.fold_quadrants[fold_rgb32f];
-    case PixelFormat::rgba32f: return kernels_.fold_quadrants[fold_rgba32f];
-    case PixelFormat::rgba16f: return kernels_.fold_quadrants[fold_rgba16f];
-    default: return nullptr;
-  }
+  if (sanitizer_.needs_every_texel()) return nullptr;
+  const FoldFormat fold = fold_format(format);
+  return fold == fold_format_count ? nullptr : kernels_.fold_quadrants[fold];
 }
 
 // A worker's scratch memory, one part after the other.

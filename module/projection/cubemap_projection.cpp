@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "projection/chunk_projection.h"
 #include "projection/midpoint_error.h"
@@ -137,7 +138,7 @@ class CubemapProjection {
   template <class Keep>
   void run_tiles(const Control& control, const Keep& keep) {
     if (StripProjection::serves(cubemap_.size, options_)) {
-      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, weights_.weight_rows().data()), control, keep);
+      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, weights_), control, keep);
     } else {
       run_parts(ChunkProjection(cubemap_, options_, faces_, sanitizer_, weights_), control, keep);
     }
@@ -171,6 +172,41 @@ class CubemapProjection {
   std::size_t tile_count_;
 };
 
+/// The passes of a projection, "project" being the last.
+std::vector<PassRecord> passes_of(int size, const ProjectionOptions& options) {
+  std::vector<PassRecord> passes;
+  if (const int target = options.target_size.value_or(0); target > 0) {
+    passes.push_back({"reduce", PassAction::skip,
+                      "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
+  }
+  passes.push_back(
+      {"project", PassAction::run, "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
+  return passes;
+}
+
+/// The sums of all six faces, or of those that a projection keeps, without passes.
+Projection sum_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
+  const std::shared_ptr<const TexelWeights> weights = TexelWeights::get(weights_key(size, options));
+  WorldSums sums(faces.front()->records.size(), size, options, *weights);
+  TileSums exact(1, options.bands);
+  for (std::size_t tile = 0; tile < faces.front()->records.size(); ++tile) {
+    for (int face = 0; face < kFaces; ++face) {
+      const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
+      sums.add(tile, face, kept.tile(tile), kept.records[tile]);
+    }
+  }
+  Projection projection = sums.projection();
+  if (!options.target_size) return projection;
+  for (int face = 0; face < kFaces; ++face) {
+    const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
+    transforms::face_transform(face, options.bands)
+        .add(kept.exact.data(), weights->weight_rows().data(), exact.values(0));
+  }
+  projection.diagnostics.error_estimate =
+      relative_error(projection.radiance.coefficients(), exact.total().coefficients());
+  return projection;
+}
+
 }  // namespace
 
 ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
@@ -183,10 +219,15 @@ ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> 
 }
 
 Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
-  if (options.target_size)
-    return total_of_faces(sum_faces(cubemap, options, kAllFaces, control), cubemap.size, options);
-  const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
-  return CubemapProjection(cubemap, options, kAllFaces, *weights).run(control);
+  const jobs::Stopwatch watch;
+  Projection projection =
+      options.target_size
+          ? sum_of_faces(sum_faces(cubemap, options, kAllFaces, control), cubemap.size, options)
+          : CubemapProjection(cubemap, options, kAllFaces, *TexelWeights::get(weights_key(cubemap.size, options)))
+                .run(control);
+  projection.diagnostics.passes = passes_of(cubemap.size, options);
+  projection.diagnostics.passes.back().milliseconds = watch.milliseconds();
+  return projection;
 }
 
 SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
@@ -218,24 +259,8 @@ std::size_t tiles_of_face(int size, const ProjectionOptions& options) {
 }
 
 Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
-  const std::shared_ptr<const TexelWeights> weights = TexelWeights::get(weights_key(size, options));
-  WorldSums sums(faces.front()->records.size(), size, options, *weights);
-  TileSums exact(1, options.bands);
-  for (std::size_t tile = 0; tile < faces.front()->records.size(); ++tile) {
-    for (int face = 0; face < kFaces; ++face) {
-      const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
-      sums.add(tile, face, kept.tile(tile), kept.records[tile]);
-    }
-  }
-  Projection projection = sums.projection();
-  if (!options.target_size) return projection;
-  for (int face = 0; face < kFaces; ++face) {
-    const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
-    transforms::face_transform(face, options.bands)
-        .add(kept.exact.data(), weights->weight_rows().data(), exact.values(0));
-  }
-  projection.diagnostics.error_estimate =
-      relative_error(projection.radiance.coefficients(), exact.total().coefficients());
+  Projection projection = sum_of_faces(faces, size, options);
+  projection.diagnostics.passes = passes_of(size, options);
   return projection;
 }
 
@@ -245,16 +270,6 @@ double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const g
   for (std::size_t f = 0; f < radiance.size(); ++f) exact[f] = radiance[f] - off[f];
   const double flux = std::sqrt(4.0 * std::numbers::pi * glm::dot(radiance[0], radiance[0]));
   return relative_error(radiance, {exact.data(), radiance.size()}, error.beyond() * flux);
-}
-
-void describe_projection(Projection& projection, int size, const ProjectionOptions& options) {
-  ProjectionDiagnostics& diagnostics = projection.diagnostics;
-  if (const int target = options.target_size.value_or(0); target > 0) {
-    diagnostics.passes.push_back({"reduce", PassAction::skip,
-                                  "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
-  }
-  diagnostics.passes.push_back(
-      {"project", PassAction::run, "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
 }
 
 }  // namespace welkin::projection

@@ -17,7 +17,6 @@ namespace welkin::projection {
 
 /// `cubemap` and `options` have been checked; `options.target_size` is none or below the cubemap's size, and then
 /// averages by solid angle. Throws `Error` (rejected_pixel, cancelled).
-/// The diagnostics lack passes, which `describe_projection` adds.
 [[nodiscard]] Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options,
                                          const Control& control);
 
@@ -27,14 +26,11 @@ using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 [[nodiscard]] SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options,
                                     std::span<const int> faces, const Control& control);
 
-/// `project_cubemap` from the sums of all six faces of a cubemap of `size`: the same bits.
+/// `project_cubemap` from the sums of all six faces of a cubemap of `size`: the same bits. Its passes take no time.
 [[nodiscard]] Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options);
 
 /// How many tiles' sums a face of that size has.
 [[nodiscard]] std::size_t tiles_of_face(int size, const ProjectionOptions& options);
-
-/// Adds the passes, "project" without its time being the last.
-void describe_projection(Projection& projection, int size, const ProjectionOptions& options);
 
 /// The diagnostics of six faces of `size`, but for the passes and the error estimate.
 [[nodiscard]] ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,

@@ -67,7 +67,7 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
   for (const int face : faces) kept.set_face(face, sums[static_cast<std::size_t>(face)]);
 }
 
-Projection total(const FaceHarmonics& faces) {
+Projection combine(const FaceHarmonics& faces) {
   const platform::FloatingPointScope floating_point;
   projection::SixFaceSums sums;
   for (int face = 0; face < 6; ++face) {
@@ -81,9 +81,7 @@ Projection total(const FaceHarmonics& faces) {
       continue;
     refuse("a face's sums are of another size or other options; call project_faces");
   }
-  Projection projection = projection::total_of_faces(sums, faces.size(), options);
-  projection::describe_projection(projection, faces.size(), options);
-  return projection;
+  return projection::total_of_faces(sums, faces.size(), options);
 }
 
 }  // namespace welkin

@@ -25,12 +25,12 @@
 namespace welkin::projection {
 namespace {
 
-constexpr std::ptrdiff_t kMostNormals = 100'000;
+constexpr std::ptrdiff_t kMaxNormals = 100'000;
 
 void require_possible(std::ptrdiff_t normals) {
-  if (normals >= 1 && normals <= kMostNormals) return;
+  if (normals >= 1 && normals <= kMaxNormals) return;
   throw Error(ErrorCode::invalid_argument,
-              std::to_string(normals) + " normals; 1 to " + std::to_string(kMostNormals) + " are possible");
+              std::to_string(normals) + " normals; 1 to " + std::to_string(kMaxNormals) + " are possible");
 }
 
 }  // namespace
@@ -153,7 +153,7 @@ constexpr int kLargestSize = 4096;
 constexpr double kTileProducts = 1e6;    ///< texels times coefficients: some 0.2 ms
 constexpr double kInlineProducts = 1e5;  ///< less is done by the caller's thread alone
 constexpr std::size_t kNormalsAtATime = 65536;
-constexpr double kMostIrradiance = std::numeric_limits<float>::max();
+constexpr double kMaxIrradiance = std::numeric_limits<float>::max();
 
 Cubemap empty_cubemap(int size, const Control& control) {
   image::require_range("the irradiance cubemap's size", size, 1, kLargestSize);
@@ -180,7 +180,7 @@ std::vector<double> texel_centres(int size) {
 bool may_overflow(const std::vector<double>& channels) {
   double sum = 0.0;
   for (const double value : channels) sum += 2.3 * std::abs(value);
-  return !(sum <= kMostIrradiance);
+  return !(sum <= kMaxIrradiance);
 }
 
 }  // namespace
@@ -216,7 +216,7 @@ Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const
                     }
                   });
   if (may_overflow(channels)) {
-    constexpr auto most = static_cast<float>(kMostIrradiance);
+    constexpr auto most = static_cast<float>(kMaxIrradiance);
     for (float& value : result.pixels()) value = std::clamp(value, -most, most);
   }
   return result;
@@ -243,7 +243,7 @@ Cubemap direct_irradiance_cubemap(const EnvironmentView& source, int size, const
     for (std::size_t i = 0; i < irradiance.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double value = irradiance[i][static_cast<glm::length_t>(c)];
-        pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
+        pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMaxIrradiance, kMaxIrradiance));
       }
     }
   }

@@ -12,9 +12,9 @@ namespace welkin::projection {
 namespace {
 
 constexpr std::size_t kBatch = 512;  ///< axes at a time: bounds the memory, 12 MiB of slots
-constexpr std::size_t kMostTiles = 1024;
+constexpr std::size_t kMaxTiles = 1024;
 
-/// One worker's room.
+/// One worker's scratch.
 struct Scratch {
   explicit Scratch(std::size_t columns)
       : texels(columns), values(columns), cut(columns), red(columns), green(columns), blue(columns) {}
@@ -27,13 +27,13 @@ struct Scratch {
 };
 
 /// Lists the texels of a row, whose `room.values` are x, that are near the axis or at a break. Returns their number.
-std::size_t list_cut(const KernelFunction& kernel, Scratch& room) {
-  const double radius = room.texels.radius;
-  const double far = room.points.count > 0 ? 0.0 : kernel.far(radius);
+std::size_t list_cut(const KernelFunction& kernel, Scratch& scratch) {
+  const double radius = scratch.texels.radius;
+  const double far = scratch.points.count > 0 ? 0.0 : kernel.far(radius);
   const double horizon = kernel.hemisphere ? radius : -1.0;
-  const double* const x = room.values.data();
-  int* const cut = room.cut.data();
-  const std::size_t columns = room.values.size();
+  const double* const x = scratch.values.data();
+  int* const cut = scratch.cut.data();
+  const std::size_t columns = scratch.values.size();
   std::size_t count = 0;
   if (kernel.breaks.empty()) {
     for (std::size_t i = 0; i < columns; ++i) {
@@ -51,22 +51,22 @@ std::size_t list_cut(const KernelFunction& kernel, Scratch& room) {
 
 /// Replaces x at centroids in `room.values` by integrals over the row's texels by their points; 0 where the kernel is.
 /// Returns false if all are 0.
-bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scratch& room) {
-  const double radius = room.texels.radius;
-  const TexelPoints& points = room.points;
+bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scratch& scratch) {
+  const double radius = scratch.texels.radius;
+  const TexelPoints& points = scratch.points;
   bool seen = false;
   std::size_t first = 0;
-  for (double& value : room.values) {
+  for (double& value : scratch.values) {
     const bool dark = value > kernel.last + radius || value < kernel.first - radius;
     seen = seen || !dark;
     if (!dark) {
       for (std::size_t k = 0; k < points.count; ++k) {
         const std::size_t at = first + k;
-        room.looked[k] = 1.0 - (axis.x * points.x[at] + axis.y * points.y[at] + axis.z * points.z[at]);
+        scratch.looked[k] = 1.0 - (axis.x * points.x[at] + axis.y * points.y[at] + axis.z * points.z[at]);
       }
-      kernel.evaluate(room.looked);
+      kernel.evaluate(scratch.looked);
       value = 0.0;
-      for (std::size_t k = 0; k < points.count; ++k) value += points.weight[first + k] * room.looked[k];
+      for (std::size_t k = 0; k < points.count; ++k) value += points.weight[first + k] * scratch.looked[k];
     } else {
       value = 0.0;
     }
@@ -77,18 +77,18 @@ bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scra
 
 /// Fills `room.values` with the integrals over a row's texels. False if all are zero.
 bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& axis, const KernelFunction& kernel,
-                    Scratch& room) {
-  const TexelRow& texels = room.texels;
-  double* const values = room.values.data();
-  const std::size_t count = room.values.size();
+                    Scratch& scratch) {
+  const TexelRow& texels = scratch.texels;
+  double* const values = scratch.values.data();
+  const std::size_t count = scratch.values.size();
   for (std::size_t i = 0; i < count; ++i)
     values[i] = 1.0 - (axis.x * texels.x[i] + axis.y * texels.y[i] + axis.z * texels.z[i]);
-  const std::size_t cut = list_cut(kernel, room);
+  const std::size_t cut = list_cut(kernel, scratch);
   int seen = cut > 0 ? 1 : 0;
-  if (room.points.count > 0) {
-    seen |= integrate_points(axis, kernel, room) ? 1 : 0;
+  if (scratch.points.count > 0) {
+    seen |= integrate_points(axis, kernel, scratch) ? 1 : 0;
   } else {
-    kernel.evaluate(room.values);
+    kernel.evaluate(scratch.values);
     const double* const weights = kernel.cosine ? texels.moment.data() : texels.solid_angle.data();
     for (std::size_t i = 0; i < count; ++i) {
       values[i] *= weights[i];
@@ -96,7 +96,7 @@ bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& 
     }
   }
   for (std::size_t k = 0; k < cut; ++k) {
-    const int column = room.cut[k];
+    const int column = scratch.cut[k];
     values[column] = integrals.integral({row, column}, axis, kernel);
   }
   return seen != 0;
@@ -106,32 +106,32 @@ void integrate_batch(const SanitizedSource& source, const TexelIntegrals& integr
                      std::span<const glm::dvec3> axes, const Control& control, std::vector<glm::dvec3>& result) {
   const auto rows = static_cast<std::size_t>(source.rows());
   const auto columns = static_cast<std::size_t>(source.columns());
-  const std::size_t rows_per_tile = (rows + kMostTiles - 1) / kMostTiles;
+  const std::size_t rows_per_tile = (rows + kMaxTiles - 1) / kMaxTiles;
   const std::size_t tiles = (rows + rows_per_tile - 1) / rows_per_tile;
   const jobs::Placement placement = jobs::placement_for(static_cast<std::int64_t>(rows * columns * axes.size()));
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<Scratch> scratch(workers, Scratch(columns));
+  std::vector<Scratch> scratches(workers, Scratch(columns));
   std::vector<glm::dvec3> slots(tiles * axes.size(), glm::dvec3(0.0));
 
   jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
-    Scratch& room = scratch[worker];
+    Scratch& scratch = scratches[worker];
     glm::dvec3* const slot = slots.data() + tile * axes.size();
     for (std::size_t row = tile * rows_per_tile; row < std::min(rows, (tile + 1) * rows_per_tile); ++row) {
       const float* const rgb = source.row(static_cast<int>(row));
       for (std::size_t i = 0; i < columns; ++i) {
-        room.red[i] = static_cast<double>(rgb[3 * i]);
-        room.green[i] = static_cast<double>(rgb[3 * i + 1]);
-        room.blue[i] = static_cast<double>(rgb[3 * i + 2]);
+        scratch.red[i] = static_cast<double>(rgb[3 * i]);
+        scratch.green[i] = static_cast<double>(rgb[3 * i + 1]);
+        scratch.blue[i] = static_cast<double>(rgb[3 * i + 2]);
       }
-      integrals.fill(static_cast<int>(row), room.texels);
-      const int order = kernel.shared_order(room.texels.radius);
-      if (order > 0) integrals.fill(static_cast<int>(row), order, room.points);
-      if (order == 0) room.points.count = 0;
-      room.looked.resize(room.points.count);
+      integrals.fill(static_cast<int>(row), scratch.texels);
+      const int order = kernel.shared_order(scratch.texels.radius);
+      if (order > 0) integrals.fill(static_cast<int>(row), order, scratch.points);
+      if (order == 0) scratch.points.count = 0;
+      scratch.looked.resize(scratch.points.count);
       for (std::size_t n = 0; n < axes.size(); ++n) {
-        if (!fill_integrals(integrals, static_cast<int>(row), axes[n], kernel, room)) continue;
-        slot[n] += glm::dvec3(math::dot(room.values, room.red), math::dot(room.values, room.green),
-                              math::dot(room.values, room.blue));
+        if (!fill_integrals(integrals, static_cast<int>(row), axes[n], kernel, scratch)) continue;
+        slot[n] += glm::dvec3(math::dot(scratch.values, scratch.red), math::dot(scratch.values, scratch.green),
+                              math::dot(scratch.values, scratch.blue));
       }
     }
   });

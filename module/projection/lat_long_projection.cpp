@@ -232,12 +232,8 @@ struct ColumnRun {
 };
 
 FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
-  switch (format) {
-    case PixelFormat::rgb32f: return kernels.fold_halves[fold_rgb32f];
-    case PixelFormat::rgba32f: return kernels.fold_halves[fold_rgba32f];
-    case PixelFormat::rgba16f: return kernels.fold_halves[fold_rgba16f];
-    default: return nullptr;
-  }
+  const FoldFormat fold = fold_format(format);
+  return fold == fold_format_count ? nullptr : kernels.fold_halves[fold];
 }
 
 /// Returns the ratios of the mean of cos(m lon) over a column to its value at the centre.
@@ -271,7 +267,7 @@ struct LatLongProjector::State {
         over_centre(static_cast<std::size_t>(options_.bands)) {
     for (int m = 0; m < options_.bands; ++m) over_centre[static_cast<std::size_t>(m)] = mean_over_centre(m, width_);
     for (int f = 0; f < functions; ++f) identity[static_cast<std::size_t>(f)] = f;
-    for (std::size_t worker = 0; worker < workers; ++worker) scratch.emplace_back(orders, functions);
+    for (std::size_t worker = 0; worker < workers; ++worker) scratches.emplace_back(orders, functions);
     static_cast<void>(transforms::lat_long_transform(options_.bands));  // built here, not inside a block
   }
 
@@ -282,22 +278,22 @@ struct LatLongProjector::State {
   /// Returns whether it differs from the exact rule at the picture's own size, which is then summed as well.
   [[nodiscard]] bool errs() const noexcept { return reduced || midpoint; }
 
-  void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
-  void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& room,
+  void project_block(int block, const LatLongView& rows, Scratch& scratch) noexcept;
+  void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& scratch,
                SanitizeRecord& record) noexcept;
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
-  void clear_lanes(Scratch& room) const noexcept;
-  bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders, std::vector<double>& exact) const noexcept;
+  void clear_lanes(Scratch& scratch) const noexcept;
+  bool fold_lanes(Scratch& scratch, std::vector<double>& sums_of_orders, std::vector<double>& exact) const noexcept;
   [[nodiscard]] FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
                                      int chunk) const noexcept;
   void fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold, const FetchAhead& ahead,
-                     Scratch& room) noexcept;
-  static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
-  void sanitize(const ColumnRun& run, PixelFormat format, Scratch& room, SanitizeRecord& record) noexcept;
-  void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
-  void sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept;
-  void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
-  void add_row(int row, Scratch& room) noexcept;
+                     Scratch& scratch) noexcept;
+  static void decode(const ColumnRun& run, PixelFormat format, Scratch& scratch) noexcept;
+  void sanitize(const ColumnRun& run, PixelFormat format, Scratch& scratch, SanitizeRecord& record) noexcept;
+  void fold_decoded(const ColumnRun& run, int position, Scratch& scratch) noexcept;
+  void sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& scratch) noexcept;
+  void sum_in_double(const ColumnRun& run, Scratch& scratch) noexcept;
+  void add_row(int row, Scratch& scratch) noexcept;
 
   int width;
   int height;
@@ -316,12 +312,12 @@ struct LatLongProjector::State {
   TileSums sums;
   TileSums exact_sums;
   std::vector<double> over_centre;  ///< by order, see `mean_over_centre`
-  std::vector<Scratch> scratch;
+  std::vector<Scratch> scratches;
 };
 
-void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& room) noexcept {
-  std::fill(room.local_sums.begin(), room.local_sums.end(), 0.0);
-  std::fill(room.exact_local_sums.begin(), room.exact_local_sums.end(), 0.0);
+void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& scratch) noexcept {
+  std::fill(scratch.local_sums.begin(), scratch.local_sums.end(), 0.0);
+  std::fill(scratch.exact_local_sums.begin(), scratch.exact_local_sums.end(), 0.0);
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(rows.format));
   const std::ptrdiff_t row_bytes = rows.row_stride_bytes != 0 ? rows.row_stride_bytes : texel_bytes * width;
   const auto* const pixels = static_cast<const std::byte*>(rows.pixels);
@@ -330,14 +326,14 @@ void LatLongProjector::State::project_block(int block, const LatLongView& rows, 
     const int row = block * rows_per_block + index;
     const std::byte* const texels = pixels + index * row_bytes;
     const std::byte* const next_row = index + 1 < rows.height ? texels + row_bytes : nullptr;
-    sum_row(texels, next_row, rows.format, row, room, record);
-    add_row(row, room);
+    sum_row(texels, next_row, rows.format, row, scratch, record);
+    add_row(row, scratch);
   }
   transforms::lat_long_transform(options.bands)
-      .add(room.local_sums.data(), identity.data(), sums.values(static_cast<std::size_t>(block)));
+      .add(scratch.local_sums.data(), identity.data(), sums.values(static_cast<std::size_t>(block)));
   if (!errs()) return;
   transforms::lat_long_transform(options.bands)
-      .add(room.exact_local_sums.data(), identity.data(), exact_sums.values(static_cast<std::size_t>(block)));
+      .add(scratch.exact_local_sums.data(), identity.data(), exact_sums.values(static_cast<std::size_t>(block)));
 }
 
 ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const {
@@ -358,45 +354,45 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
 /// Leaves the row's sums over longitude in room.row_sums: the fast way, if the format allows it and the sums
 /// come out finite, else with every texel passing the policies.
 void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
-                                      Scratch& room, SanitizeRecord& record) noexcept {
-  const FoldHalves fold = sanitizer.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
+                                      Scratch& scratch, SanitizeRecord& record) noexcept {
+  const FoldHalves fold = sanitizer.needs_every_texel() ? nullptr : direct_fold(format, kernels);
   if (fold != nullptr) {
-    clear_lanes(room);
+    clear_lanes(scratch);
     for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
       const ColumnRun run = column_run(texels, format, row, chunk);
       const FetchAhead ahead = read_next(texels, next_row, format, chunk);
-      fold_directly(run, format, fold, ahead, room);
-      sum_planes(run, ahead, room);
+      fold_directly(run, format, fold, ahead, scratch);
+      sum_planes(run, ahead, scratch);
     }
-    if (fold_lanes(room, room.row_sums, room.exact_row_sums)) return;
+    if (fold_lanes(scratch, scratch.row_sums, scratch.exact_row_sums)) return;
   }
-  std::fill(room.row_sums.begin(), room.row_sums.end(), 0.0);
-  std::fill(room.exact_row_sums.begin(), room.exact_row_sums.end(), 0.0);
+  std::fill(scratch.row_sums.begin(), scratch.row_sums.end(), 0.0);
+  std::fill(scratch.exact_row_sums.begin(), scratch.exact_row_sums.end(), 0.0);
   for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
     const ColumnRun run = column_run(texels, format, row, chunk);
-    clear_lanes(room);
-    decode(run, format, room);
-    sanitize(run, format, room, record);
-    fold_decoded(run, 0, room);
-    sum_planes(run, {}, room);
-    if (!fold_lanes(room, room.chunk_sums, room.exact_chunk_sums)) sum_in_double(run, room);
-    for (std::size_t k = 0; k < room.row_sums.size(); ++k) {
-      room.row_sums[k] += room.chunk_sums[k];
-      room.exact_row_sums[k] += room.exact_chunk_sums[k];
+    clear_lanes(scratch);
+    decode(run, format, scratch);
+    sanitize(run, format, scratch, record);
+    fold_decoded(run, 0, scratch);
+    sum_planes(run, {}, scratch);
+    if (!fold_lanes(scratch, scratch.chunk_sums, scratch.exact_chunk_sums)) sum_in_double(run, scratch);
+    for (std::size_t k = 0; k < scratch.row_sums.size(); ++k) {
+      scratch.row_sums[k] += scratch.chunk_sums[k];
+      scratch.exact_row_sums[k] += scratch.exact_chunk_sums[k];
     }
   }
 }
 
-void LatLongProjector::State::clear_lanes(Scratch& room) const noexcept {
-  std::fill_n(room.sum_lanes.data(), room.sum_lanes.size(), 0.0);
-  if (reduced) std::fill_n(room.exact_lanes.data(), room.exact_lanes.size(), 0.0);
+void LatLongProjector::State::clear_lanes(Scratch& scratch) const noexcept {
+  std::fill_n(scratch.sum_lanes.data(), scratch.sum_lanes.size(), 0.0);
+  if (reduced) std::fill_n(scratch.exact_lanes.data(), scratch.exact_lanes.size(), 0.0);
 }
 
 /// False if the sums are not all finite.
-bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders,
+bool LatLongProjector::State::fold_lanes(Scratch& scratch, std::vector<double>& sums_of_orders,
                                          std::vector<double>& exact) const noexcept {
-  kernels.fold_sum_lanes(room.sum_lanes.data(), 3 * orders, sums_of_orders.data());
-  if (reduced) kernels.fold_sum_lanes(room.exact_lanes.data(), 3 * orders, exact.data());
+  kernels.fold_sum_lanes(scratch.sum_lanes.data(), 3 * orders, sums_of_orders.data());
+  if (reduced) kernels.fold_sum_lanes(scratch.exact_lanes.data(), 3 * orders, exact.data());
   return all_finite(sums_of_orders) && all_finite(exact);
 }
 
@@ -415,10 +411,10 @@ FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std
 }
 
 void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold,
-                                            const FetchAhead& ahead, Scratch& room) noexcept {
+                                            const FetchAhead& ahead, Scratch& scratch) noexcept {
   const int whole = run.count / kLanes * kLanes;
   if (whole > 0) {
-    fold(run.first, run.second != nullptr ? run.second : kZeros, ahead, whole / kLanes, room.planes.data());
+    fold(run.first, run.second != nullptr ? run.second : kZeros, ahead, whole / kLanes, scratch.planes.data());
   }
   if (whole == run.count) return;
   const auto skipped = whole * static_cast<std::ptrdiff_t>(bytes_per_texel(format));
@@ -426,24 +422,24 @@ void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat fo
   rest.first += skipped;
   if (rest.second != nullptr) rest.second += skipped;
   rest.count -= whole;
-  decode(rest, format, room);
-  fold_decoded(rest, whole, room);
+  decode(rest, format, scratch);
+  fold_decoded(rest, whole, scratch);
 }
 
-void LatLongProjector::State::decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept {
+void LatLongProjector::State::decode(const ColumnRun& run, PixelFormat format, Scratch& scratch) noexcept {
   const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
   const std::byte* const halves[2] = {run.first, run.second};
   for (int half = 0; half < 2; ++half) {
-    float* const rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk;
+    float* const rgb = scratch.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk;
     std::fill_n(rgb, 3 * padded, 0.0F);
     if (halves[half] != nullptr) image::decode_texels(format, halves[half], run.count, rgb);
   }
 }
 
-void LatLongProjector::State::sanitize(const ColumnRun& run, PixelFormat format, Scratch& room,
+void LatLongProjector::State::sanitize(const ColumnRun& run, PixelFormat format, Scratch& scratch,
                                        SanitizeRecord& record) noexcept {
   for (int half = 0; half < (run.second != nullptr ? 2 : 1); ++half) {
-    const TexelRun texels{.rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
+    const TexelRun texels{.rgb = scratch.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
                           .count = run.count,
                           .face = 0,
                           .row = run.row,
@@ -455,26 +451,26 @@ void LatLongProjector::State::sanitize(const ColumnRun& run, PixelFormat format,
   }
 }
 
-void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept {
-  const float* const runs = room.runs.data();
+void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& scratch) noexcept {
+  const float* const runs = scratch.runs.data();
   kernels.fold_halves[fold_rgb32f](runs, runs + std::ptrdiff_t{3} * kChunk, {}, (run.count + kLanes - 1) / kLanes,
-                                   room.planes.data() + position);
+                                   scratch.planes.data() + position);
 }
 
-void LatLongProjector::State::sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept {
+void LatLongProjector::State::sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& scratch) noexcept {
   const int groups = (run.count + kLanes - 1) / kLanes;
-  kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(), groups, ahead,
-                        room.sum_lanes.data());
+  kernels.weighted_sums(scratch.planes.data(), kClasses, run.weights, weights->class_counts(), groups, ahead,
+                        scratch.sum_lanes.data());
   if (!reduced) return;
-  kernels.weighted_sums(room.planes.data(), kClasses, run.exact, weights->class_counts(), groups, {},
-                        room.exact_lanes.data());
+  kernels.weighted_sums(scratch.planes.data(), kClasses, run.exact, weights->class_counts(), groups, {},
+                        scratch.exact_lanes.data());
 }
 
 /// Leaves a run's sums in room.chunk_sums. Its decoded texels are finite, but their sums fit a double only.
-void LatLongProjector::State::sum_in_double(const ColumnRun& run, Scratch& room) noexcept {
-  std::fill(room.chunk_sums.begin(), room.chunk_sums.end(), 0.0);
+void LatLongProjector::State::sum_in_double(const ColumnRun& run, Scratch& scratch) noexcept {
+  std::fill(scratch.chunk_sums.begin(), scratch.chunk_sums.end(), 0.0);
   double planes[3 * kClasses * kChunk] = {};
-  const float* const first = room.runs.data();
+  const float* const first = scratch.runs.data();
   const float* const second = first + std::ptrdiff_t{3} * kChunk;
   for (int k = 0; k < run.count; ++k) {
     for (int c = 0; c < 3; ++c) {
@@ -484,24 +480,24 @@ void LatLongProjector::State::sum_in_double(const ColumnRun& run, Scratch& room)
       planes[(c * kClasses + 1) * kChunk + k] = a - b;
     }
   }
-  weighted_sums_in_double(planes, kClasses, run.weights, weights->class_counts(), run.count, room.chunk_sums.data());
+  weighted_sums_in_double(planes, kClasses, run.weights, weights->class_counts(), run.count, scratch.chunk_sums.data());
   if (!reduced) return;
-  std::fill(room.exact_chunk_sums.begin(), room.exact_chunk_sums.end(), 0.0);
+  std::fill(scratch.exact_chunk_sums.begin(), scratch.exact_chunk_sums.end(), 0.0);
   weighted_sums_in_double(planes, kClasses, run.exact, weights->class_counts(), run.count,
-                          room.exact_chunk_sums.data());
+                          scratch.exact_chunk_sums.data());
 }
 
 /// local(l, m) += row's factor of (l, |m|) times its sum of order m.
-void LatLongProjector::State::add_row(int row, Scratch& room) noexcept {
+void LatLongProjector::State::add_row(int row, Scratch& scratch) noexcept {
   const double* const factors = weights->row_weights(row);
   const double* const exact_factors = exact_weights->row_weights(row);
   for (int channel = 0; channel < 3; ++channel) {
     const auto first_order = static_cast<std::ptrdiff_t>(channel) * orders;
     const auto first_function = static_cast<std::ptrdiff_t>(channel) * functions;
-    const double* const row_sums = room.row_sums.data() + first_order;
-    double* const local = room.local_sums.data() + first_function;
-    const double* const exact_sums_of_row = (reduced ? room.exact_row_sums : room.row_sums).data() + first_order;
-    double* const exact_local = room.exact_local_sums.data() + first_function;
+    const double* const row_sums = scratch.row_sums.data() + first_order;
+    double* const local = scratch.local_sums.data() + first_function;
+    const double* const exact_sums_of_row = (reduced ? scratch.exact_row_sums : scratch.row_sums).data() + first_order;
+    double* const exact_local = scratch.exact_local_sums.data() + first_function;
     for (int l = 0; l < options.bands; ++l) {
       for (int m = -l; m <= l; ++m) {
         const int order = m < 0 ? -m : m;
@@ -527,7 +523,7 @@ int LatLongProjector::rows_per_block() const noexcept { return state_->rows_per_
 int LatLongProjector::block_count() const noexcept { return state_->block_count; }
 
 void LatLongProjector::project_block(int block, const LatLongView& rows, std::size_t worker) noexcept {
-  state_->project_block(block, rows, state_->scratch[worker]);
+  state_->project_block(block, rows, state_->scratches[worker]);
 }
 
 Projection LatLongProjector::finish() {

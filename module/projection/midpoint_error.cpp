@@ -13,7 +13,7 @@ namespace welkin::projection {
 namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{4} << 20U;
-constexpr int kMostSamples = 24;   ///< along the edge of a quadrant: bands below 16 have two waves there
+constexpr int kMaxSamples = 24;    ///< along the edge of a quadrant: bands below 16 have two waves there
 constexpr double kBetween = 1.15;  ///< times the largest of the samples, for texels between them
 constexpr double kRidge = 1e-10;   ///< of the mean square: keeps the combination's factors, and what they make of
                                    ///< rounded sums, below 1e5 d
@@ -61,7 +61,7 @@ struct MidpointError::Samples {
   Samples(int size, int bands, const std::vector<int>& weight_rows)
       : functions(bands * bands), values(static_cast<std::size_t>(functions)) {
     const int half = (size + 1) / 2;
-    const int across = std::min(half, kMostSamples);
+    const int across = std::min(half, kMaxSamples);
     const auto texel = [&](int k) { return across > 1 ? k * (half - 1) / (across - 1) : 0; };
     for (int row = 0; row < across; ++row) {
       for (int column = 0; column < across; ++column) add(size, bands, weight_rows, texel(row), texel(column));

@@ -1,12 +1,12 @@
 // The public calls: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "image/pixels.h"
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "projection/box_reduction.h"
@@ -20,16 +20,6 @@
 
 namespace welkin {
 namespace {
-
-class Stopwatch {
- public:
-  [[nodiscard]] double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void check_chain(std::span<const CubemapView> mips) {
   if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain is empty; pass at least the full size");
@@ -49,17 +39,14 @@ void check_chain(std::span<const CubemapView> mips) {
 /// Projects by Babylon.js's reduction; its loss is the difference to the sums of texels as areas.
 Projection project_boxes(const CubemapView& cubemap, int target, const ProjectionOptions& options,
                          const Control& control) {
-  const Stopwatch reducing;
+  const jobs::Stopwatch reducing;
   const projection::ReducedCubemap reduced =
       projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, 0.6));
   const double milliseconds = reducing.milliseconds();
   ProjectionOptions whole = options;
   whole.quadrature = Quadrature::exact;
   const Projection exact = projection::project_cubemap(cubemap, whole, jobs::part_of(control, 0.6, 0.9));
-  const Stopwatch projecting;
   Projection projection = projection::project_cubemap(reduced.view, options, jobs::part_of(control, 0.9, 1.0));
-  projection::describe_projection(projection, target, options);
-  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
   projection.diagnostics.texels = exact.diagnostics.texels;
   projection.diagnostics.error_estimate =
       projection::relative_error(projection.radiance.coefficients(), exact.radiance.coefficients());
@@ -74,11 +61,7 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
   const bool midpoint = options.quadrature == Quadrature::midpoint;
   options.target_size = midpoint ? std::nullopt : target;
   if (target && midpoint) return project_boxes(cubemap, *target, options, control);
-  const Stopwatch projecting;
-  Projection projection = projection::project_cubemap(cubemap, options, control);
-  projection::describe_projection(projection, cubemap.size, options);
-  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
-  return projection;
+  return projection::project_cubemap(cubemap, options, control);
 }
 
 }  // namespace
@@ -109,7 +92,7 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
 namespace {
 
 Projection project_level(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
-  const Stopwatch projecting;
+  const jobs::Stopwatch projecting;
   const std::int64_t texels = std::int64_t{lat_long.width} * lat_long.height;
   const jobs::Placement placement = jobs::placement_for(texels);
   const std::size_t workers = jobs::worker_count(placement);

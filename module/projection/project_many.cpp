@@ -46,7 +46,7 @@ std::int64_t texels_of(const CubemapView& probe) { return texels_of(probe.size);
 
 /// Small cubemaps: each is projected whole by one thread, with the bits of `project`, and without the heap.
 ///
-/// Name the sizes that occur (`prepare`), then say how many threads there are (`make_rooms`), then project.
+/// Name the sizes that occur (`prepare`), then say how many threads there are (`make_scratch`), then project.
 class SmallCubemaps {
  public:
   /// `one_of_many`: most pixels must come from memory, and are asked for ahead.
@@ -74,53 +74,53 @@ class SmallCubemaps {
       errors_[at] = MidpointError::get(size, options_.bands, *weights_[at]);
   }
 
-  void make_rooms(std::size_t workers) {
+  void make_scratch(std::size_t workers) {
     std::size_t weight_floats = 0;
     for (const auto& weights : weights_) weight_floats = std::max(weight_floats, weights ? weights->scratch_size() : 0);
-    rooms_.clear();
-    rooms_.reserve(workers);
-    while (rooms_.size() < workers) rooms_.emplace_back(options_.bands * options_.bands, weight_floats);
+    scratches_.clear();
+    scratches_.reserve(workers);
+    while (scratches_.size() < workers) scratches_.emplace_back(options_.bands * options_.bands, weight_floats);
   }
 
   /// Writes bands^2 coefficients. A texel that a policy rejects is left in `record`. Different workers may project at
   /// the same time. Allocates nothing.
   [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker, std::span<dvec3> radiance,
                                               SanitizeRecord& record) {
-    Room& room = rooms_[worker];
+    Scratch& scratch = scratches_[worker];
     const ProjectionOptions options = options_at(cubemap.size);
     const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
     const ChunkProjection chunks(cubemap, options, kAllFaces, sanitizer_, weights, one_of_many_);
     const MidpointError* const error = errors_[static_cast<std::size_t>(cubemap.size)].get();
-    std::fill(room.sums.begin(), room.sums.end(), 0.0);
-    std::fill(room.off.begin(), room.off.end(), 0.0);
+    std::fill(scratch.sums.begin(), scratch.sums.end(), 0.0);
+    std::fill(scratch.off.begin(), scratch.off.end(), 0.0);
     for (int tile = 0; tile < ChunkProjection::tile_count(weights); ++tile) {
-      record.add(add_tile(chunks, tile, weights.weight_rows().data(), error, room));
+      record.add(add_tile(chunks, tile, weights.weight_rows().data(), error, scratch));
     }
     const std::size_t functions = radiance.size();
     const auto at = [functions](const std::vector<double>& sums, std::size_t f) {
       return dvec3(sums[f], sums[functions + f], sums[2 * functions + f]);
     };
-    for (std::size_t f = 0; f < functions; ++f) radiance[f] = at(room.sums, f);
+    for (std::size_t f = 0; f < functions; ++f) radiance[f] = at(scratch.sums, f);
     ProjectionDiagnostics diagnostics = cubemap_diagnostics(cubemap.size, radiance, record);
     diagnostics.error_estimate = relative_error(radiance, radiance);
     if (error == nullptr) return diagnostics;
     std::array<dvec3, std::size_t{kMaximumBands} * kMaximumBands> off;
-    for (std::size_t f = 0; f < functions; ++f) off[f] = at(room.off, f);
+    for (std::size_t f = 0; f < functions; ++f) off[f] = at(scratch.off, f);
     diagnostics.error_estimate = midpoint_estimate(radiance, {off.data(), functions}, *error);
     return diagnostics;
   }
 
  private:
   /// What a worker needs.
-  struct Room {
-    Room(int functions, std::size_t weight_floats)
-        : scratch(functions, weight_floats),
+  struct Scratch {
+    Scratch(int functions, std::size_t weight_floats)
+        : chunks(functions, weight_floats),
           slot(static_cast<std::size_t>(3 * functions)),
           sums(slot.size()),
           off_slot(slot.size()),
           off(slot.size()) {}
 
-    ChunkProjection::Scratch scratch;
+    ChunkProjection::Scratch chunks;
     std::vector<double> slot;      ///< of a tile, [3][functions]
     std::vector<double> sums;      ///< of all, likewise
     std::vector<double> off_slot;  ///< what the midpoint rule errs by in a tile
@@ -134,21 +134,21 @@ class SmallCubemaps {
   }
 
   SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* weight_rows, const MidpointError* error,
-                          Room& room) const {
-    std::fill(room.slot.begin(), room.slot.end(), 0.0);
-    std::fill(room.off_slot.begin(), room.off_slot.end(), 0.0);
+                          Scratch& scratch) const {
+    std::fill(scratch.slot.begin(), scratch.slot.end(), 0.0);
+    std::fill(scratch.off_slot.begin(), scratch.off_slot.end(), 0.0);
     SanitizeRecord of_tile;
-    chunks.sum_tile(tile, room.scratch);
+    chunks.sum_tile(tile, scratch.chunks);
     for (const int face : kAllFaces) {
       SanitizeRecord of_face;
-      const std::span<const double> sums = chunks.face_sums(tile, face, room.scratch, of_face);
-      transforms::face_transform(face, options_.bands).add(sums.data(), weight_rows, room.slot.data());
-      if (error != nullptr) error->add(face, sums.data(), room.off_slot.data());
+      const std::span<const double> sums = chunks.face_sums(tile, face, scratch.chunks, of_face);
+      transforms::face_transform(face, options_.bands).add(sums.data(), weight_rows, scratch.slot.data());
+      if (error != nullptr) error->add(face, sums.data(), scratch.off_slot.data());
       of_tile.add(of_face);
     }
-    for (std::size_t k = 0; k < room.sums.size(); ++k) {
-      room.sums[k] += room.slot[k];
-      room.off[k] += room.off_slot[k];
+    for (std::size_t k = 0; k < scratch.sums.size(); ++k) {
+      scratch.sums[k] += scratch.slot[k];
+      scratch.off[k] += scratch.off_slot[k];
     }
     return of_tile;
   }
@@ -158,7 +158,7 @@ class SmallCubemaps {
   bool one_of_many_;
   std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size
   std::vector<std::shared_ptr<const MidpointError>> errors_;  ///< by size, of the midpoint rule
-  std::vector<Room> rooms_;                                   ///< of each worker
+  std::vector<Scratch> scratches_;                            ///< of each worker
 };
 
 /// Probes that follow each other and are projected in one tile; or one large probe.
@@ -235,7 +235,7 @@ class ManyProjections {
   void run_small(const Control& control) {
     const jobs::Placement placement = jobs::placement_for(small_texels_);
     const std::size_t workers = jobs::worker_count(placement);
-    small_.make_rooms(workers);
+    small_.make_scratch(workers);
     jobs::run_tiles(groups_.size(), placement, workers, control,
                     [&](std::size_t tile, std::size_t worker) { project_group(groups_[tile], worker, control); });
   }

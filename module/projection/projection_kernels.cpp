@@ -4,8 +4,11 @@
 // sums and differences taken first, four texels need one multiplication a basis function instead of four.
 #include "projection/projection_kernels.h"
 
+#include <type_traits>
+
+#include "image/image_kernels.h"
 #include "projection/lane_sums.h"
-#include "simd/vec.h"
+#include "simd/packed_texels.h"
 
 namespace welkin::projection::WELKIN_ISA {
 namespace {
@@ -28,11 +31,21 @@ WELKIN_INLINE void store_quadrant_classes(const simd::Adder& adder, Lanes top_le
   (bottom_difference - top_difference).store_aligned(plane + 3 * kChunk);
 }
 
-/// Channel: float or std::uint16_t (binary16); channels: 3 or 4 in memory.
+/// Channel: float, std::uint16_t (binary16), std::uint8_t (of 255) or SrgbByte; channels: 3 or 4 in memory.
 template <class Channel, int channels, bool reversed>
 WELKIN_INLINE Rgb load_texels(const Channel* run, int texel) {
-  if constexpr (channels == 3) {
+  if constexpr (std::is_same_v<Channel, SrgbByte>) {
+    constexpr int step = reversed ? -channels : channels;
+    const std::uint8_t* const first = &run[channels * (reversed ? texel + kWidth - 1 : texel)].value;
+    const float* const table = image::kLinearFromSrgb.of;
+    return {simd::look_up<step>(table, first), simd::look_up<step>(table, first + 1),
+            simd::look_up<step>(table, first + 2)};
+  } else if constexpr (std::is_same_v<Channel, float> && channels == 3) {
     return load_rgb<reversed>(run + 3 * texel);
+  } else if constexpr (channels == 3) {
+    return simd::load_packed_rgb<reversed>(run + 3 * texel);
+  } else if constexpr (sizeof(Channel) == 1) {
+    return simd::load_byte_rgba<reversed>(run + 4 * texel);
   } else {
     return load_rgba<reversed>(run + 4 * texel);
   }
@@ -368,8 +381,18 @@ void evaluate_harmonics(const DirectionRun& run, const math::BasisRecurrence& re
 }  // namespace
 
 const ProjectionKernels projection_kernels_table = {
-    .fold_quadrants = {fold_quadrants<float, 3>, fold_quadrants<float, 4>, fold_quadrants<std::uint16_t, 4>},
-    .fold_halves = {fold_halves<float, 3>, fold_halves<float, 4>, fold_halves<std::uint16_t, 4>},
+    .fold_quadrants = {fold_quadrants<float, 3>, fold_quadrants<float, 4>, fold_quadrants<std::uint16_t, 4>,
+                       folds(fold_rgb16f) ? fold_quadrants<std::uint16_t, 3> : nullptr,
+                       folds(fold_rgb8) ? fold_quadrants<std::uint8_t, 3> : nullptr,
+                       folds(fold_rgba8) ? fold_quadrants<std::uint8_t, 4> : nullptr,
+                       folds(fold_srgb8) ? fold_quadrants<SrgbByte, 3> : nullptr,
+                       folds(fold_srgba8) ? fold_quadrants<SrgbByte, 4> : nullptr},
+    .fold_halves = {fold_halves<float, 3>, fold_halves<float, 4>, fold_halves<std::uint16_t, 4>,
+                    folds(fold_rgb16f) ? fold_halves<std::uint16_t, 3> : nullptr,
+                    folds(fold_rgb8) ? fold_halves<std::uint8_t, 3> : nullptr,
+                    folds(fold_rgba8) ? fold_halves<std::uint8_t, 4> : nullptr,
+                    folds(fold_srgb8) ? fold_halves<SrgbByte, 3> : nullptr,
+                    folds(fold_srgba8) ? fold_halves<SrgbByte, 4> : nullptr},
     .weighted_sums = weighted_sums,
     .fold_sum_lanes = fold_sum_lanes,
     .evaluate_harmonics = evaluate_harmonics,

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "math/basis.h"
+#include "platform/sent_code.h"
 #include "simd/dispatch.h"
+#include "welkin/image.h"
 
 namespace welkin::projection {
 
@@ -30,7 +33,41 @@ struct ClassCounts {
 };
 
 /// Which formats the folding kernels read directly; all others are decoded to rgb32f first.
-enum FoldFormat { fold_rgb32f, fold_rgba32f, fold_rgba16f, fold_format_count };
+enum FoldFormat {
+  fold_rgb32f,
+  fold_rgba32f,
+  fold_rgba16f,
+  fold_rgb16f,
+  fold_rgb8,
+  fold_rgba8,
+  fold_srgb8,
+  fold_srgba8,
+  fold_format_count
+};
+
+/// A byte of the sRGB transfer function.
+struct SrgbByte {
+  std::uint8_t value;
+};
+
+/// Whether there are kernels that fold it. WebAssembly has those of the formats that engines render to.
+[[nodiscard]] constexpr bool folds(FoldFormat format) { return !platform::kCodeIsSent || format <= fold_rgba16f; }
+
+/// How the folding kernels read a format; `fold_format_count` if they do not.
+[[nodiscard]] inline FoldFormat fold_format(PixelFormat format) {
+  const auto if_folded = [](FoldFormat fold) { return folds(fold) ? fold : fold_format_count; };
+  switch (format) {
+    case PixelFormat::rgb32f: return fold_rgb32f;
+    case PixelFormat::rgba32f: return fold_rgba32f;
+    case PixelFormat::rgba16f: return fold_rgba16f;
+    case PixelFormat::rgb16f: return if_folded(fold_rgb16f);
+    case PixelFormat::rgb8: return if_folded(fold_rgb8);
+    case PixelFormat::rgba8: return if_folded(fold_rgba8);
+    case PixelFormat::srgb8: return if_folded(fold_srgb8);
+    case PixelFormat::srgba8: return if_folded(fold_srgba8);
+    default: return fold_format_count;
+  }
+}
 
 /// Memory that will be read soon: four stretches of `lines` cache lines each.
 ///

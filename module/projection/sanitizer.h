@@ -51,7 +51,7 @@ class Sanitizer {
   explicit Sanitizer(const PixelPolicy& policy);
 
   /// False if finite pixels pass unchanged, so that only a sum that is not finite calls for a look at them.
-  [[nodiscard]] bool looks_at_every_texel() const noexcept { return looks_at_every_texel_; }
+  [[nodiscard]] bool needs_every_texel() const noexcept { return looks_at_every_texel_; }
 
   /// Bounds between which a channel passes unchanged; NaN never does. Meaningless with gamma.
   [[nodiscard]] float low() const noexcept { return low_; }

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 
+#include "projection/projection_kernels.h"
 #include "simd/dispatch.h"
 
 namespace welkin::projection {
@@ -21,9 +22,10 @@ inline constexpr int kStripRows = 16;
 /// Positions to the left of a face's middle that are taken at once, at most, with their mirror images: their weights
 /// stay in the second-level cache from face to face.
 inline constexpr int kSegment = 256;
-inline constexpr int kFewestMoments = 4;
-inline constexpr int kMostMoments = 6;
-/// Harmonics of the three bands that strips are made for.
+inline constexpr int kMinMoments = 4;
+inline constexpr int kMaxMoments = 6;
+/// Bands whose harmonics `SumStrips` weighs, and how many these are.
+inline constexpr int kStripBands = 3;
 inline constexpr int kStripFunctions = 9;
 /// Columns of which all rows are read before the next ones. Longer runs are read faster from memory, shorter ones leave
 /// their moments in the first-level cache. (Measured on Zen 3: at 1024 and 2048 half as many take 2 to 5 % longer, a
@@ -33,9 +35,12 @@ inline constexpr int strip_block(int moments) { return moments == 4 ? 256 : mome
 /// From one moment of a block to the next, in floats: three channels, and what `store_without_fourth` writes behind.
 inline constexpr int moment_stride(int moments) { return 3 * strip_block(moments) + simd::kLanes; }
 
+/// Floats that `FoldStrips` writes for each moment.
+inline constexpr int kStripPlaneFloats = 3 * kMaximumClasses * kChunk;
+
 /// Floats that the kernel works in, for texels of up to four channels: moments of four pieces, of one in the other
 /// order and of half a piece's rows.
-inline constexpr int strip_room(int moments) {
+inline constexpr int strip_scratch(int moments) {
   return moments * (5 * moment_stride(moments) + 4 * strip_block(moments));
 }
 
@@ -54,10 +59,12 @@ struct StripPieces {
 ///   sums[channel][9][kSumLanes] += the sum over moments and columns of weight times moment,
 /// classes and their order as in FoldQuadrants and WeightedSums: 16 lanes for the columns in float, over all moments
 /// and groups of 16 columns, then lanes k + k + 8, then the addition in double.
-/// weights: [group][moments][9][48], each column's weight once for each channel. room: `strip_room` floats.
-using SumStrips = void (*)(const StripPieces& pieces, int texels, const float* weights, float* room, double* sums);
+/// weights: [group][moments][9][48], each column's weight once for each channel. scratch: `strip_scratch` floats.
+using SumStrips = void (*)(const StripPieces& pieces, int texels, const float* weights, float* scratch, double* sums);
 
-enum StripFormat { strip_rgb32f, strip_rgba32f, strip_rgba16f, strip_format_count };
+/// The moments' classes, for any number of functions to be weighed by `WeightedSums`:
+///   planes[moment][channel][class][kChunk], from pieces of `texels` columns (a multiple of 16, at most kChunk).
+using FoldStrips = void (*)(const StripPieces& pieces, int texels, float* scratch, float* planes);
 
 /// What moments weigh, from weights at as many rows as there are moments, which lie symmetrically about the strip's
 /// middle: first those above it from the outermost on, the middle one if their number is odd, and last those below,
@@ -74,9 +81,23 @@ struct MomentsFromRows {
 using WeighMoments = void (*)(const MomentsFromRows& matrix, const float* rows, int row_stride, int groups,
                               float* weights);
 
+/// rows: [moments][functions][row_stride]. weights: [moments][functions][kChunk].
+using WeighPlanes = void (*)(const MomentsFromRows& matrix, const float* rows, int row_stride, int functions,
+                             int groups, float* weights);
+
+/// Both ways from a format's pixels on.
+struct StripFunctions {
+  SumStrips sum = nullptr;
+  FoldStrips fold = nullptr;
+};
+
 struct StripKernels {
-  SumStrips sum_strips[strip_format_count][kMostMoments - kFewestMoments + 1];
+  struct ByMoments {
+    StripFunctions of[kMaxMoments - kMinMoments + 1];
+  };
+  ByMoments strips[fold_format_count];  ///< null for formats that `fold_format` never gives
   WeighMoments weigh_moments;
+  WeighPlanes weigh_planes;
 };
 WELKIN_KERNEL_TABLES(StripKernels, strip_kernels)
 

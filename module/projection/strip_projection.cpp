@@ -12,9 +12,7 @@ namespace {
 
 using simd::kLanes;
 
-constexpr int kBands = 3;
 constexpr int kChannels = 3;
-constexpr int kSums = kChannels * kStripFunctions;
 int segments_of(int size) { return (size / 2 + kSegment - 1) / kSegment; }
 
 /// The most positions that a tile has.
@@ -23,44 +21,36 @@ int widest_segment(int size) { return std::min(kSegment, size / 2); }
 }  // namespace
 
 bool StripProjection::serves(int size, const ProjectionOptions& options) noexcept {
-  return options.bands == kBands && options.target_size.value_or(size) >= size && StripWeights::serve(size);
+  return options.target_size.value_or(size) >= size && StripWeights::serve(size, options.bands);
 }
 
 int StripProjection::tile_count(int size) noexcept { return size / 2 / kStripRows * segments_of(size); }
 
 StripProjection::StripProjection(const CubemapView& cubemap, const ProjectionOptions& options,
-                                 std::span<const int> faces, const Sanitizer& sanitizer, const int* weight_rows)
+                                 std::span<const int> faces, const Sanitizer& sanitizer, const TexelWeights& weights)
     : cubemap_(cubemap),
       faces_(faces),
       sanitizer_(sanitizer),
-      weight_rows_(weight_rows),
+      weights_(weights),
+      functions_(options.bands * options.bands),
       midpoint_(options.quadrature == Quadrature::midpoint),
       texel_bytes_(static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format))),
       row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
-      strip_weights_(cubemap.size, midpoint_, weight_rows),
-      sum_decoded_(sum_strips(strip_rgb32f)) {
-  if (sanitizer.looks_at_every_texel()) return;
-  switch (cubemap.format) {
-    case PixelFormat::rgb32f: sum_direct_ = sum_strips(strip_rgb32f); break;
-    case PixelFormat::rgba32f: sum_direct_ = sum_strips(strip_rgba32f); break;
-    case PixelFormat::rgba16f: sum_direct_ = sum_strips(strip_rgba16f); break;
-    default: break;
-  }
-}
-
-SumStrips StripProjection::sum_strips(StripFormat format) const noexcept {
-  return strip_kernels().sum_strips[format][strip_weights_.moments() - kFewestMoments];
+      strip_weights_(cubemap.size, options.bands, midpoint_, weights.weight_rows().data()) {
+  if (!sanitizer.needs_every_texel()) direct_ = fold_format(cubemap.format);
 }
 
 // A worker's scratch memory, one part after the other.
 
 StripProjection::Scratch::Scratch(const StripProjection& projection) {
   const int columns = widest_segment(projection.cubemap_.size);
+  const int moments = projection.strip_weights_.moments();
+  const int planes = projection.strip_weights_.packed() ? 0 : 6 * moments * kStripPlaneFloats;
   floats_ = platform::AlignedBuffer<float>(projection.strip_weights_.size(columns) +
                                            projection.strip_weights_.scratch_size(columns) +
                                            4 * static_cast<std::size_t>(kStripRows * kChannels * columns) +
-                                           static_cast<std::size_t>(strip_room(projection.strip_weights_.moments())));
-  doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(6 * kSums * kSumLanes + kSums));
+                                           static_cast<std::size_t>(strip_scratch(moments) + planes));
+  doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>((6 * kSumLanes + 1) * projection.sums()));
 }
 
 float* StripProjection::weights(Scratch& scratch) noexcept { return scratch.floats_.data(); }
@@ -75,15 +65,21 @@ float* StripProjection::decoded(Scratch& scratch, const Piece& piece) const noex
   return weight_rows(scratch) + strip_weights_.scratch_size(columns) + number * kStripRows * kChannels * columns;
 }
 
-float* StripProjection::room(Scratch& scratch) const noexcept {
+float* StripProjection::kernel_scratch(Scratch& scratch) const noexcept {
   return decoded(scratch, {true, true}) + kStripRows * kChannels * widest_segment(cubemap_.size);
 }
 
-double* StripProjection::lanes(Scratch& scratch, int face) noexcept {
-  return scratch.doubles_.data() + static_cast<std::ptrdiff_t>(face) * kSums * kSumLanes;
+float* StripProjection::planes(Scratch& scratch, int face) const noexcept {
+  const int moments = strip_weights_.moments();
+  return kernel_scratch(scratch) + strip_scratch(moments) +
+         static_cast<std::ptrdiff_t>(face) * moments * kStripPlaneFloats;
 }
 
-double* StripProjection::totals(Scratch& scratch) noexcept { return lanes(scratch, 6); }
+double* StripProjection::lanes(Scratch& scratch, int face) const noexcept {
+  return scratch.doubles_.data() + static_cast<std::ptrdiff_t>(face) * sums() * kSumLanes;
+}
+
+double* StripProjection::totals(Scratch& scratch) const noexcept { return lanes(scratch, 6); }
 
 // Where a tile lies.
 
@@ -114,36 +110,55 @@ StripRows StripProjection::rows_in_place(const Tile& tile, int face, const Piece
 // Pixels to sums.
 
 template <class RowsOf>
-void StripProjection::sum_pieces(SumStrips sum, const Tile& tile, int face, const RowsOf& rows_of,
+void StripProjection::sum_pieces(FoldFormat format, const Tile& tile, int face, const RowsOf& rows_of,
                                  Scratch& scratch) const {
-  double* const sums = lanes(scratch, face);
-  std::fill_n(sums, kSums * kSumLanes, 0.0);
+  std::fill_n(lanes(scratch, face), sums() * kSumLanes, 0.0);
   const StripPieces pieces{rows_of({false, false}), rows_of({false, true}), rows_of({true, false}),
                            rows_of({true, true})};
-  sum(pieces, tile.positions, weights(scratch), room(scratch), sums);
+  const StripFunctions& strips = strip_kernels().strips[format].of[strip_weights_.moments() - kMinMoments];
+  if (strip_weights_.packed()) {
+    strips.sum(pieces, tile.positions, weights(scratch), kernel_scratch(scratch), lanes(scratch, face));
+  } else {
+    strips.fold(pieces, tile.positions, kernel_scratch(scratch), planes(scratch, face));
+  }
+}
+
+/// Multiplies the moments that `sum_pieces` has summed by their weights. All faces take a moment's weights in turn:
+/// those of all moments of ten bands are more than a second-level cache.
+void StripProjection::weigh(const Tile& tile, std::span<const int> faces, Scratch& scratch) const {
+  if (strip_weights_.packed()) return;
+  for (int k = 0; k < strip_weights_.moments(); ++k) {
+    const float* const moment = weights(scratch) + static_cast<std::ptrdiff_t>(k) * functions_ * kChunk;
+    for (const int face : faces) {
+      projection_kernels().weighted_sums(planes(scratch, face) + k * kStripPlaneFloats, kMaximumClasses, moment,
+                                         weights_.class_counts(), tile.positions / simd::kLanes, {},
+                                         lanes(scratch, face));
+    }
+  }
 }
 
 void StripProjection::sum_tile(int index, Scratch& scratch) const {
   const Tile tile = tile_at(index);
   strip_weights_.fill(tile.strip, tile.first_column, tile.positions, weights(scratch), weight_rows(scratch));
-  if (sum_direct_ == nullptr) return;
+  if (direct_ == fold_format_count) return;
   for (const int face : faces_) {
     sum_pieces(
-        sum_direct_, tile, face, [&](const Piece& piece) { return rows_in_place(tile, face, piece); }, scratch);
+        direct_, tile, face, [&](const Piece& piece) { return rows_in_place(tile, face, piece); }, scratch);
   }
+  weigh(tile, faces_, scratch);
 }
 
 std::span<const double> StripProjection::face_sums(int index, int face, Scratch& scratch,
                                                    SanitizeRecord& record) const {
-  const std::span<double> sums{totals(scratch), kSums};
-  if (sum_direct_ != nullptr) {
-    projection_kernels().fold_sum_lanes(lanes(scratch, face), kSums, sums.data());
-    if (all_finite(sums)) return sums;
+  const std::span<double> total{totals(scratch), static_cast<std::size_t>(sums())};
+  if (direct_ != fold_format_count) {
+    projection_kernels().fold_sum_lanes(lanes(scratch, face), sums(), total.data());
+    if (all_finite(total)) return total;
   }
   const Tile tile = tile_at(index);
   sum_sanitized(tile, face, scratch, record);
-  if (!all_finite(sums)) sum_in_double(tile, face, scratch);
-  return sums;
+  if (!all_finite(total)) sum_in_double(tile, face, scratch);
+  return total;
 }
 
 // The careful way: every texel passes the policies.
@@ -166,7 +181,7 @@ void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, i
   float solid_angles[kSegment];
   const int mirrored = std::min(row, cubemap_.size - 1 - row);
   image::texel_kernels().expand_texels({cubemap_.size, mirrored, tile.first_column, tile.positions, 1, midpoint_},
-                                       weight_rows_, solid_angles, kSegment);
+                                       weights_.weight_rows().data(), solid_angles, kSegment);
   sanitizer_.sanitize({.rgb = rgb,
                        .count = tile.positions,
                        .face = face,
@@ -180,37 +195,36 @@ void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, i
 
 void StripProjection::sum_sanitized(const Tile& tile, int face, Scratch& scratch, SanitizeRecord& record) const {
   sum_pieces(
-      sum_decoded_, tile, face,
+      fold_rgb32f, tile, face,
       [&](const Piece& piece) { return decode_and_sanitize(tile, face, piece, scratch, record); }, scratch);
-  projection_kernels().fold_sum_lanes(lanes(scratch, face), kSums, totals(scratch));
+  const int faces[] = {face};
+  weigh(tile, faces, scratch);
+  projection_kernels().fold_sum_lanes(lanes(scratch, face), sums(), totals(scratch));
 }
 
-/// For finite texels near the largest float, whose sums fit a double only: rare, so it is slow and uses the stack.
+/// For finite texels near the largest float, whose sums fit a double only: rare, so it is slow.
 void StripProjection::sum_in_double(const Tile& tile, int face, Scratch& scratch) const {
-  std::fill_n(totals(scratch), kSums, 0.0);
-  alignas(64) float weights[kStripFunctions * kSegment];
+  std::fill_n(totals(scratch), sums(), 0.0);
+  float* const weights = weight_rows(scratch);
   float rgb[kChannels * kSegment];
-  // A position's sign in each class: by its piece.
-  constexpr int kFunctionsOfClasses[kMaximumClasses] = {4, 2, 2, 1};
   SanitizeRecord counted_before;
   for (int k = 0; k < kStripRows; ++k) {
-    image::texel_kernels().expand_texels(
-        {cubemap_.size, tile.strip * kStripRows + k, tile.first_column, tile.positions, kBands, midpoint_},
-        weight_rows_, weights, kSegment);
+    weights_.fill_row(tile.strip * kStripRows + k, tile.first_column, tile.positions, weights, tile.positions);
     for (const Piece& piece : {Piece{false, false}, Piece{false, true}, Piece{true, false}, Piece{true, true}}) {
       const int row = row_of(tile, piece, k);
       image::decode_texels(cubemap_.format, texel(face, row, first_column(tile, piece)), tile.positions, rgb);
       sanitize(tile, face, piece, row, rgb, counted_before);
       for (int t = 0; t < tile.positions; ++t) {
         const float* const texel_rgb = rgb + kChannels * (piece.right ? tile.positions - 1 - t : t);
-        for (int f = 0, symmetry = 0, left = kFunctionsOfClasses[0]; f < kStripFunctions; ++f, --left) {
-          if (left == 0) left = kFunctionsOfClasses[++symmetry];
+        // A position's sign in each class: by its piece.
+        for (int f = 0, symmetry = -1, left = 0; f < functions_; ++f, --left) {
+          while (left == 0) left = weights_.class_counts().count[++symmetry];
           const bool odd_in_u = symmetry % 2 == 1;
           const bool odd_in_v = symmetry >= 2;
           const bool negative = (odd_in_u && !piece.right) != (odd_in_v && !piece.bottom);
-          const double weight = static_cast<double>(weights[f * kSegment + t]) * (negative ? -1.0 : 1.0);
+          const double weight = static_cast<double>(weights[f * tile.positions + t]) * (negative ? -1.0 : 1.0);
           for (int c = 0; c < kChannels; ++c) {
-            totals(scratch)[c * kStripFunctions + f] += weight * static_cast<double>(texel_rgb[c]);
+            totals(scratch)[c * functions_ + f] += weight * static_cast<double>(texel_rgb[c]);
           }
         }
       }

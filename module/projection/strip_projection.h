@@ -1,8 +1,8 @@
-// The projection of large faces to three bands, strip by strip.
+// The projection of large faces to three bands or more, strip by strip.
 //
 // A strip is 16 rows at the top of a face and the 16 mirrored ones at the bottom, and a segment of at most 256 columns
 // at the left with the mirrored ones at the right: a tile is one of those on all faces. Its pixels are read once, as
-// they lie (SumStrips), and its weights computed once for all faces.
+// they lie (SumStrips, FoldStrips), and its weights computed once for all faces.
 //
 // Pixels that a policy changes, and formats that the kernels do not read, take the same way by rows of floats.
 #pragma once
@@ -15,6 +15,7 @@
 #include "projection/sanitizer.h"
 #include "projection/strip_kernels.h"
 #include "projection/strip_weights.h"
+#include "projection/texel_weights.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
 
@@ -26,9 +27,9 @@ class StripProjection {
   [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept;
   [[nodiscard]] static int tile_count(int size) noexcept;
 
-  /// `cubemap`, `faces`, `sanitizer` and `weight_rows` (as `TexelWeights::weight_rows`) must stay.
+  /// All but `options` must stay; `weights` are those of the cubemap's size.
   StripProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
-                  const Sanitizer& sanitizer, const int* weight_rows);
+                  const Sanitizer& sanitizer, const TexelWeights& weights);
 
   /// What one worker needs.
   class Scratch {
@@ -41,7 +42,7 @@ class StripProjection {
     platform::AlignedBuffer<double> doubles_;
   };
 
-  /// The sums of a tile on each of the faces, [3][9] in the order of the weights.
+  /// The sums of a tile on each of the faces, [3][bands^2] in the order of the weights.
   void sum_tile(int index, Scratch& scratch) const;
   /// Of what `sum_tile` left there: the sums on one face, of sanitized texels if they were not all finite.
   [[nodiscard]] std::span<const double> face_sums(int index, int face, Scratch& scratch, SanitizeRecord& record) const;
@@ -58,14 +59,15 @@ class StripProjection {
     bool right;
   };
 
-  [[nodiscard]] SumStrips sum_strips(StripFormat format) const noexcept;
+  [[nodiscard]] int sums() const noexcept { return 3 * functions_; }
   [[nodiscard]] Tile tile_at(int index) const noexcept;
   [[nodiscard]] int first_column(const Tile& tile, const Piece& piece) const noexcept;
   [[nodiscard]] int row_of(const Tile& tile, const Piece& piece, int index) const noexcept;
   [[nodiscard]] const std::byte* texel(int face, int row, int column) const noexcept;
   [[nodiscard]] StripRows rows_in_place(const Tile& tile, int face, const Piece& piece) const noexcept;
   template <class RowsOf>
-  void sum_pieces(SumStrips sum, const Tile& tile, int face, const RowsOf& rows_of, Scratch& scratch) const;
+  void sum_pieces(FoldFormat format, const Tile& tile, int face, const RowsOf& rows_of, Scratch& scratch) const;
+  void weigh(const Tile& tile, std::span<const int> faces, Scratch& scratch) const;
   [[nodiscard]] StripRows decode_and_sanitize(const Tile& tile, int face, const Piece& piece, Scratch& scratch,
                                               SanitizeRecord& record) const;
   void sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb, SanitizeRecord& record) const;
@@ -76,20 +78,21 @@ class StripProjection {
   [[nodiscard]] static float* weights(Scratch& scratch) noexcept;
   [[nodiscard]] float* weight_rows(Scratch& scratch) const noexcept;
   [[nodiscard]] float* decoded(Scratch& scratch, const Piece& piece) const noexcept;
-  [[nodiscard]] float* room(Scratch& scratch) const noexcept;  ///< of the kernel
-  [[nodiscard]] static double* lanes(Scratch& scratch, int face) noexcept;
-  [[nodiscard]] static double* totals(Scratch& scratch) noexcept;
+  [[nodiscard]] float* kernel_scratch(Scratch& scratch) const noexcept;  ///< of the kernel
+  [[nodiscard]] float* planes(Scratch& scratch, int face) const noexcept;
+  [[nodiscard]] double* lanes(Scratch& scratch, int face) const noexcept;
+  [[nodiscard]] double* totals(Scratch& scratch) const noexcept;
 
   const CubemapView& cubemap_;
   std::span<const int> faces_;
   const Sanitizer& sanitizer_;
-  const int* weight_rows_;
+  const TexelWeights& weights_;
+  int functions_;
   bool midpoint_;
   std::ptrdiff_t texel_bytes_;
   std::ptrdiff_t row_bytes_;
   StripWeights strip_weights_;
-  SumStrips sum_decoded_;
-  SumStrips sum_direct_ = nullptr;  ///< null: no texel is taken as it lies
+  FoldFormat direct_ = fold_format_count;  ///< that: no texel is taken as it lies
 };
 
 }  // namespace welkin::projection

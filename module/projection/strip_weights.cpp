@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/image_kernels.h"
+#include "projection/texel_weights.h"
 
 namespace welkin::projection {
 namespace {
 
 constexpr int kSmallestFace = 256;
+constexpr int kSmallestAlike = 160;  ///< six moments leave 3e-8
 constexpr double kOutermostRow = 7.5;
 
 /// Zeros of the Chebyshev polynomial of degree `moments` between 0 and 1, cos((2 k + 1) pi / (2 moments)), largest
 /// first. Interpolation there, stretched so that the outermost are the strip's first and last row, is nearly the best
 /// approximation, and rounding of the weights grows least.
-constexpr double kZeros[kMostMoments - kFewestMoments + 1][3] = {
+constexpr double kZeros[kMaxMoments - kMinMoments + 1][3] = {
     {0.92387953251128676, 0.38268343236508977, 0.0},
     {0.95105651629515357, 0.58778525229247313, 0.0},
     {0.96592582628906829, 0.70710678118654752, 0.25881904510252076}};
@@ -62,22 +63,42 @@ void round_even(const double* factors, const int* counts, int size, double const
   rounded[size - 1] = static_cast<float>(left / counts[size - 1]);
 }
 
+/// From the polynomial's coefficients by its values at rows' middles to those of its means over rows. A mean is
+/// 1 + d^2 / 24 - 17 d^4 / 5760 + ... with the second difference d^2, which takes each polynomial to the one before.
+void average_rows(double (&matrix)[3][3], int size) {
+  for (int j = 0; j < size; ++j) {
+    for (int a = 0; a < size; ++a) {
+      if (j + 1 < size) matrix[j][a] += matrix[j + 1][a] / 24.0;
+      if (j + 2 < size) matrix[j][a] -= matrix[j + 2][a] * 17.0 / 5760.0;
+    }
+  }
+}
+
 }  // namespace
 
-bool StripWeights::serve(int size) noexcept { return size >= kSmallestFace && size % (2 * kStripRows) == 0; }
+bool StripWeights::serve(int size, int bands) noexcept {
+  return bands >= kStripBands && size >= kSmallestFace && size % (2 * kStripRows) == 0 &&
+         moments_for(size, bands) <= kMaxMoments;
+}
 
-int StripWeights::moments_for(int size) noexcept { return size >= 1024 ? 4 : size >= 512 ? 5 : 6; }
+// Interpolation at n zeros over a stretch of length L leaves 2 (w L / 4)^n / n! of a wave cos(w x). A harmonic of l <
+// bands, divided by r^3, is as rough as a wave of w = bands (measured for three), so a face is as good as one of
+// three bands that is smaller by as much.
+int StripWeights::moments_for(int size, int bands) noexcept {
+  const int alike = size * kStripBands / bands;
+  return alike >= 1024 ? 4 : alike >= 512 ? 5 : alike >= kSmallestAlike ? 6 : kMaxMoments + 1;
+}
 
-StripWeights::StripWeights(int size, bool midpoint, const int* weight_rows)
-    : size_(size), midpoint_(midpoint), weight_rows_(weight_rows) {
-  const int moments = moments_for(size);
+StripWeights::StripWeights(int size, int bands, bool midpoint, const int* weight_rows)
+    : size_(size), bands_(bands), midpoint_(midpoint), weight_rows_(weight_rows), rule_(weights_rule(size, bands)) {
+  const int moments = moments_for(size, bands);
   const int pairs = moments / 2;
   const int evens = moments - pairs;
   matrix_.moments = moments;
   double even[3][3] = {};
   double odd[3][3] = {};
   for (int a = 0; a < evens; ++a) {
-    const double* const zeros = kZeros[moments - kFewestMoments];
+    const double* const zeros = kZeros[moments - kMinMoments];
     const double x = a < pairs ? kOutermostRow * zeros[a] / zeros[0] : 0.0;
     rows_[a] = -x;
     rows_[moments - 1 - a] = x;
@@ -86,6 +107,10 @@ StripWeights::StripWeights(int size, bool midpoint, const int* weight_rows)
   }
   invert(even, evens);
   invert(odd, pairs);
+  if (!packed() && !midpoint) {
+    average_rows(even, evens);
+    average_rows(odd, pairs);
+  }
   for (int j = 0; j < evens; ++j) {
     // A pair's mean is half its sum; the middle row is alone.
     double factors[3] = {};
@@ -100,22 +125,34 @@ StripWeights::StripWeights(int size, bool midpoint, const int* weight_rows)
 }
 
 std::size_t StripWeights::size(int columns) const noexcept {
-  return static_cast<std::size_t>(3 * kStripFunctions * moments() * columns);
+  return static_cast<std::size_t>(functions() * moments() * (packed() ? 3 * columns : kChunk));
 }
 
 std::size_t StripWeights::scratch_size(int columns) const noexcept {
-  return static_cast<std::size_t>(kStripFunctions * moments() * columns);
+  return static_cast<std::size_t>(functions() * moments() * columns);
+}
+
+/// Weights of harmonics along the middle of a row, or over it where that is their expansion.
+void StripWeights::fill_row(const image::TexelRun& run, float* weights) const noexcept {
+  if (packed()) {
+    image::texel_kernels().expand_texels(run, weight_rows_, weights, run.count);
+  } else {
+    image::texel_kernels().integrate_texels(run, math::basis_constants(), rule_, weight_rows_, weights, run.count);
+  }
 }
 
 void StripWeights::fill(int strip, int first_column, int columns, float* weights, float* scratch) const noexcept {
-  constexpr int kBands = 3;
   const int above_middle = strip * kStripRows + kStripRows / 2 - 1;
   for (int k = 0; k < moments(); ++k) {
-    image::texel_kernels().expand_texels(
-        {size_, above_middle, first_column, columns, kBands, midpoint_, 0.5 + rows_[k]}, weight_rows_,
-        scratch + std::ptrdiff_t{kStripFunctions} * columns * k, columns);
+    fill_row({size_, above_middle, first_column, columns, bands_, midpoint_, 0.5 + rows_[k], !packed() && !midpoint_},
+             scratch + static_cast<std::ptrdiff_t>(functions()) * columns * k);
   }
-  strip_kernels().weigh_moments(matrix_, scratch, columns, columns / simd::kLanes, weights);
+  const int groups = columns / simd::kLanes;
+  if (packed()) {
+    strip_kernels().weigh_moments(matrix_, scratch, columns, groups, weights);
+  } else {
+    strip_kernels().weigh_planes(matrix_, scratch, columns, functions(), groups, weights);
+  }
 }
 
 }  // namespace welkin::projection

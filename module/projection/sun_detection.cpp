@@ -324,7 +324,7 @@ glm::vec3 radiance_around(const BrightRegion& region, const float* pixels) {
 
 namespace welkin {
 
-std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) {
+std::optional<Sun> extract_sun(LatLongImage& image, const SunOptions& options) {
   const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   image::check_lat_long_size(image.width, image.height);
@@ -338,7 +338,7 @@ std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) 
   return projection::take_out(image::TexelGrid::lat_long(image.width, image.height), image.pixels.data(), options);
 }
 
-std::optional<Sun> take_out_sun(Cubemap& image, const SunOptions& options) {
+std::optional<Sun> extract_sun(Cubemap& image, const SunOptions& options) {
   const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   image::check_view(image.view());

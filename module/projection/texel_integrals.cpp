@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kWidestCut = 0.3;  ///< radius in radians of the largest part that is cut along the horizon
-constexpr int kMostDepth = 24;
-constexpr int kMostPoints = 8;  ///< along an edge, where a part cannot be divided further
+constexpr int kMaxDepth = 24;
+constexpr int kMaxPoints = 8;  ///< along an edge, where a part cannot be divided further
 
 /// A part of a texel in units of texels, halves of its edges.
 struct Part {
@@ -57,20 +57,20 @@ struct Range {
 struct Breaks {
   explicit Breaks(const Range& whole) : whole_(whole) { add(whole.low); }
 
-  void add_inside(double place) noexcept {
-    if (place > whole_.low && place < whole_.high && count < kMost - 1) add(place);
+  void add_inside(double position) noexcept {
+    if (position > whole_.low && position < whole_.high && count < kMax - 1) add(position);
   }
   void close() noexcept {
     add(whole_.high);
     std::sort(at.begin(), at.begin() + count);
   }
 
-  static constexpr int kMost = 32;
-  std::array<double, kMost> at{};
+  static constexpr int kMax = 32;
+  std::array<double, kMax> at{};
   int count = 0;
 
  private:
-  void add(double place) noexcept { at[static_cast<std::size_t>(count++)] = place; }
+  void add(double position) noexcept { at[static_cast<std::size_t>(count++)] = position; }
   Range whole_;
 };
 
@@ -116,7 +116,7 @@ double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& axi
   if (unseen) return 0.0;
   const bool cut = kernel.hemisphere && std::abs(x - 1.0) <= radius;
   const int order = kernel.order(x, radius);
-  if (depth < kMostDepth && (order == 0 || (cut && radius > kWidestCut) || mapping.too_wide(part))) {
+  if (depth < kMaxDepth && (order == 0 || (cut && radius > kWidestCut) || mapping.too_wide(part))) {
     double sum = 0.0;
     for (const double down : {-0.5, 0.5}) {
       for (const double across : {-0.5, 0.5}) {
@@ -128,7 +128,7 @@ double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& axi
     return sum;
   }
   if (cut) return integrate_above(mapping.horizon(axis), part, kernel, points_above(radius, order, kernel));
-  const math::GaussRule rule = math::gauss_legendre(order == 0 ? kMostPoints : order);
+  const math::GaussRule rule = math::gauss_legendre(order == 0 ? kMaxPoints : order);
   double sum = 0.0;
   for (int j = 0; j < rule.order; ++j) {
     for (int i = 0; i < rule.order; ++i) {

@@ -35,23 +35,18 @@ int symmetry_class(int m) {
   return order % 2 == 0 ? 3 : 2;
 }
 
-/// The Gauss rule for a texel's harmonics. A rule of two points is off by h^4 / 135 times the fourth derivative, which
-/// of a harmonic of degree l is at most l^4: with N >= 64 bands below 5e-10 of the harmonic itself, where a float
-/// rounds to 6e-8. It has four points for a texel where the one for any harmonic has nine. One of three points is off
-/// by h^6 / 15750 times the sixth derivative: from 64 texels and 16 for each band on below 1e-11. Smaller faces have 25
-/// points or more, which for nine harmonics are a third of a first projection.
-math::GaussRule weights_rule(const TexelWeightsKey& key) {
-  constexpr int kTexelsPerBand = 64;
-  if (key.size > math::kLargestIntegratedFace && key.size >= kTexelsPerBand * key.bands) return math::gauss_legendre(2);
-  return math::gauss_legendre(key.size >= 64 && key.size >= 16 * key.bands ? 3 : math::texel_rule(key.size).order);
-}
-
 math::TableCache<TexelWeightsKey, TexelWeights>& cache() {
   static auto& tables = *new math::TableCache<TexelWeightsKey, TexelWeights>(kCacheBytes);  // never destroyed
   return tables;
 }
 
 }  // namespace
+
+math::GaussRule weights_rule(int size, int bands) {
+  constexpr int kTexelsPerBand = 64;
+  if (size > math::kLargestIntegratedFace && size >= kTexelsPerBand * bands) return math::gauss_legendre(2);
+  return math::gauss_legendre(size >= 64 && size >= 16 * bands ? 3 : math::texel_rule(size).order);
+}
 
 TexelWeightsKey weights_key(int size, const ProjectionOptions& options) noexcept {
   return {size, options.bands, options.quadrature == Quadrature::midpoint, options.target_size.value_or(size)};
@@ -140,7 +135,8 @@ void TexelWeights::fill_run(const image::TexelRun& run, float* weights, int stri
   if (expandable()) {
     kernels.expand_texels(run, weight_rows_.data(), weights, stride);
   } else {
-    kernels.integrate_texels(run, math::basis_constants(), weights_rule(key_), weight_rows_.data(), weights, stride);
+    kernels.integrate_texels(run, math::basis_constants(), weights_rule(key_.size, key_.bands), weight_rows_.data(),
+                             weights, stride);
   }
 }
 

@@ -17,26 +17,26 @@ constexpr double kTaper = 0.2;
 // kOfMaximum e^-reach, most root mean square errors with their safety are below kOfRms e^-reach.
 constexpr double kOfMaximum = 17.3;
 constexpr double kOfRms = 0.88;
-constexpr double kLeastReach = 2.0;
+constexpr double kMinReach = 2.0;
 
 // The kink's error at the dark side of an edge falls like bands^-2.7.
 constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
 constexpr double kKinkPower = 1.0 / 2.7;
-constexpr double kLeastKinkBands = 20.0;  // fewer hide checkers of few texels from the estimate
-constexpr double kMostKinkBands = 512.0;
+constexpr double kMinKinkBands = 20.0;  // fewer hide checkers of few texels from the estimate
+constexpr double kMaxKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
 // What rings of height h lose falls like h^4. A step that fails for a few rings takes a second transform: rings of
 // tighter bounds than the default's grow with the cube root.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
 constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
-constexpr double kLeastRingsOfAlpha = 3.4;
-constexpr double kLeastRings = 128.0;  ///< at the default bounds; they grow with the fourth root as well
+constexpr double kMinRingsOfAlpha = 3.4;
+constexpr double kMinRings = 128.0;  ///< at the default bounds; they grow with the fourth root as well
 
 // Faces that are halved to texels of h = 2 / size lose an amount that falls like h^4 too.
 constexpr double kHalvedTexel = 0.6;          // times alpha, at a root mean square error of 1e-3
 constexpr double kHalvedPower = 1.0 / 3.0;    // of the bound
-constexpr double kMostHalvedTexel = 1.75;     // times alpha
+constexpr double kMaxHalvedTexel = 1.75;      // times alpha
 constexpr double kTexelsOfBands = 2.0 / 3.0;  // at least
 
 double fourth_root(double x) noexcept { return std::sqrt(std::sqrt(x)); }
@@ -51,7 +51,7 @@ ErrorBounds ErrorBounds::tightened(int steps) const noexcept {
 
 double reach_within(const ErrorBounds& bounds) noexcept {
   const double ratio = std::max(kOfMaximum / bounds.maximum, kOfRms / bounds.rms);
-  return std::max(kLeastReach, math::logarithm(ratio));
+  return std::max(kMinReach, math::logarithm(ratio));
 }
 
 namespace {
@@ -61,7 +61,7 @@ int whole_bands(double bands) noexcept { return static_cast<int>(std::ceil(bands
 /// For the kink of wide lobes.
 double bands_of_kink(const ErrorBounds& bounds) noexcept {
   const double tighter = math::exponential(kKinkPower * math::logarithm(1e-2 / bounds.maximum));
-  return std::clamp(kKinkBands * tighter, kLeastKinkBands, kMostKinkBands);
+  return std::clamp(kKinkBands * tighter, kMinKinkBands, kMaxKinkBands);
 }
 
 double bands_of_reach(double alpha, const ErrorBounds& bounds) noexcept {
@@ -89,14 +89,14 @@ double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
     return tighter > 1.0 ? math::exponential(math::logarithm(tighter) / 3.0) : fourth_root(tighter);
   };
   const double of_alpha = std::max(
-      {kRingsOfMaximum * times(1e-2 / bounds.maximum), kRingsOfRms * times(1e-3 / bounds.rms), kLeastRingsOfAlpha});
+      {kRingsOfMaximum * times(1e-2 / bounds.maximum), kRingsOfRms * times(1e-3 / bounds.rms), kMinRingsOfAlpha});
   const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
-  return std::max(kLeastRings / fourth_root(looser), of_alpha / alpha);
+  return std::max(kMinRings / fourth_root(looser), of_alpha / alpha);
 }
 
 double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
   const double looser = math::logarithm(std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
-  const double texel = std::min(kMostHalvedTexel, kHalvedTexel * math::exponential(kHalvedPower * looser));
+  const double texel = std::min(kMaxHalvedTexel, kHalvedTexel * math::exponential(kHalvedPower * looser));
   return std::max(2.0 / (texel * alpha), kTexelsOfBands * bands);
 }
 

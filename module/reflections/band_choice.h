@@ -20,11 +20,11 @@ inline constexpr double kOfBound = 0.8;
 /// The same of lobes other than GGX, whose kinks leave more than ten times the root mean square at single texels.
 inline constexpr double kOfLobeBound = 0.3;
 
-inline constexpr int kBandStep = 8;         ///< bands are a multiple of it
-inline constexpr int kLeastLobeBands = 64;  ///< of lobes other than GGX
+inline constexpr int kBandStep = 8;       ///< bands are a multiple of it
+inline constexpr int kMinLobeBands = 64;  ///< of lobes other than GGX
 
 /// How often the bounds are tightened where a picture's own energies exceed what most pictures have.
-inline constexpr int kMostTightenings = 2;
+inline constexpr int kMaxTightenings = 2;
 
 /// Returns 2 alpha bands, which decides the error of a lobe of any alpha, because its spectrum falls like exp(-2 alpha
 /// l). The bounds hold for photographs, edges of any contrast, noise and stripes (docs/maths/reflections.md) whose

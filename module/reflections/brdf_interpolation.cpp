@@ -22,7 +22,7 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr int kMostPoints = 128;
+constexpr int kMaxPoints = 128;
 constexpr int kWide = 256;  ///< columns: wider tables reach so low that they take twice the points
 constexpr int kRowPoints = 16;
 constexpr std::size_t kSmall = 768;  ///< values of a table that is not worth waking threads
@@ -43,20 +43,20 @@ class ChebyshevPoints {
  public:
   ChebyshevPoints(int count, double from, double to) {
     for (int k = 0; k < count; ++k) {
-      const math::SineCosine turn = math::sine_cosine_of_turns((k + 0.5) / (2.0 * count));
-      places_.push_back(0.5 * (from + to) - 0.5 * (to - from) * turn.cosine);
-      weights_.push_back(k % 2 == 0 ? turn.sine : -turn.sine);
+      const math::SineCosine rotation = math::sine_cosine_of_turns((k + 0.5) / (2.0 * count));
+      places_.push_back(0.5 * (from + to) - 0.5 * (to - from) * rotation.cosine);
+      weights_.push_back(k % 2 == 0 ? rotation.sine : -rotation.sine);
     }
   }
 
   [[nodiscard]] const std::vector<double>& places() const noexcept { return places_; }
 
-  /// Writes each point's share of the value at `place`: the second barycentric formula.
-  void share(double place, float* shares, std::size_t stride) const noexcept {
-    std::array<double, kMostPoints> all{};
+  /// Writes each point's share of the value at `position`: the second barycentric formula.
+  void share(double position, float* shares, std::size_t stride) const noexcept {
+    std::array<double, kMaxPoints> all{};
     double sum = 0.0;
     for (std::size_t k = 0; k < places_.size(); ++k) {
-      const double from = place - places_[k];
+      const double from = position - places_[k];
       if (from == 0.0) {
         all = {};
         all[k] = sum = 1.0;
@@ -157,7 +157,7 @@ void fill_row(const Rows& rows, int row, const float* samples, BrdfTable& table)
   const int width = table.options.width;
   const std::size_t values = rows.values();
   const auto index = index_of(row - rows.begin);
-  std::array<float, std::size_t{3} * kMostPoints> mixed{};
+  std::array<float, std::size_t{3} * kMaxPoints> mixed{};
   const float* line = samples + rows.first + index * values;
   if (!rows.shares.empty()) {
     for (std::size_t j = 0; j < kRowPoints; ++j) {

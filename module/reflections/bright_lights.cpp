@@ -231,12 +231,12 @@ struct BrightLights::Block {
 
 namespace {
 
-constexpr int kLeafEdge = LightField::kMostEdge;
+constexpr int kLeafEdge = LightField::kMaxEdge;
 constexpr int kLeafTexels = kLeafEdge * kLeafEdge;
-constexpr int kTileEdge = LightField::kMostWide;  ///< of the areas that threads share out
+constexpr int kTileEdge = LightField::kMaxWidth;  ///< of the areas that threads share out
 constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
 constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
-constexpr int kMostLevels = 6;  ///< areas within each other, the parts of a leaf included
+constexpr int kMaxLevels = 6;   ///< areas within each other, the parts of a leaf included
 static_assert(LightField::kPoints == kLobeTexels);
 
 /// Calls `use` with the parts of an area, at most so many texels across and down.
@@ -261,15 +261,15 @@ void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
 
 /// What a worker needs for one area. Nothing is allocated inside tiles: nodes in a list have no leaf in common, so that
 /// there is room for one of each leaf.
-struct BrightLights::Room {
-  explicit Room(std::size_t leaves) {
+struct BrightLights::Scratch {
+  explicit Scratch(std::size_t leaves) {
     stack.reserve(leaves);
-    pending.reserve(kMostLevels * leaves);
+    pending.reserve(kMaxLevels * leaves);
     for (std::vector<LobeRun>* list : {&runs, &parts}) list->reserve(leaves);
   }
 
   [[nodiscard]] static constexpr std::size_t bytes(std::size_t leaves) noexcept {
-    return sizeof(Room) + leaves * ((1 + kMostLevels) * sizeof(int) + 2 * sizeof(LobeRun));
+    return sizeof(Scratch) + leaves * ((1 + kMaxLevels) * sizeof(int) + 2 * sizeof(LobeRun));
   }
 
   std::array<float, kLeafTexels> u{};
@@ -284,46 +284,46 @@ struct BrightLights::Room {
 std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, const LightLobes& lobes,
                                      std::size_t workers) noexcept {
   const std::size_t leaves = most_leaves(texels, shape, lobes);
-  return tree_bytes(texels, leaves, shape, lobes) + workers * Room::bytes(leaves);
+  return tree_bytes(texels, leaves, shape, lobes) + workers * Scratch::bytes(leaves);
 }
 
 /// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
-class BrightLights::Rooms {
+class BrightLights::ScratchPool {
  public:
-  Rooms(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
+  ScratchPool(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
     free_.reserve(workers);
-    while (free_.size() < workers) free_.push_back(std::make_unique<Room>(leaves));
+    while (free_.size() < workers) free_.push_back(std::make_unique<Scratch>(leaves));
   }
 
-  [[nodiscard]] std::unique_ptr<Room> take() {
+  [[nodiscard]] std::unique_ptr<Scratch> take() {
     const std::scoped_lock lock(mutex_);
-    if (free_.empty()) return std::make_unique<Room>(leaves_);  // there are more threads than there were
-    std::unique_ptr<Room> room = std::move(free_.back());
+    if (free_.empty()) return std::make_unique<Scratch>(leaves_);  // there are more threads than there were
+    std::unique_ptr<Scratch> scratch = std::move(free_.back());
     free_.pop_back();
-    return room;
+    return scratch;
   }
-  void give_back(std::unique_ptr<Room> room) {
+  void give_back(std::unique_ptr<Scratch> scratch) {
     const std::scoped_lock lock(mutex_);
-    free_.push_back(std::move(room));
+    free_.push_back(std::move(scratch));
   }
 
  private:
   std::size_t leaves_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Room>> free_;
+  std::vector<std::unique_ptr<Scratch>> free_;
 };
 
-void BrightLights::make_rooms() {
-  rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
+void BrightLights::make_scratch() {
+  scratches_ = std::make_shared<ScratchPool>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
 }
 
 /// Takes the stack's nodes to `runs`, and those that parts of the area must look at to `pending`; in the last parts,
 /// what the horizon cuts to its texels' parts.
-void BrightLights::choose(const Block& block, Step step, Room& room) const {
-  while (!room.stack.empty()) {
-    const int index = room.stack.back();
+void BrightLights::choose(const Block& block, Step step, Scratch& scratch) const {
+  while (!scratch.stack.empty()) {
+    const int index = scratch.stack.back();
     const Node& node = nodes_[static_cast<std::size_t>(index)];
-    room.stack.pop_back();
+    scratch.stack.pop_back();
     const Block::Sight sight = block.sight_of(node);
     if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
@@ -332,25 +332,25 @@ void BrightLights::choose(const Block& block, Step step, Room& room) const {
     const bool as_parts = block.lobe.annular && has_parts;
     if (!cut && (leaf || as_parts || (node.smooth.count > 0 && block.far_enough(node))) &&
         (step != Step::field || block.even_enough(node))) {
-      add_run(as_parts ? node.parts : node.smooth, as_parts ? room.parts : room.runs);
+      add_run(as_parts ? node.parts : node.smooth, as_parts ? scratch.parts : scratch.runs);
     } else if (step != Step::parts && (cut || step == Step::field) && (has_parts || node.radius < block.radius)) {
-      room.pending.push_back(index);
+      scratch.pending.push_back(index);
     } else if (has_parts) {
-      add_run(node.parts, room.parts);
+      add_run(node.parts, scratch.parts);
     } else {
-      room.stack.push_back(node.children[1]);
-      room.stack.push_back(node.children[0]);
+      scratch.stack.push_back(node.children[1]);
+      scratch.stack.push_back(node.children[0]);
     }
   }
 }
 
-/// Adds the lights of `room`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and forgets
-/// them.
-void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) const {
+/// Adds the lights of `scratch`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and
+/// forgets them.
+void BrightLights::sum_runs(int face, int count, const Blur& lobe, Scratch& scratch) const {
   const image::Frame& frame = image::face_frame(face);
   LobeBlock of = lobe.shape;
-  of.u = room.u.data();
-  of.v = room.v.data();
+  of.u = scratch.u.data();
+  of.v = scratch.v.data();
   of.count = count;
   for (int axis = 0; axis < 3; ++axis) {
     of.normal[axis] = static_cast<float>(frame.normal[axis]);
@@ -358,49 +358,51 @@ void BrightLights::sum_runs(int face, int count, const Blur& lobe, Room& room) c
     of.down[axis] = static_cast<float>(frame.v[axis]);
   }
   const LobeKernels& kernels = lobe_kernels();
-  kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
-  kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
-                        room.sums.data());
-  room.runs.clear();
-  room.parts.clear();
+  kernels.sum_lobes(of, lights_.data(), scratch.runs.data(), static_cast<int>(scratch.runs.size()),
+                    scratch.sums.data());
+  kernels.sum_cut_lobes(of, cut_lights_.data(), scratch.parts.data(), static_cast<int>(scratch.parts.size()),
+                        scratch.sums.data());
+  scratch.runs.clear();
+  scratch.parts.clear();
 }
 
-/// Adds the lights of `room`'s runs to an area's field.
-void BrightLights::add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const {
-  if (room.runs.empty() && room.parts.empty()) return;
+/// Adds the lights of `scratch`'s runs to an area's field.
+void BrightLights::add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Scratch& scratch) const {
+  if (scratch.runs.empty() && scratch.parts.empty()) return;
   for (std::size_t k = 0; k < LightField::kPoints; ++k) {
-    room.u[k] = static_cast<float>(LightField::point(area.column, area.end_column, area.size, k % LightField::kEdge));
-    room.v[k] = static_cast<float>(LightField::point(area.row, area.end_row, area.size, k / LightField::kEdge));
+    scratch.u[k] =
+        static_cast<float>(LightField::point(area.column, area.end_column, area.size, k % LightField::kEdge));
+    scratch.v[k] = static_cast<float>(LightField::point(area.row, area.end_row, area.size, k / LightField::kEdge));
   }
   std::array<float, 3 * LightField::kPoints>& values = field.lit();
-  std::copy(values.begin(), values.end(), room.sums.begin());
-  sum_runs(area.face, LightField::kPoints, lobe, room);
-  std::copy_n(room.sums.begin(), values.size(), values.begin());
+  std::copy(values.begin(), values.end(), scratch.sums.begin());
+  sum_runs(area.face, LightField::kPoints, lobe, scratch);
+  std::copy_n(scratch.sums.begin(), values.size(), values.begin());
 }
 
-/// Adds an area's field and the lights of `room`'s runs to its texels, packed RGB.
+/// Adds an area's field and the lights of `scratch`'s runs to its texels, packed RGB.
 void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb,
-                                 Room& room) const {
-  if (texels_) add_exactly(area, lobe, rgb, room);
-  if (field.dark() && room.runs.empty() && room.parts.empty()) return;
+                                 Scratch& scratch) const {
+  if (texels_) add_exactly(area, lobe, rgb, scratch);
+  if (field.dark() && scratch.runs.empty() && scratch.parts.empty()) return;
   const int across = area.across();
   const int texels = across * area.down();
   const int count = (texels + kLobeTexels - 1) / kLobeTexels * kLobeTexels;
-  std::fill_n(room.sums.begin(), 3 * count, 0.0F);
-  if (!field.dark()) field.write(area, count, room.sums.data());
-  if (!room.runs.empty() || !room.parts.empty()) {
+  std::fill_n(scratch.sums.begin(), 3 * count, 0.0F);
+  if (!field.dark()) field.write(area, count, scratch.sums.data());
+  if (!scratch.runs.empty() || !scratch.parts.empty()) {
     auto place = std::size_t{0};
     for (int row = area.row; row < area.end_row; ++row) {
       for (int column = area.column; column < area.end_column; ++column, ++place) {
-        room.u[place] = static_cast<float>(place_on_face(column, area.size));
-        room.v[place] = static_cast<float>(place_on_face(row, area.size));
+        scratch.u[place] = static_cast<float>(place_on_face(column, area.size));
+        scratch.v[place] = static_cast<float>(place_on_face(row, area.size));
       }
     }
-    std::fill(room.u.begin() + texels, room.u.begin() + count, room.u[place - 1]);
-    std::fill(room.v.begin() + texels, room.v.begin() + count, room.v[place - 1]);
-    sum_runs(area.face, count, lobe, room);
+    std::fill(scratch.u.begin() + texels, scratch.u.begin() + count, scratch.u[place - 1]);
+    std::fill(scratch.v.begin() + texels, scratch.v.begin() + count, scratch.v[place - 1]);
+    sum_runs(area.face, count, lobe, scratch);
   }
-  const float* sums = room.sums.data();
+  const float* sums = scratch.sums.data();
   for (int row = area.row; row < area.end_row; ++row) {
     float* texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + area.column);
     for (int column = 0; column < across; ++column, ++sums, texel += 3) {
@@ -411,16 +413,16 @@ void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const L
   }
 }
 
-/// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
-void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const {
-  if (room.parts.empty()) return;
+/// Adds the rectangles that are `scratch`'s parts, texel by texel in double, and clears the parts.
+void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Scratch& scratch) const {
+  if (scratch.parts.empty()) return;
   const double whole = lobe_integral(lobe.lobe.alpha());
   const GgxFunction ggx(lobe.lobe.alpha());
   for (int row = area.row; row < area.end_row; ++row) {
     for (int column = area.column; column < area.end_column; ++column) {
       const glm::dvec3 normal = area.direction(column + 0.5, row + 0.5);
       std::array<double, 3> sum{};
-      for (const LobeRun& run : room.parts) {
+      for (const LobeRun& run : scratch.parts) {
         for (int k = run.first; k < run.first + run.count; ++k) {
           const Rectangle& part = rectangles_[static_cast<std::size_t>(k)];
           const double share = texels_->integral(part.texels, normal, ggx) / whole;
@@ -431,60 +433,61 @@ void BrightLights::add_exactly(const FaceArea& area, const Blur& lobe, float* rg
       for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<float>(static_cast<double>(texel[c]) + sum[c]);
     }
   }
-  room.parts.clear();
+  scratch.parts.clear();
 }
 
-/// Adds the lights of `room`'s pending nodes from `first` on to an area of texels that no field is interpolated over.
+/// Adds the lights of `scratch`'s pending nodes from `first` on to an area of texels that no field is interpolated
+/// over.
 void BrightLights::add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
-                               std::size_t first, float* rgb, Room& room) const {
+                               std::size_t first, float* rgb, Scratch& scratch) const {
   // Integrals are costly. Over a wide block, parts, which are placed at their middles, would be used for texels at the
   // peak.
   const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
   const bool parted = area.across() > edge || area.down() > edge;
-  const std::size_t end = room.pending.size();
-  const auto take_pending = [&room](std::size_t from, std::size_t to) {
-    const auto begin = room.pending.rbegin();
-    const auto last = static_cast<std::ptrdiff_t>(room.pending.size());
-    room.stack.assign(begin + (last - static_cast<std::ptrdiff_t>(to)),
-                      begin + (last - static_cast<std::ptrdiff_t>(from)));
+  const std::size_t end = scratch.pending.size();
+  const auto take_pending = [&scratch](std::size_t from, std::size_t to) {
+    const auto begin = scratch.pending.rbegin();
+    const auto last = static_cast<std::ptrdiff_t>(scratch.pending.size());
+    scratch.stack.assign(begin + (last - static_cast<std::ptrdiff_t>(to)),
+                         begin + (last - static_cast<std::ptrdiff_t>(from)));
   };
   take_pending(first, end);
-  choose(block, parted ? Step::texels : Step::parts, room);
-  add_to_texels(area, lobe, field, rgb, room);
-  const std::size_t cut = room.pending.size();
+  choose(block, parted ? Step::texels : Step::parts, scratch);
+  add_to_texels(area, lobe, field, rgb, scratch);
+  const std::size_t cut = scratch.pending.size();
   if (cut == end) return;
   for_each_part(area, edge, edge, [&](const FaceArea& part) {
     take_pending(end, cut);
-    choose(Block(part, lobe), Step::parts, room);
-    add_to_texels(part, lobe, {}, rgb, room);
+    choose(Block(part, lobe), Step::parts, scratch);
+    add_to_texels(part, lobe, {}, rgb, scratch);
   });
-  room.pending.resize(end);
+  scratch.pending.resize(end);
 }
 
-/// Adds the lights of `room`'s pending nodes from `first` on to an area, over which `field` has those of all others.
+/// Adds the lights of `scratch`'s pending nodes from `first` on to an area, over which `field` has those of all others.
 void BrightLights::add_to_area(const FaceArea& area, const Blur& lobe, LightField field, std::size_t first, float* rgb,
-                               Room& room) const {
+                               Scratch& scratch) const {
   const int edge = area.size < kSmallMip ? kPartEdge : kLeafEdge;
   const bool leaf = area.across() <= edge && area.down() <= edge;
   const Block block(area, lobe);
   if (leaf && edge <= LightField::kEdge) {
-    add_to_leaf(area, lobe, block, field, first, rgb, room);
+    add_to_leaf(area, lobe, block, field, first, rgb, scratch);
     return;
   }
-  const std::size_t end = room.pending.size();
-  room.stack.assign(room.pending.rbegin(), room.pending.rend() - static_cast<std::ptrdiff_t>(first));
-  choose(block, Step::field, room);
-  add_to_field(area, lobe, field, room);
-  if (room.pending.size() == end) {
+  const std::size_t end = scratch.pending.size();
+  scratch.stack.assign(scratch.pending.rbegin(), scratch.pending.rend() - static_cast<std::ptrdiff_t>(first));
+  choose(block, Step::field, scratch);
+  add_to_field(area, lobe, field, scratch);
+  if (scratch.pending.size() == end) {
     if (!field.dark()) field.add_to(area, lobe.scale, rgb);
   } else if (leaf) {
-    add_to_leaf(area, lobe, block, field, end, rgb, room);
+    add_to_leaf(area, lobe, block, field, end, rgb, scratch);
   } else {
     const auto half = [edge](int texels) { return texels > edge ? (texels / 2 + edge - 1) / edge * edge : texels; };
     for_each_part(area, half(area.across()), half(area.down()),
-                  [&](const FaceArea& part) { add_to_area(part, lobe, field.within(area, part), end, rgb, room); });
+                  [&](const FaceArea& part) { add_to_area(part, lobe, field.within(area, part), end, rgb, scratch); });
   }
-  room.pending.resize(end);
+  scratch.pending.resize(end);
 }
 
 double BrightLights::add(const LightsLobe& lights, int size, const std::array<float*, 6>& faces,
@@ -498,14 +501,14 @@ double BrightLights::add(const LightsLobe& lights, int size, const std::array<fl
   const std::size_t workers = jobs::worker_count(placement);
   jobs::run_tiles(static_cast<std::size_t>(6 * across * across), placement, workers, control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
-                    std::unique_ptr<Room> room = rooms_->take();
+                    std::unique_ptr<Scratch> scratch = scratches_->take();
                     const int face = static_cast<int>(tile) / (across * across);
                     const int row = static_cast<int>(tile) / across % across * edge;
                     const int column = static_cast<int>(tile) % across * edge;
-                    room->pending.assign(1, 0);
+                    scratch->pending.assign(1, 0);
                     add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
-                                lobe, {}, 0, faces[static_cast<std::size_t>(face)], *room);
-                    rooms_->give_back(std::move(room));
+                                lobe, {}, 0, faces[static_cast<std::size_t>(face)], *scratch);
+                    scratches_->give_back(std::move(scratch));
                   });
   return lobe.left_out;
 }

@@ -111,8 +111,8 @@ class BrightLights {
   /// horizon cuts.
   enum class Step { field, texels, parts };
 
-  struct Room;
-  class Rooms;
+  struct Scratch;
+  class ScratchPool;
 
   /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
   /// made.
@@ -121,18 +121,19 @@ class BrightLights {
   [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
                                               const LightLobes& lobes) noexcept;
 
-  void make_rooms();
+  void make_scratch();
   [[nodiscard]] Blur blur_of(const LightsLobe& lights) const;
   static void find_table(Blur& blur);
-  void choose(const Block& block, Step step, Room& room) const;
-  void sum_runs(int face, int count, const Blur& lobe, Room& room) const;
-  void add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Room& room) const;
-  void add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Room& room) const;
-  void add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb, Room& room) const;
+  void choose(const Block& block, Step step, Scratch& scratch) const;
+  void sum_runs(int face, int count, const Blur& lobe, Scratch& scratch) const;
+  void add_exactly(const FaceArea& area, const Blur& lobe, float* rgb, Scratch& scratch) const;
+  void add_to_field(const FaceArea& area, const Blur& lobe, LightField& field, Scratch& scratch) const;
+  void add_to_texels(const FaceArea& area, const Blur& lobe, const LightField& field, float* rgb,
+                     Scratch& scratch) const;
   void add_to_leaf(const FaceArea& area, const Blur& lobe, const Block& block, const LightField& field,
-                   std::size_t first, float* rgb, Room& room) const;
+                   std::size_t first, float* rgb, Scratch& scratch) const;
   void add_to_area(const FaceArea& area, const Blur& lobe, LightField field, std::size_t first, float* rgb,
-                   Room& room) const;
+                   Scratch& scratch) const;
   [[nodiscard]] double ggx_error(double alpha, int size, double rms) const;
   [[nodiscard]] double table_error(const Lobe& lobe, int size, double rms) const;
 
@@ -140,7 +141,7 @@ class BrightLights {
   /// at the default bounds. The error falls with its fourth power.
   static constexpr double kFar = 3.0;
 
-  std::shared_ptr<Rooms> rooms_;
+  std::shared_ptr<ScratchPool> scratches_;
   double far_ = 0.0;
   double edge_ = 0.0;  ///< radians of a texel
   int smooth_points_ = 2;

@@ -29,7 +29,7 @@ constexpr double kPi = std::numbers::pi;
 /// studio: where there is more, or a quarter of all light lies in one lobe, every texel above that is extracted (those
 /// too that are not bright when they are blurred: the edge of a disc is to go with it).
 constexpr double kPeak = 25.0;
-constexpr double kLeastPeak = 4.0;
+constexpr double kMinPeak = 4.0;
 constexpr double kPart = 0.25;
 
 /// Lights of up to a third of the sphere are compared with the mean of the rest if they make the whole mean this much
@@ -37,7 +37,7 @@ constexpr double kPart = 0.25;
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;
-constexpr double kMostLookedAt = 4096.0;  ///< texels
+constexpr double kMaxTexelsSearched = 4096.0;  ///< texels
 
 /// A cell is as wide as the lobe: a quarter at least of any light narrower than that lies in one.
 constexpr double kOfCell = 0.25;
@@ -79,7 +79,7 @@ class Search {
     mean_ = std::max(0.0, total / (4.0 * kPi));
     scale_ = lobe(1.0, alpha) / lobe_integral(alpha);
     dark_ = dark_mean();
-    threshold_ = dark_ * std::clamp(kPart * 4.0 * kPi * scale_, kLeastPeak, kPeak);
+    threshold_ = dark_ * std::clamp(kPart * 4.0 * kPi * scale_, kMinPeak, kPeak);
     const double texel = texel_height(source.cubemap(), source.rows());
     band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);
     bands_a_face_ = (face_rows_ + band_rows_ - 1) / band_rows_;
@@ -156,7 +156,7 @@ class Search {
   template <class Look>
   void look_around(const Look& look) const noexcept {
     const auto texels = static_cast<double>(source_.rows()) * source_.columns();
-    const int step = std::max(1, static_cast<int>(std::sqrt(texels / kMostLookedAt)));
+    const int step = std::max(1, static_cast<int>(std::sqrt(texels / kMaxTexelsSearched)));
     for (int row = std::min(step / 2, source_.rows() - 1); row < source_.rows(); row += step) {
       for (int column = std::min(step / 2, source_.columns() - 1); column < source_.columns(); column += step)
         look(row, column);

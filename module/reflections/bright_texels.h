@@ -27,8 +27,8 @@ struct BrightTexel {
 /// `Error` (cancelled).
 [[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha,
                                                           std::size_t most, const Control& control);
-inline constexpr std::size_t kMostBright = 1U << 16U;  ///< for spectral mips
-inline constexpr std::size_t kMostBrightFar = 4096;    ///< for narrow lobes' far part, whose mips are large
+inline constexpr std::size_t kMaxBright = 1U << 16U;  ///< for spectral mips
+inline constexpr std::size_t kMaxBrightFar = 4096;    ///< for narrow lobes' far part, whose mips are large
 
 /// How many are found, and what the search for them takes. At most, unless they lie about a pole or are bright in one
 /// channel alone, or outshine all the rest: they are 25 times as bright as the mean. `rows`: of a lat-long, or of a

@@ -113,7 +113,7 @@ void RingTable::gather(const std::vector<const float*>& faces, const RingWeights
 
 void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   const int columns = 2 * key_.rows;
-  RingPlacesInMemory places{};
+  RingLayout places{};
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;

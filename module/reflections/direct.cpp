@@ -22,7 +22,7 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr std::size_t kMostDirections = 10'000'000;
+constexpr std::size_t kMaxDirections = 10'000'000;
 
 /// Points of the Gauss rule for a part of radius h whose nearest pole is l away: its error falls like (2 l / h)^(-2 n).
 int order_for(double reach) noexcept {  // l / h
@@ -40,10 +40,10 @@ class CubicTable {
   /// Empty if it would have too many cells.
   explicit CubicTable(const Lobe& lobe) {
     constexpr double kCellsOfScale = 64.0;  // error 1e-9 of the peak, which may lie far above the mean
-    constexpr double kMostCells = 1 << 16;
+    constexpr double kMaxCells = 1 << 16;
     const double horizon = std::sqrt(0.5);
     const double above = std::ceil(std::max(32.0, horizon * kCellsOfScale / (0.5 * lobe.scale())));
-    if (above > kMostCells) return;
+    if (above > kMaxCells) return;
     cells_of_s_ = above / horizon;
     const auto cells = static_cast<int>(std::ceil(cells_of_s_));
     for (int cell = 0; cell < cells; ++cell) {
@@ -63,9 +63,9 @@ class CubicTable {
 
   [[nodiscard]] bool empty() const noexcept { return cubics_.empty(); }
   [[nodiscard]] double at(double x) const noexcept {
-    const double place = cells_of_s_ * std::sqrt(std::max(0.0, 0.5 * x));
-    const auto cell = std::min(static_cast<std::size_t>(place), cubics_.size() - 1);
-    const double t = place - static_cast<double>(cell);
+    const double position = cells_of_s_ * std::sqrt(std::max(0.0, 0.5 * x));
+    const auto cell = std::min(static_cast<std::size_t>(position), cubics_.size() - 1);
+    const double t = position - static_cast<double>(cell);
     const std::array<double, 4>& cubic = cubics_[cell];
     return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]));
   }
@@ -78,14 +78,14 @@ class CubicTable {
 /// Points of a Gauss rule for 1e-6 of a function that a polynomial of degree 19 follows to 1e-12 over `widths` times
 /// the rule's interval: its error falls like (4 widths)^(-2 n). `radius`: of the part of a texel.
 int order_over(double widths, double radius) noexcept {
-  constexpr int kMost = 12;
+  constexpr int kMax = 12;
   if (widths < 0.45) return 0;
   const double order = std::ceil(6.9 / math::logarithm(4.0 * widths));
   const int of_mapping = radius < 0.03 ? 2 : (radius < 0.1 ? 3 : 4);  // from the sphere to rows and columns
-  return order <= kMost ? std::max(of_mapping, static_cast<int>(order)) : 0;
+  return order <= kMax ? std::max(of_mapping, static_cast<int>(order)) : 0;
 }
 
-/// A zonal kernel as it is integrated over texels.
+/// A zonal lobe as it is integrated over texels.
 class ShapeFunction final : public projection::KernelFunction {
  public:
   explicit ShapeFunction(const Lobe& shape) : shape_(shape), table_(shape), narrowest_(shape.smooth_over(0.0, 1.0)) {
@@ -116,9 +116,9 @@ class ShapeFunction final : public projection::KernelFunction {
     return radius < 0.002 * shape_.scale() ? 0.0 : 3.0;
   }
   [[nodiscard]] int shared_order(double radius) const noexcept override {
-    constexpr int kMost = 6;
+    constexpr int kMax = 6;
     const int order = radius > kWidest ? 0 : order_over(narrowest_ / (kEdgeOfRadius * radius), radius);
-    return order <= kMost ? order : 0;
+    return order <= kMax ? order : 0;
   }
 
  private:
@@ -130,7 +130,9 @@ class ShapeFunction final : public projection::KernelFunction {
   double narrowest_;
 };
 
-int clamped(double place, int count) noexcept { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
+int clamped(double position, int count) noexcept {
+  return std::clamp(static_cast<int>(std::floor(position)), 0, count - 1);
+}
 
 }  // namespace
 
@@ -181,9 +183,9 @@ glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm
 }
 
 std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& directions) {
-  if (directions.empty() || directions.size() > kMostDirections) {
+  if (directions.empty() || directions.size() > kMaxDirections) {
     throw Error(ErrorCode::invalid_argument, std::to_string(directions.size()) + " directions; 1 to " +
-                                                 std::to_string(kMostDirections) + " are possible");
+                                                 std::to_string(kMaxDirections) + " are possible");
   }
   return math::unit_directions(directions, "direction");
 }
@@ -193,7 +195,7 @@ std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& direction
 namespace welkin {
 namespace {
 
-constexpr double kLeastAlpha = 1e-6;
+constexpr double kMinAlpha = 1e-6;
 
 }  // namespace
 
@@ -208,7 +210,7 @@ std::vector<glm::dvec3> reference_specular(const EnvironmentView& source, double
   const std::vector<glm::dvec3> units = reflections::unit_directions(directions);
   const projection::SanitizedSource texels(source, {}, {control.stop, {}});
   const double alpha = roughness * roughness;
-  if (alpha >= kLeastAlpha) return reflections::integrate_lobe(texels, reflections::Lobe(alpha), units, control);
+  if (alpha >= kMinAlpha) return reflections::integrate_lobe(texels, reflections::Lobe(alpha), units, control);
   std::vector<glm::dvec3> values;
   values.reserve(units.size());
   for (const glm::dvec3& unit : units) values.push_back(reflections::radiance_towards(texels, unit));

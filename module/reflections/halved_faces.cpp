@@ -19,7 +19,7 @@ constexpr std::size_t kCacheBytes = std::size_t{16} << 20U;
 struct Shares {
   int first = 0;
   int count = 0;
-  float of[HalvedRow::kMostRows] = {};
+  float of[HalvedRow::kMaxRows] = {};
 };
 
 Shares shares_of(int row, int size) {
@@ -111,29 +111,29 @@ class HalvingTable {
 
 constexpr int kTileRows = 16;  ///< of the result
 
-/// Floats of a worker's room: the light of the rows that give to a tile, and `HalvedRow::room`.
+/// Floats of a worker's scratch: the light of the rows that give to a tile, and `HalvedRow::scratch`.
 std::size_t room_floats(int size) noexcept {
-  constexpr int kRows = 2 * kTileRows + HalvedRow::kMostRows;
+  constexpr int kRows = 2 * kTileRows + HalvedRow::kMaxRows;
   return static_cast<std::size_t>(3 * size) * (kRows + 1) + 6 * HalvedRow::kMargin + HalvedRow::kBeyond;
 }
 
 /// Makes rows of a face that follow each other. `from`: all rows of the face that is halved.
-void halve_rows(const HalvingTable& table, int size, const float* const* from, int first, int end, float* room,
+void halve_rows(const HalvingTable& table, int size, const float* const* from, int first, int end, float* scratch,
                 float* to) {
   const int floats = 3 * size;
   const int begin = table.shares(first).first;
-  float* const own = room + std::ptrdiff_t{floats} * (2 * kTileRows + HalvedRow::kMostRows);
+  float* const own = scratch + std::ptrdiff_t{floats} * (2 * kTileRows + HalvedRow::kMaxRows);
   int weighed = begin;
   for (int row = first; row < end; ++row, to += floats / 2) {
     const Shares& shares = table.shares(row);
     HalvedRow run{
-        .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .room = own};
+        .light = {}, .shares = {}, .count = shares.count, .size = size, .scale = table.scale(row), .scratch = own};
     for (; weighed < shares.first + shares.count; ++weighed) {
       ring_kernels().weigh_light(from[weighed], table.angles(weighed), floats,
-                                 room + std::ptrdiff_t{floats} * (weighed - begin));
+                                 scratch + std::ptrdiff_t{floats} * (weighed - begin));
     }
     for (int k = 0; k < shares.count; ++k) {
-      run.light[k] = room + std::ptrdiff_t{floats} * (shares.first + k - begin);
+      run.light[k] = scratch + std::ptrdiff_t{floats} * (shares.first + k - begin);
       run.shares[k] = shares.of[k];
     }
     ring_kernels().halve_row(run, to);
@@ -149,14 +149,14 @@ SourceRows halved_once(const std::vector<const float*>& rows, const Control& con
   for (int row = 0; row < 6 * half; ++row) faces.rows.push_back(first_row + std::ptrdiff_t{3} * half * row);
   const auto placement = jobs::placement_for(std::int64_t{6} * size * size);
   const std::size_t workers = jobs::worker_count(placement);
-  platform::AlignedBuffer<float> rooms(workers * room_floats(size));
+  platform::AlignedBuffer<float> scratches(workers * room_floats(size));
   const int tiles = (half + kTileRows - 1) / kTileRows;
   jobs::run_tiles(static_cast<std::size_t>(6 * tiles), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const int face = static_cast<int>(tile) / tiles;
                     const int first = static_cast<int>(tile) % tiles * kTileRows;
                     halve_rows(*table, size, rows.data() + std::ptrdiff_t{size} * face, first,
-                               std::min(half, first + kTileRows), rooms.data() + worker * room_floats(size),
+                               std::min(half, first + kTileRows), scratches.data() + worker * room_floats(size),
                                first_row + std::ptrdiff_t{3} * half * (half * face + first));
                   });
   return faces;
@@ -174,8 +174,8 @@ std::size_t halved_faces_bytes(int from, int size) noexcept {
   const auto texels = static_cast<std::size_t>(from) * static_cast<std::size_t>(from);
   const std::size_t faces = 18 * (texels / 4 + (size < from / 2 ? texels / 16 : 0));
   const std::size_t tables = 2 * (3 * texels / 2 + texels / 8);  // one for each size
-  const std::size_t rooms = jobs::worker_count(jobs::Placement::arena) * room_floats(from);
-  return sizeof(float) * (faces + tables + rooms) + sizeof(Shares) * static_cast<std::size_t>(from);
+  const std::size_t scratches = jobs::worker_count(jobs::Placement::arena) * room_floats(from);
+  return sizeof(float) * (faces + tables + scratches) + sizeof(Shares) * static_cast<std::size_t>(from);
 }
 
 }  // namespace welkin::reflections

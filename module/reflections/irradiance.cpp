@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kLambertAlpha = 1.0;  ///< the GGX lobe of roughness 1 is the clipped cosine
 
-constexpr double kLeastByHarmonics = 1e-5;  ///< below, float sums leave too little of a bound
-constexpr double kLargestOverRms = 10.0;    ///< largest error of a texel over the rms error, of bounds
-constexpr double kIntegralError = 2e-7;     ///< of a sum in double that is rounded to floats
+constexpr double kMinHarmonicsError = 1e-5;  ///< below, float sums leave too little of a bound
+constexpr double kLargestOverRms = 10.0;     ///< largest error of a texel over the rms error, of bounds
+constexpr double kIntegralError = 2e-7;      ///< of a sum in double that is rounded to floats
 
 void add_irradiance(PrefilterPlan& plan, int size, const ErrorBounds& bounds) {
   MipPlan& mip = plan.irradiance.emplace();
@@ -44,7 +44,7 @@ PrefilterPlan plan_irradiance(int size, double rms_error) {
   PrefilterPlan plan;
   plan.bounds = bounds_of(rms_error);
   add_irradiance(plan, size, plan.bounds);
-  if (rms_error < kLeastByHarmonics) return plan;
+  if (rms_error < kMinHarmonicsError) return plan;
   plan.bands = std::max(plan.irradiance->bands.bands(), first_bands_for_dark(plan.bounds));
   plan.reach = reach_for(plan.bounds.rms, plan.bounds.maximum);
   plan.light_alpha = kMatteLightAlpha;
@@ -56,7 +56,7 @@ bool share_harmonics(PrefilterPlan& chain, int size, double rms_error) {
   const ErrorBounds bounds = bounds_of(rms_error);
   const bool fine = chain.lights.of == LightsOf::ggx && chain.bands >= first_bands_for_dark(bounds) &&
                     chain.bounds.rms <= bounds.rms && chain.reach >= reach_for(bounds.rms, bounds.maximum);
-  if (!fine || rms_error < kLeastByHarmonics) return false;
+  if (!fine || rms_error < kMinHarmonicsError) return false;
   add_irradiance(chain, size, bounds);
   return true;
 }

@@ -16,9 +16,9 @@ struct Span {
 
   /// Sets each point's share of the value at a place: Lagrange's polynomials.
   template <class Shares>
-  void share(double place, std::size_t index, Shares& shares) const noexcept {
+  void share(double position, std::size_t index, Shares& shares) const noexcept {
     constexpr double kScale = 1.0 / (2.0 * (kFar * kFar - kNear * kNear));
-    const double t = half > 0.0 ? (place - middle) / half : 0.0;
+    const double t = half > 0.0 ? (position - middle) / half : 0.0;
     const double outer = (t * t - kNear * kNear) * (kScale / kFar);
     const double inner = (kFar * kFar - t * t) * (kScale / kNear);
     shares[0][index] = static_cast<float>((kFar - t) * outer);
@@ -74,8 +74,8 @@ namespace {
 /// Each point's share of the values at the centres of so many texels.
 class TexelShares {
  public:
-  static constexpr std::size_t kMost = LightField::kMostWide;
-  using Texels = std::array<float, kMost>;
+  static constexpr std::size_t kMax = LightField::kMaxWidth;
+  using Texels = std::array<float, kMax>;
 
   [[nodiscard]] static const std::array<Texels, LightField::kEdge>& of(int texels) {
     static const TexelShares kept;
@@ -84,31 +84,30 @@ class TexelShares {
 
  private:
   TexelShares() {
-    for (int texels = 1; texels <= LightField::kMostWide; ++texels) {
+    for (int texels = 1; texels <= LightField::kMaxWidth; ++texels) {
       const Span span(0, texels, texels);
       for (int k = 0; k < texels; ++k)
         span.share(place_on_face(k, texels), static_cast<std::size_t>(k), by_texels_[static_cast<std::size_t>(texels)]);
     }
   }
 
-  std::array<std::array<Texels, LightField::kEdge>, kMost + 1> by_texels_{};
+  std::array<std::array<Texels, LightField::kEdge>, kMax + 1> by_texels_{};
 };
 
 }  // namespace
 
 void LightField::write(const FaceArea& area, int count, float* sums) const {
-  Shares<kMostEdge> down{};
-  Shares<kMostEdge> across{};
+  Shares<kMaxEdge> down{};
+  Shares<kMaxEdge> across{};
   for (std::size_t k = 0; k < kEdge; ++k) {
     std::copy_n(TexelShares::of(area.down())[k].begin(), area.down(), down[k].begin());
     std::copy_n(TexelShares::of(area.across())[k].begin(), area.across(), across[k].begin());
   }
-  std::array<float, std::size_t{3} * kMostEdge * kMostEdge> all;
+  std::array<float, std::size_t{3} * kMaxEdge * kMaxEdge> all;
   interpolate(down, across, all.data());
   for (int c = 0; c < 3; ++c) {
     for (int row = 0; row < area.down(); ++row)
-      std::copy_n(all.data() + kMostEdge * (kMostEdge * c + row), area.across(),
-                  sums + c * count + row * area.across());
+      std::copy_n(all.data() + kMaxEdge * (kMaxEdge * c + row), area.across(), sums + c * count + row * area.across());
   }
 }
 
@@ -116,7 +115,7 @@ void LightField::add_to(const FaceArea& area, float scale, float* rgb) const {
   const auto& down = TexelShares::of(area.down());
   const auto& across = TexelShares::of(area.across());
   const auto wide = static_cast<std::size_t>(area.across());
-  std::array<std::array<float, kMostWide>, 3> light;
+  std::array<std::array<float, kMaxWidth>, 3> light;
   for (int row = area.row; row < area.end_row; ++row) {
     const auto k = static_cast<std::size_t>(row - area.row);
     for (std::size_t c = 0; c < 3; ++c) {

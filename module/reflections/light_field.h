@@ -36,8 +36,8 @@ class LightField {
  public:
   static constexpr int kEdge = 4;
   static constexpr int kPoints = kEdge * kEdge;
-  static constexpr int kMostEdge = 8;   ///< texels of an area that `write` takes
-  static constexpr int kMostWide = 64;  ///< columns of an area that `add_to` takes
+  static constexpr int kMaxEdge = 8;    ///< texels of an area that `write` takes
+  static constexpr int kMaxWidth = 64;  ///< columns of an area that `add_to` takes
 
   /// Where point k is, along one axis, of an area's texels [first, end).
   [[nodiscard]] static double point(int first, int end, int size, std::size_t k) noexcept;

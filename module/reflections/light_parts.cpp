@@ -11,7 +11,7 @@ namespace welkin::reflections {
 
 std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape, int cuts) {
   std::vector<BrightTexel> parts;
-  std::vector<std::int64_t> places;
+  std::vector<std::int64_t> indices;
   const std::int64_t columns = std::int64_t{cuts} * shape.columns;
   for (const BrightTexel& texel : texels) {
     for (int j = 0; j < cuts; ++j) {
@@ -20,12 +20,12 @@ std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, cons
         part.row = texel.row * cuts + j;
         part.column = texel.column * cuts + i;
         parts.push_back(part);
-        places.push_back(part.row * columns + part.column);
+        indices.push_back(part.row * columns + part.column);
       }
     }
   }
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
-  const std::vector<double> steradians = image::solid_angles_of(cut.grid(), places);
+  const std::vector<double> steradians = image::solid_angles_of(cut.grid(), indices);
   for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
   return parts;
 }

@@ -17,17 +17,17 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-constexpr int kOrder = 4;           ///< points along a rule's edge
-constexpr double kWidest = 0.25;    ///< radius of a node: places on it are still all but linear in rows and columns
-constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
+constexpr int kOrder = 4;         ///< points along a rule's edge
+constexpr double kWidest = 0.25;  ///< radius of a node: places on it are still all but linear in rows and columns
+constexpr double kMaxTurn = 0.1;  ///< the same for columns about a pole
 
-constexpr double kDefaultReach = 9.25;    ///< of `reach_for`
-constexpr double kLeastFar = 0.5;         ///< of what a node's distance must be at the default bounds
-constexpr double kMostLoosened = 1.4;     ///< of the reach, for what the horizon cuts
-constexpr double kMostCutRadius = 0.012;  ///< of a node that the horizon may cut as one light, at the default bounds
-constexpr int kLeastCutTexels = 4;        ///< of such a node
-constexpr double kMostParts = 4096.0;     ///< that a few texels are cut into, all together
-constexpr double kOnePart = 0.01;         ///< radians: smaller texels need not be cut for the horizon
+constexpr double kDefaultReach = 9.25;   ///< of `reach_for`
+constexpr double kMinFarDistance = 0.5;  ///< of what a node's distance must be at the default bounds
+constexpr double kMaxLoosening = 1.4;    ///< of the reach, for what the horizon cuts
+constexpr double kMaxCutRadius = 0.012;  ///< of a node that the horizon may cut as one light, at the default bounds
+constexpr int kMinCutTexels = 4;         ///< of such a node
+constexpr double kMaxParts = 4096.0;     ///< that a few texels are cut into, all together
+constexpr double kOnePart = 0.01;        ///< radians: smaller texels need not be cut for the horizon
 
 double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
@@ -41,8 +41,8 @@ double widest_edge_of(const PictureShape& shape, LightsOf of) {
 
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
 bool is_coarse(const PictureShape& shape, LightsOf of) {
-  constexpr double kMostCut = 0.11;  // radians
-  return of == LightsOf::ggx && edge_of(shape) > kMostCut;
+  constexpr double kMaxCut = 0.11;  // radians
+  return of == LightsOf::ggx && edge_of(shape) > kMaxCut;
 }
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
@@ -57,7 +57,7 @@ int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texe
       parts_of(widest_edge_of(shape, lobes.of), 2.0 * lobes.least_alpha);  // five points along an edge suffice
   if (is_coarse(shape, lobes.of)) return needed;
   const int wanted = parts_of(edge, std::min(kOfWidth * 2.0 * lobes.least_alpha, kOfSphere));
-  const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
+  const auto most = static_cast<int>(std::ceil(std::sqrt(kMaxParts / static_cast<double>(texels))));
   return std::max(needed, std::min({wanted, most, 16}));
 }
 
@@ -77,10 +77,10 @@ int smooth_points(double radians, double alpha, double reach, LightsOf use) {
 /// Parts along an edge: that small that the horizon and annular lobes meet a parallelogram.
 int parts_along(double radians, std::size_t texels, const LightLobes& lobes) {
   constexpr double kPart = 0.008;
-  constexpr int kMost = 32;
-  const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostParts / static_cast<double>(texels)));
+  constexpr int kMax = 32;
+  const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMaxParts / static_cast<double>(texels)));
   const int least = std::max(radians < kOnePart ? 1 : 2, static_cast<int>(std::ceil(radians / lobes.widest_part())));
-  return std::clamp(static_cast<int>(wanted), std::min(least, kMost), kMost);
+  return std::clamp(static_cast<int>(wanted), std::min(least, kMax), kMax);
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ class LightTree {
     return static_cast<std::size_t>(own + kOrder * kOrder / (4 * own <= kOrder * kOrder ? 2 : 1));
   }
   [[nodiscard]] static constexpr std::size_t bytes_of_leaf(int smooth) noexcept {
-    return 2 * sizeof(BrightLights::Node) + sizeof(Place) +
+    return 2 * sizeof(BrightLights::Node) + sizeof(LightPoint) +
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
@@ -128,7 +128,7 @@ class LightTree {
   }
 
  private:
-  struct Place {
+  struct LightPoint {
     const BrightTexel* texel;
     glm::dvec3 direction;
   };
@@ -181,7 +181,7 @@ class LightTree {
     const auto part = [&](auto before) {
       const auto middle =
           std::stable_partition(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(end),
-                                [&](const Place& place) { return before(corner_of(*place.texel)); });
+                                [&](const LightPoint& place) { return before(corner_of(*place.texel)); });
       return static_cast<std::size_t>(middle - begin);
     };
     if (box.end.face - box.first.face > 1) {
@@ -247,7 +247,7 @@ class LightTree {
   /// Whether the texels are small together and each has all but the same colour and brightness.
   [[nodiscard]] bool can_be_one_cut(const BrightLights::Node& node, std::size_t first, std::size_t end) const {
     constexpr float kEven = 4.0F;
-    if (parts_ == 0 || end - first < kLeastCutTexels || node.radius > most_cut_radius_) return false;
+    if (parts_ == 0 || end - first < kMinCutTexels || node.radius > most_cut_radius_) return false;
     for (std::size_t c = 0; c < 3; ++c) {
       float least = places_[first].texel->excess[c];
       float most = least;
@@ -336,7 +336,7 @@ class LightTree {
                       end - first == static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
     const bool even = full && std::all_of(places_.begin() + static_cast<std::ptrdiff_t>(first),
                                           places_.begin() + static_cast<std::ptrdiff_t>(end),
-                                          [&](const Place& place) { return place.texel->excess == texel.excess; });
+                                          [&](const LightPoint& place) { return place.texel->excess == texel.excess; });
     if (!even) return {};
     const int face_row = shape_.cubemap ? box.first.face * shape_.columns : 0;
     return rectangle_of({face_row + box.first.row, box.first.column, rows, columns}, texel);
@@ -374,7 +374,7 @@ class LightTree {
       node.smooth = {a.smooth.first, a.smooth.count + b.smooth.count};
       return;
     }
-    const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMostTurns * shape_.columns;
+    const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMaxTurn * shape_.columns;
     if (box.end.face - box.first.face > 1 || many_turns) return;
     const double radius = std::max(node.radius, radius_of(node.centre, box));
     if (radius > kWidest) return;
@@ -440,7 +440,7 @@ class LightTree {
   math::GaussRule rule_;
   int smooth_;
   int parts_ = 2;
-  std::vector<Place, platform::WorkingAllocator<Place>> places_;
+  std::vector<LightPoint, platform::WorkingAllocator<LightPoint>> places_;
   Samples samples_;
   Samples cut_;  ///< of a texel
   double most_cut_radius_ = 0.0;
@@ -449,7 +449,7 @@ class LightTree {
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
                            double reach)
-    : far_(kFar * std::max(kLeastFar, std::sqrt(std::sqrt(math::exponential(reach - kDefaultReach))))) {
+    : far_(kFar * std::max(kMinFarDistance, std::sqrt(std::sqrt(math::exponential(reach - kDefaultReach))))) {
   if (texels.empty()) return;
   const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
@@ -458,17 +458,17 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
     texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
                           : projection::texels_of_lat_long(cut.columns, cut.rows);
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
-  double most_cut = kMostCutRadius * math::exponential(0.5 * std::min(kMostLoosened, kDefaultReach - reach));
+  double most_cut = kMaxCutRadius * math::exponential(0.5 * std::min(kMaxLoosening, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
-  make_rooms();
+  make_scratch();
 }
 
 std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, const LightLobes& lobes) noexcept {
   const auto cuts = static_cast<std::size_t>(cuts_of(shape, lobes, 1));
   const auto needed = static_cast<std::size_t>(cuts_of(shape, lobes, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
-  const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
+  const double edge = std::sqrt(kMaxParts) + std::sqrt(static_cast<double>(texels));
   return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
@@ -477,7 +477,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   if (texels == 0) return 0;
   const double edge = edge_of(shape) / cuts_of(shape, lobes, texels);
   const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
-  const std::size_t parts = std::max(static_cast<std::size_t>(kMostParts), leaves * along * along);
+  const std::size_t parts = std::max(static_cast<std::size_t>(kMaxParts), leaves * along * along);
   const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;

@@ -22,7 +22,7 @@ namespace welkin::reflections {
 /// ends, q = alpha^2 / (1 - alpha^2). In double to 1e-9; not kept.
 [[nodiscard]] std::vector<double> far_spectrum(double alpha, double end, int bands);
 
-/// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal kernel gives.
+/// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal lobe gives.
 [[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
 
 /// Calls `use(l, P_l(x))` for l < count.
@@ -68,7 +68,7 @@ class Lobe {
  public:
   /// GGX of the split sum (`lobe`); alpha in (0, 1].
   explicit Lobe(double alpha);
-  /// `breaks`: in s, without 0 and 1. Throws `Error` (invalid_argument), see `ZonalKernel::from_function`.
+  /// `breaks`: in s, without 0 and 1. Throws `Error` (invalid_argument), see `ZonalLobe::from_function`.
   Lobe(const std::function<double(double cosine)>& value, std::vector<double> breaks);
   /// A finite spectrum, whose first number is 1.
   explicit Lobe(std::vector<double> factors);

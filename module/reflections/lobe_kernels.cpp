@@ -84,10 +84,11 @@ WELKIN_INLINE auto is_seen(const LobeBlock& texels, Lanes chord) {
 /// The kernel of a table.
 WELKIN_INLINE Lanes looked_up(const LobeBlock& texels, Lanes chord) {
   const Lanes from_axis = Lanes(0.5F * texels.cells_of_s) * xsimd::sqrt(chord);
-  const Lanes place = xsimd::max(from_axis - Lanes(texels.first_cell), Lanes(0.0F));
-  const simd::Integers cell = xsimd::min(xsimd::to_int(place), simd::Integers(texels.cells - 1));
+  const Lanes position = xsimd::max(from_axis - Lanes(texels.first_cell), Lanes(0.0F));
+  const simd::Integers cell = xsimd::min(xsimd::to_int(position), simd::Integers(texels.cells - 1));
   const simd::Pairs line = simd::load_pairs(texels.lines, cell);
-  return xsimd::select(is_seen(texels, chord), line.first + (place - xsimd::to_float(cell)) * line.second, Lanes(0.0F));
+  return xsimd::select(is_seen(texels, chord), line.first + (position - xsimd::to_float(cell)) * line.second,
+                       Lanes(0.0F));
 }
 
 void sum_lobes(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count, float* sums) {
@@ -143,9 +144,9 @@ WELKIN_INLINE float square_of(const float* axis) { return axis[0] * axis[0] + ax
 
 /// A kernel's Int (c - x) k(x) dx up to c.
 WELKIN_INLINE Lanes twice_integrated(const LobeBlock& texels, Lanes c) {
-  const Lanes place = xsimd::max(c, Lanes(0.0F)) * Lanes(texels.cells_of_c);
-  const simd::Integers cell = xsimd::min(xsimd::to_int(place), simd::Integers(texels.cosine_cells - 1));
-  const Lanes t = place - xsimd::to_float(cell);
+  const Lanes position = xsimd::max(c, Lanes(0.0F)) * Lanes(texels.cells_of_c);
+  const simd::Integers cell = xsimd::min(xsimd::to_int(position), simd::Integers(texels.cosine_cells - 1));
+  const Lanes t = position - xsimd::to_float(cell);
   const simd::Pairs low = simd::load_pairs(texels.twice_integrated, cell + cell);
   const simd::Pairs high = simd::load_pairs(texels.twice_integrated, cell + cell + simd::Integers(1));
   return low.first + t * (low.second + t * (high.first + t * high.second));

@@ -67,7 +67,7 @@ using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, cons
 using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,
                              float* sums);
 
-/// A quadrature of a zonal kernel, in blocks of `kMomentLanes` nodes.
+/// A quadrature of a zonal lobe, in blocks of `kMomentLanes` nodes.
 struct MomentRun {
   const double* distances;  ///< 1 - c of each node
   const double* weights;

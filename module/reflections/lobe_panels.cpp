@@ -21,10 +21,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kFollowed = 1e-12;    ///< what the last coefficients of a panel may be, over the largest value
 constexpr std::size_t kPanels = 2000;  ///< at most
 constexpr double kCellsOfScale = 512.0;
-constexpr int kMostCells = 1 << 17;
+constexpr int kMaxCells = 1 << 17;
 constexpr double kSeen = 1e-9;  ///< of the largest magnitude: what is less is dark
 
-constexpr double kMostLightAlpha = 0.1;
+constexpr double kMaxLightAlpha = 0.1;
 constexpr double kScaleOfAlpha = 1.93;  ///< of narrow GGX lobes, 1 / (1 + (theta / 2 alpha)^2)^2
 
 double cosine_of(double s) noexcept { return 1.0 - 2.0 * s * s; }
@@ -69,13 +69,13 @@ double Lobe::evaluate(const Panel& panel, double s) noexcept {
 
 double Lobe::value_at(double s) const noexcept {
   const auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, s,
-                                   [](double place, const Panel& panel) { return place < panel.end; });
+                                   [](double position, const Panel& panel) { return position < panel.end; });
   return evaluate(*at, s);
 }
 
 double Lobe::smooth_over(double from, double to) const noexcept {
   auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, from,
-                             [](double place, const Panel& panel) { return place < panel.end; });
+                             [](double position, const Panel& panel) { return position < panel.end; });
   double least = 1.0;
   for (; at != panels_.end() && at->begin <= to; ++at) least = std::min(least, at->end - at->begin);
   return std::max(least, 0.5 * scale_);  // panels about the axis are narrower than they need be
@@ -219,7 +219,7 @@ const KernelTable& Lobe::table() const {
 void Lobe::make_table() const {
   const double horizon = std::sqrt(0.5);
   const double wanted = horizon * kCellsOfScale / (0.5 * scale_);
-  const int above = std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e9))), 64, kMostCells);
+  const int above = std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e9))), 64, kMaxCells);
   table_.cells_of_s = above / horizon;
   table_.first_cell = static_cast<int>(nearest_ * table_.cells_of_s);
   const auto end = static_cast<int>(std::ceil(farthest_ * table_.cells_of_s));
@@ -246,10 +246,9 @@ void Lobe::make_table() const {
 
 void Lobe::integrate_twice() const {
   constexpr double kCosineCellsOfScale = 64.0;
-  constexpr int kMostCosineCells = 1 << 14;
+  constexpr int kMaxCosineCells = 1 << 14;
   const double end = cosine_of(nearest_);  // beyond it all is dark
-  const auto cells =
-      static_cast<int>(std::ceil(std::min<double>(kMostCosineCells, end * kCosineCellsOfScale / scale_)));
+  const auto cells = static_cast<int>(std::ceil(std::min<double>(kMaxCosineCells, end * kCosineCellsOfScale / scale_)));
   table_.cells_of_c = cells / end;
   const double width = 1.0 / table_.cells_of_c;
   double once = 0.0;
@@ -322,7 +321,7 @@ double Lobe::width_alpha() const noexcept { return alpha_ > 0.0 ? alpha_ : std::
 double Lobe::light_alpha() const noexcept {
   if (alpha_ > 0.0) return alpha_;
   // GGX's peak is 4 / alpha^2 times the mean
-  return std::min(kMostLightAlpha, std::sqrt(4.0 / std::max(4.0, 4.0 * kPi * peak_)));
+  return std::min(kMaxLightAlpha, std::sqrt(4.0 / std::max(4.0, 4.0 * kPi * peak_)));
 }
 
 std::vector<double> Lobe::spectrum(int bands) const {

@@ -162,10 +162,10 @@ math::TableCache<FitKey, FittedTable>& fits() {
 
 namespace welkin {
 
-std::vector<double> fitted_roughness_of_mips(RoughnessSchedule schedule, int mips, int size) {
+std::vector<double> fitted_mip_roughness(RoughnessSchedule schedule, int mips, int size) {
   const platform::FloatingPointScope floating_point;
   const auto fit = [&] {
-    const std::vector<double> nominal = roughness_of_mips(schedule, mips, size);
+    const std::vector<double> nominal = mip_roughness(schedule, mips, size);
     reflections::Fit lobes(nominal, {schedule, mips, size}, std::min(reflections::kDegrees, 2 * size));
     return std::make_shared<const reflections::FittedTable>(reflections::FittedTable{lobes.run()});
   };

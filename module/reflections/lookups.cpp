@@ -45,7 +45,7 @@ LookupFormula formula_of(const std::vector<double>& roughness, int size) {
   if (formula.mips < 2 || formula.mips > full_chain_levels(size)) return formula;
   for (const auto schedule : {RoughnessSchedule::filament, RoughnessSchedule::linear, RoughnessSchedule::babylon,
                               RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
-    if (roughness == roughness_of_mips(schedule, formula.mips, size)) formula.schedule = schedule;
+    if (roughness == mip_roughness(schedule, formula.mips, size)) formula.schedule = schedule;
   }
   return formula;
 }

@@ -76,10 +76,10 @@ WELKIN_INLINE Lanes missed_by_bend(const SplitLobe& lobe, Lanes x0, Lanes y0, La
   const Lanes before = Lanes(0.5F) / (begin * begin + square);
   const Lanes after = Lanes(0.5F) / (end * end + square);
   const Lanes rise = end * after - begin * before;
-  const Lanes turn = Lanes(0.5F) * angle / hyp;
-  const Lanes zeroth = (rise + turn) / square;
+  const Lanes rotation = Lanes(0.5F) * angle / hyp;
+  const Lanes zeroth = (rise + rotation) / square;
   const Lanes first = before - after;
-  const Lanes second = turn - rise;
+  const Lanes second = rotation - rise;
   return a2 * bend * ((begin + end) * first - second - begin * end * zeroth);
 }
 
@@ -283,9 +283,9 @@ class LatLongRow {
     const Lanes sine_of_middle = Lanes::load_unaligned(group.sine_of_middle + k);
     const Lanes cosine_of_middle = Lanes::load_unaligned(group.cosine_of_middle + k);
     for (int i = 0; i < count; ++i) {
-      const Lanes turn(0.5F * Rule<count>::points[i] * group.across);
-      sine_of_point_[i] = sine_of_middle * cosine_of(turn) - cosine_of_middle * sine_of(turn);
-      cosine_of_point_[i] = cosine_of_middle * cosine_of(turn) + sine_of_middle * sine_of(turn);
+      const Lanes rotation(0.5F * Rule<count>::points[i] * group.across);
+      sine_of_point_[i] = sine_of_middle * cosine_of(rotation) - cosine_of_middle * sine_of(rotation);
+      cosine_of_point_[i] = cosine_of_middle * cosine_of(rotation) + sine_of_middle * sine_of(rotation);
     }
   }
 

@@ -12,7 +12,6 @@
 #include "math/elementary.h"
 #include "math/table_cache.h"
 #include "reflections/lobe.h"
-#include "reflections/source_rows.h"
 
 namespace welkin::reflections {
 namespace {
@@ -61,8 +60,8 @@ constexpr int kTurns = 3;  ///< of the axes, from x to y to z: with `kRingImages
 int turns_of(const NearSplit& split) { return split.cubemap() ? kTurns : 1; }
 
 /// Returns where an image has a texel of the mip, or of the source.
-image::CubeTexel image_of(int size, glm::ivec3 point, int turn, int image) {
-  for (int k = 0; k < turn; ++k) point = {point.y, point.z, point.x};
+image::CubeTexel image_of(int size, glm::ivec3 point, int rotation, int image) {
+  for (int k = 0; k < rotation; ++k) point = {point.y, point.z, point.x};
   return image::texel_at(size, image::moved(image::cube_image_of(image), point));
 }
 
@@ -74,7 +73,7 @@ NearTable::NearTable(const NearSplit& split)
       weights_(split, 1.0 - far_.front()),
       rows_(rows_of(split)) {
   struct Worker {
-    NearWeights::Room room;
+    NearWeights::Scratch scratch;
     NearTile tile;
     std::vector<ColumnRange> rows;
   };
@@ -86,7 +85,7 @@ NearTable::NearTable(const NearSplit& split)
   jobs::run_tiles(weights_.tiles(), placement, workers.size(), {}, [&](std::size_t index, std::size_t number) {
     Worker& worker = workers[number];
     NearTile& tile = kept ? tiles_[index] : worker.tile;
-    weights_.make(index, tile, worker.room);
+    weights_.make(index, tile, worker.scratch);
     for (const NearRun& run : tile.runs)
       widen(worker.rows[static_cast<std::size_t>(run.row)], {run.first, run.first + run.count});
   });
@@ -100,9 +99,9 @@ std::shared_ptr<const NearTable> NearTable::get(const NearSplit& split) {
   return cache.get(split, [&] { return std::make_shared<const NearTable>(split); });
 }
 
-const NearTile& NearTable::tile(std::size_t index, NearTile& own, NearWeights::Room& room) const {
+const NearTile& NearTable::tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const {
   if (!tiles_.empty()) return tiles_[index];
-  weights_.make(index, own, room);
+  weights_.make(index, own, scratch);
   return own;
 }
 
@@ -126,11 +125,11 @@ namespace {
 class NearRecords {
  public:
   /// `columns`: of each row, see `NearTable::rows`.
-  NearRecords(const NearSplit& split, std::vector<ColumnRange> columns);
+  NearRecords(const NearSplit& split, const std::vector<ColumnRange>& columns);
 
   [[nodiscard]] const float* data() const noexcept { return records_.data(); }
   [[nodiscard]] const std::ptrdiff_t* rows() const noexcept { return rows_.data(); }  ///< see `NearTaps`
-  void gather(const std::vector<const float*>& rows, int turn, const Control& control);
+  void gather(const std::vector<const float*>& rows, int rotation, const Control& control);
 
  private:
   /// Columns of a row whose records stay in a core's nearest cache.
@@ -145,8 +144,8 @@ class NearRecords {
     int across[2], down[2];
   };
 
-  [[nodiscard]] FaceImage image_of_face(int part, int turn, int image) const;
-  void copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image);
+  [[nodiscard]] FaceImage image_of_face(int part, int rotation, int image) const;
+  void copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int rotation, int image);
   void copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image);
 
   NearSplit split_;
@@ -156,7 +155,7 @@ class NearRecords {
   platform::AlignedBuffer<float> records_;
 };
 
-NearRecords::NearRecords(const NearSplit& split, std::vector<ColumnRange> columns) : split_(split) {
+NearRecords::NearRecords(const NearSplit& split, const std::vector<ColumnRange>& columns) : split_(split) {
   constexpr int kColumns = 64;
   std::ptrdiff_t next = 0;
   for (std::size_t row = 0; row < columns.size(); ++row) {
@@ -171,10 +170,10 @@ NearRecords::NearRecords(const NearSplit& split, std::vector<ColumnRange> column
     images_.push_back(image_of_face(k / kRingImages % kParts, k / kRingImages / kParts, k % kRingImages));
 }
 
-NearRecords::FaceImage NearRecords::image_of_face(int part, int turn, int image) const {
+NearRecords::FaceImage NearRecords::image_of_face(int part, int rotation, int image) const {
   const auto place = [&](int column, int row) {
     const int face = kNearFaces[static_cast<std::size_t>(part)];
-    return image_of(split_.face, image::point_of(split_.face, {face, column, row}), turn, image);
+    return image_of(split_.face, image::point_of(split_.face, {face, column, row}), rotation, image);
   };
   const image::CubeTexel first = place(0, 0);
   const image::CubeTexel right = place(1, 0);
@@ -186,25 +185,25 @@ NearRecords::FaceImage NearRecords::image_of_face(int part, int turn, int image)
           {below.column - first.column, below.row - first.row}};
 }
 
-void NearRecords::gather(const std::vector<const float*>& rows, int turn, const Control& control) {
+void NearRecords::gather(const std::vector<const float*>& rows, int rotation, const Control& control) {
   const auto placement = jobs::placement_for(static_cast<std::int64_t>(records_.size() / 4));
   jobs::run_tiles(pieces_.size(), placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
                     for (int image = 0; image < kRingImages; ++image) {
                       if (split_.cubemap())
-                        copy_of_face(rows, pieces_[tile], turn, image);
+                        copy_of_face(rows, pieces_[tile], rotation, image);
                       else
                         copy_of_lat_long(rows, pieces_[tile], image);
                     }
                   });
 }
 
-void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int turn, int image) {
+void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int rotation, int image) {
   const int size = split_.face;
   const int part = piece.row / size;
   const int row = piece.row % size;
   const auto [first, end] = piece.columns;
-  const FaceImage& own = images_[static_cast<std::size_t>((turn * kParts + part) * kRingImages + image)];
+  const FaceImage& own = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
   const RecordCopy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
                         own.across[1], own.column + first * own.across[0] + row * own.down[0],
                         own.across[0], end - first,
@@ -232,43 +231,43 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
 /// Sums of one mip.
 class NearSums {
  public:
-  struct Room {
+  struct Scratch {
     NearTile tile;
-    NearWeights::Room weights;
+    NearWeights::Scratch weights;
     alignas(64) float sums[kRecordFloats] = {};
   };
 
-  explicit NearSums(const NearMip& mip) : mip_(mip) {
-    for (int turn = 0; turn < turns_of(mip.table->split()); ++turn) {
+  NearSums(const NearTable& table, const std::array<float*, 6>& faces) : table_(table), faces_(faces) {
+    for (int rotation = 0; rotation < turns_of(table.split()); ++rotation) {
       for (int image = 0; image < kRingImages; ++image) {
-        for (const bool cap : {false, true}) places_[turn][cap ? 1 : 0][image] = place_of(turn, image, cap);
+        for (const bool cap : {false, true}) places_[rotation][cap ? 1 : 0][image] = place_of(rotation, image, cap);
       }
     }
   }
 
-  [[nodiscard]] std::size_t tiles() const { return mip_.table->weights().tiles(); }
-  void add(std::size_t tile, int turn, const NearRecords& records, Room& room) const;
+  void add(std::size_t tile, int rotation, const NearRecords& records, Scratch& scratch) const;
 
  private:
   /// An image of all directions on +y, or on +z: steps in memory are even.
-  struct Place {
+  struct MirroredRow {
     float* first = nullptr;
     std::ptrdiff_t across = 0;
     std::ptrdiff_t other = 0;
   };
 
-  [[nodiscard]] Place place_of(int turn, int image, bool cap) const;
+  [[nodiscard]] MirroredRow place_of(int rotation, int image, bool cap) const;
 
-  NearMip mip_;
-  Place places_[kTurns][2][kRingImages];
+  const NearTable& table_;
+  std::array<float*, 6> faces_;
+  MirroredRow places_[kTurns][2][kRingImages];
 };
 
-NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
-  const int size = mip_.table->split().size;
+NearSums::MirroredRow NearSums::place_of(int rotation, int image, bool cap) const {
+  const int size = table_.split().size;
   const auto pixel = [&](int across, int other) {
     const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
-    const image::CubeTexel texel = image_of(size, point, turn, image);
-    return mip_.faces[static_cast<std::size_t>(texel.face)] +
+    const image::CubeTexel texel = image_of(size, point, rotation, image);
+    return faces_[static_cast<std::size_t>(texel.face)] +
            3 * (static_cast<std::ptrdiff_t>(texel.row) * size + texel.column);
   };
   const int first = size % 2 == 0 ? 1 : 0;
@@ -278,27 +277,27 @@ NearSums::Place NearSums::place_of(int turn, int image, bool cap) const {
 }
 
 // A direction that is its own image adds its share to that texel several times.
-void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room& room) const {
-  const NearTile& own = mip_.table->tile(tile, room.tile, room.weights);
-  const glm::ivec3* direction = mip_.table->weights().directions().data() + NearWeights::first_of(tile);
+void NearSums::add(std::size_t tile, int rotation, const NearRecords& records, Scratch& scratch) const {
+  const NearTile& own = table_.tile(tile, scratch.tile, scratch.weights);
+  const glm::ivec3* direction = table_.weights().directions().data() + NearWeights::first_of(tile);
   const NearKernels& kernels = near_kernels();
   NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
   std::array<float*, kRingImages> texels{};
   for (std::size_t k = 0; k < own.runs_ends.size(); ++k, ++direction) {
     taps.count = static_cast<int>(own.runs.data() + own.runs_ends[k] - taps.runs);
-    taps.weights = kernels.sum_runs(taps, room.sums);
+    taps.weights = kernels.sum_runs(taps, scratch.sums);
     taps.runs += taps.count;
-    const bool cap = direction->y == mip_.table->split().size;
-    const auto& places = places_[turn][cap ? 1 : 0];
+    const bool cap = direction->y == table_.split().size;
+    const auto& positions = places_[rotation][cap ? 1 : 0];
     const bool next = k > 0 && direction->x == direction[-1].x + 2;  // in its row
     for (std::size_t image = 0; image < kRingImages; ++image) {
-      const Place& place = places[image];
+      const MirroredRow& place = positions[image];
       if (next)
         texels[image] += place.across;
       else
         texels[image] =
             place.first + direction->x / 2 * place.across + (cap ? direction->z : direction->y) / 2 * place.other;
-      for (std::size_t c = 0; c < 3; ++c) texels[image][c] += room.sums[3 * image + c];
+      for (std::size_t c = 0; c < 3; ++c) texels[image][c] += scratch.sums[3 * image + c];
     }
   }
 }
@@ -306,26 +305,27 @@ void NearSums::add(std::size_t tile, int turn, const NearRecords& records, Room&
 }  // namespace
 
 void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control) {
-  if (mips.empty()) return;
   const NearSplit& split = mips.front().table->split();
   std::vector<NearSums> sums;
   std::vector<ColumnRange> columns = rows_of(split);
   for (const NearMip& mip : mips) {
-    sums.emplace_back(mip);
+    sums.emplace_back(*mip.table, mip.faces);
     for (std::size_t row = 0; row < columns.size(); ++row) widen(columns[row], mip.table->rows()[row]);
   }
   NearRecords records(split, columns);
   const int turns = turns_of(split);
-  const auto steps = static_cast<double>(turns) * static_cast<double>(sums.size());
+  const double steps = static_cast<double>(turns) * static_cast<double>(sums.size());
   double done = 0.0;
-  for (int turn = 0; turn < turns; ++turn) {
-    records.gather(rows, turn, {control.stop, {}});
+  for (int rotation = 0; rotation < turns; ++rotation) {
+    records.gather(rows, rotation, {control.stop, {}});
     for (std::size_t k = 0; k < sums.size(); ++k, done += 1.0) {
-      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(mips[k].table->split())));
-      std::vector<NearSums::Room> rooms(jobs::worker_count(placement));
-      jobs::run_tiles(sums[k].tiles(), placement, rooms.size(),
-                      jobs::part_of(control, done / steps, (done + 1.0) / steps),
-                      [&](std::size_t tile, std::size_t worker) { sums[k].add(tile, turn, records, rooms[worker]); });
+      const NearTable& table = *mips[k].table;
+      const auto placement = jobs::placement_for(static_cast<std::int64_t>(taps_of(table.split())));
+      std::vector<NearSums::Scratch> scratches(jobs::worker_count(placement));
+      jobs::run_tiles(
+          table.weights().tiles(), placement, scratches.size(),
+          jobs::part_of(control, done / steps, (done + 1.0) / steps),
+          [&](std::size_t tile, std::size_t worker) { sums[k].add(tile, rotation, records, scratches[worker]); });
     }
   }
 }
@@ -350,6 +350,17 @@ constexpr double kRecordMilliseconds = 0.2;      ///< of faces of 128, by the fo
 constexpr double kHarmonicsMilliseconds = 0.55;  ///< of 144 bands, from rings to a mip
 constexpr double kHarmonicsPower = 2.7;
 
+constexpr int kMaxBands = 1024;
+constexpr int kMinBands = 120;
+constexpr double kBandsTimesReach = 12.0;  ///< what the far part's polynomial was made for
+constexpr double kTexelsOfReach = 3.0;     ///< at least
+constexpr double kBalance = 5.6;           ///< see `near_far_split`: measured
+
+int parts_of(double texels_of_radian) {
+  constexpr double least = kMinBands * kTexelsOfReach / kBandsTimesReach;
+  return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));
+}
+
 }  // namespace
 
 double milliseconds_of_harmonics(int bands) noexcept {
@@ -364,17 +375,49 @@ double milliseconds_of(const NearSplit& split) noexcept {
 }
 
 NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept {
-  constexpr double kMostReach = 0.5;
+  constexpr double kMaxReach = 0.5;
   constexpr int kStep = 8;
   NearSplit best{face, size, alpha, 0.0, 0};
   for (int bands = kStep; bands <= 1024; bands += bands < 128 ? kStep : 2 * kStep) {
     const double reach = bands_of_reach / bands;
-    if (reach > kMostReach) continue;
+    if (reach > kMaxReach) continue;
     const NearSplit split{face, size, alpha, reach, bands};
     if (reach < std::max(split.reach_of_lobe(), split.reach_of_texels())) break;
     if (best.bands == 0 || milliseconds_of(split) < milliseconds_of(best)) best = split;
   }
   return best;
+}
+
+// With t texels in all, a mip's near part takes size^2 t / bands^2, and its far part bands^3.
+NearSplit near_far_split(int columns, int rows, int size, double alpha) {
+  NearSplit split{.size = size, .alpha = alpha};
+  int parts = parts_of(0.5 * columns / (rows == 0 ? 1.0 : kPi));
+  while (rows > 0 && columns * parts % 4 != 0) ++parts;
+  split.face = columns * parts;
+  split.rows = rows == 0 ? 0 : rows * parts_of(rows / kPi);
+  const double texels = rows == 0 ? 6.0 * split.face * split.face : 1.0 * split.face * split.rows;
+  const double wanted = kBalance * math::exponential(0.4 * math::logarithm(size * std::sqrt(texels / (4.0 * kPi))));
+  const double of_radian = rows == 0 ? 0.5 * split.face : std::min(0.5 * split.face, 1.0 * split.rows) / kPi;
+  const double most = kBandsTimesReach / kTexelsOfReach * of_radian;  // texels of a radian, where they are largest
+  split.bands = std::clamp(8 * static_cast<int>(std::min(wanted, most) / 8.0), kMinBands, kMaxBands);
+  split.reach = kBandsTimesReach / split.bands;
+  return split;
+}
+
+SourceRows cut_rows(std::vector<const float*> source, int columns, const NearSplit& split) {
+  const auto rows = static_cast<std::size_t>(split.cubemap() ? 6 * split.face : split.rows);
+  const int across = split.face / columns;
+  const std::size_t down = rows / source.size();
+  if (across == 1 && down == 1) return {std::move(source)};
+  SourceRows cut{{},
+                 platform::AlignedBuffer<float>(std::size_t{3} * static_cast<std::size_t>(split.face) * source.size())};
+  float* next = cut.owned.data();
+  for (const float* const row : source) {
+    cut.rows.insert(cut.rows.end(), down, next);
+    for (int column = 0; column < split.face; ++column)
+      next = std::copy_n(row + std::ptrdiff_t{3} * (column / across), 3, next);
+  }
+  return cut;
 }
 
 }  // namespace welkin::reflections

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "reflections/near_weights.h"
+#include "reflections/source_rows.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -26,8 +27,8 @@ class NearTable {
   /// Returns the far part's spectrum over k_0 of the whole lobe, half as many degrees again as its bands.
   [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
   [[nodiscard]] const NearWeights& weights() const noexcept { return weights_; }
-  /// Returns a tile of weights; made in `room` where all of them are too many to be kept.
-  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& own, NearWeights::Room& room) const;
+  /// Returns a tile of weights; made in `scratch` where all of them are too many to be kept.
+  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const;
 
   /// Returns the columns of each row of the source's parts that any weight is of; of a lat-long they go on beyond the
   /// ends of the picture's rows.
@@ -51,16 +52,23 @@ struct NearMip {
   std::array<float*, 6> faces{};
 };
 
-/// Adds the near parts to mips that hold the far parts. `rows`: the source's, packed RGB, of a cubemap face after face;
-/// the tables are of splits of that source. The same bits on any number of threads and instruction set. Throws `Error`
+/// Adds the near parts to mips that hold the far parts. `rows`: the source's, packed RGB, of a cubemap face after face,
+/// cut as the tables' splits have them. The same bits on any number of threads and instruction set. Throws `Error`
 /// (cancelled).
 void add_near_sums(const std::vector<const float*>& rows, const std::vector<NearMip>& mips, const Control& control);
 /// Returns a bound on what that takes, without tables.
 [[nodiscard]] std::size_t near_sums_bytes(const NearSplit& split) noexcept;
 
+/// Returns rows of `columns`, their texels cut as a split has them. `source` is to outlive them.
+[[nodiscard]] SourceRows cut_rows(std::vector<const float*> source, int columns, const NearSplit& split);
+
 /// Returns where the lobe of a mip is split, from faces of `face`, to take the least time if the far part takes
 /// `bands_of_reach` over `reach` bands; none if the faces are too coarse for that.
 [[nodiscard]] NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept;
+/// Returns the same for a lobe that is narrower than that: sums over many texels' windows and harmonics of many bands
+/// take about as long. `rows`: of a lat-long; 0: a cubemap. Texels that are large beside the near part count as
+/// several, so the split has more of them, and a lat-long's columns divide by four.
+[[nodiscard]] NearSplit near_far_split(int columns, int rows, int size, double alpha);
 /// Returns about what one thread takes: for the mip, or for any by so many bands of harmonics alone.
 [[nodiscard]] double milliseconds_of(const NearSplit& split) noexcept;
 [[nodiscard]] double milliseconds_of_harmonics(int bands) noexcept;

@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Texels that are wide beside the lobe are integrated in closed form, and finely for some way on: their middles lie so
 // many texels from the direction. Others are integrated finely next to it.
-constexpr double kMostTexel = 2.5;  ///< over alpha
+constexpr double kMaxTexel = 2.5;  ///< over alpha
 constexpr int kClose = 2;
 constexpr int kFine = 4;
 constexpr int kNowhere = -100'000;  ///< column and row of a direction that no window reaches a face from
@@ -102,7 +102,7 @@ std::size_t NearTile::bytes() const noexcept {
 
 NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), share_(share) {
   const double texel = split.cubemap() ? 2.0 / split.face : kPi * std::max(1.0 / split.rows, 2.0 / split.face);
-  closed_ = texel > kMostTexel * split.alpha;
+  closed_ = texel > kMaxTexel * split.alpha;
   lobe_ = split_lobe(split, !closed_);
   const int size = split.size;
   const int first = size % 2 == 0 ? 1 : 0;
@@ -147,11 +147,11 @@ ColumnRange with(const ColumnRange& range, const ColumnRange& other, int place) 
 
 }  // namespace
 
-void NearWeights::add_face(const Directions& directions, int part, Room& room) const {
+void NearWeights::add_face(const Directions& directions, int part, Scratch& scratch) const {
   const image::Frame& frame = image::face_frame(kNearFaces[static_cast<std::size_t>(part)]);
   const int size = split_.face;
   const math::SineCosine reach = math::sine_cosine_of_turns(split_.reach / (2.0 * kPi));
-  Window& window = room.windows[room.count];
+  Window& window = scratch.windows[scratch.count];
   window.part = part;
   CubeGroup& group = window.face;
   group = {};
@@ -181,7 +181,7 @@ void NearWeights::add_face(const Directions& directions, int part, Room& room) c
     columns = with(columns, own_columns, window.column[k]);
   }
   if (empty(rows)) return;
-  ++room.count;
+  ++scratch.count;
   window.first_row = rows.first;
   window.rows.clear();
   const auto beside = [](int row, int texels) -> ColumnRange {
@@ -206,10 +206,10 @@ struct Extent {
 
 }  // namespace
 
-void NearWeights::add_lat_long(const Directions& directions, Room& room) const {
+void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) const {
   const int columns = split_.face;
   const int rows = split_.rows;
-  Window& window = room.windows[room.count++];
+  Window& window = scratch.windows[scratch.count++];
   LatLongGroup& group = window.lat_long;
   group = {};
   group.rows = static_cast<float>(rows);
@@ -281,22 +281,22 @@ void grow(platform::AlignedBuffer<float>& buffer, std::size_t count) {
 
 }  // namespace
 
-void NearWeights::make(std::size_t tile, NearTile& to, Room& room) const {
-  room.made.runs.clear();
-  room.made.runs_ends.clear();
-  room.made.weights.clear();
+void NearWeights::make(std::size_t tile, NearTile& to, Scratch& scratch) const {
+  scratch.made.runs.clear();
+  scratch.made.runs_ends.clear();
+  scratch.made.weights.clear();
   const std::size_t groups = (directions_.size() + kLanes - 1) / kLanes;
   for (std::size_t group = tile * kGroupsPerTile; group < std::min(groups, (tile + 1) * kGroupsPerTile); ++group) {
-    weigh_group(group, room);
+    weigh_group(group, scratch);
     for (std::size_t lane = 0; lane < std::min(kLanes, directions_.size() - group * kLanes); ++lane)
-      take_runs(lane, room);
+      take_runs(lane, scratch);
   }
-  to.runs.assign(room.made.runs.begin(), room.made.runs.end());
-  to.runs_ends.assign(room.made.runs_ends.begin(), room.made.runs_ends.end());
-  to.weights.assign(room.made.weights.begin(), room.made.weights.end());
+  to.runs.assign(scratch.made.runs.begin(), scratch.made.runs.end());
+  to.runs_ends.assign(scratch.made.runs_ends.begin(), scratch.made.runs_ends.end());
+  to.weights.assign(scratch.made.weights.begin(), scratch.made.weights.end());
 }
 
-void NearWeights::weigh_group(std::size_t group, Room& room) const {
+void NearWeights::weigh_group(std::size_t group, Scratch& scratch) const {
   Directions directions;
   float sums[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) {
@@ -304,38 +304,38 @@ void NearWeights::weigh_group(std::size_t group, Room& room) const {
     directions[k] = glm::normalize(glm::dvec3(direction));
     sums[k] = static_cast<float>(share_ / times_itself(direction));
   }
-  room.count = 0;
+  scratch.count = 0;
   if (split_.cubemap()) {
-    for (int part = 0; part < static_cast<int>(kNearFaces.size()); ++part) add_face(directions, part, room);
+    for (int part = 0; part < static_cast<int>(kNearFaces.size()); ++part) add_face(directions, part, scratch);
   } else {
-    add_lat_long(directions, room);
+    add_lat_long(directions, scratch);
   }
   std::size_t texels = 0;
-  for (std::size_t k = 0; k < room.count; ++k) {
-    for (Window::Row& row : room.windows[k].rows) {
+  for (std::size_t k = 0; k < scratch.count; ++k) {
+    for (Window::Row& row : scratch.windows[k].rows) {
       row.weights = texels * kLanes;
       texels += static_cast<std::size_t>(row.range.columns.end - row.range.columns.first);
     }
   }
-  grow(room.weights, texels * kLanes);
-  for (std::size_t k = 0; k < room.count; ++k) {
+  grow(scratch.weights, texels * kLanes);
+  for (std::size_t k = 0; k < scratch.count; ++k) {
     if (split_.cubemap())
-      weigh(near_kernels().cube, room.windows[k].face, room.windows[k], room);
+      weigh(near_kernels().cube, scratch.windows[k].face, scratch.windows[k], scratch);
     else
-      weigh(near_kernels().lat_long, room.windows[k].lat_long, room.windows[k], room);
+      weigh(near_kernels().lat_long, scratch.windows[k].lat_long, scratch.windows[k], scratch);
   }
-  near_kernels().scale(room.weights.data(), static_cast<int>(texels), sums);
+  near_kernels().scale(scratch.weights.data(), static_cast<int>(texels), sums);
 }
 
 /// Takes a direction's weights, without the ends of rows that the near part does not reach.
-void NearWeights::take_runs(std::size_t lane, Room& room) const {
+void NearWeights::take_runs(std::size_t lane, Scratch& scratch) const {
   const int part_rows = split_.cubemap() ? split_.face : split_.rows;
-  for (std::size_t k = 0; k < room.count; ++k) {
-    const Window& window = room.windows[k];
+  for (std::size_t k = 0; k < scratch.count; ++k) {
+    const Window& window = scratch.windows[k];
     if (window.column[lane] == kNowhere) continue;
     int row = window.part * part_rows + window.row[lane] + window.first_row;
     for (const Window::Row& own : window.rows) {
-      const float* const weights = room.weights.data() + own.weights + lane;
+      const float* const weights = scratch.weights.data() + own.weights + lane;
       const auto weight = [&](int i) { return weights[static_cast<std::ptrdiff_t>(i) * simd::kLanes]; };
       const int count = own.range.columns.end - own.range.columns.first;
       int first = 0;
@@ -343,21 +343,21 @@ void NearWeights::take_runs(std::size_t lane, Room& room) const {
       while (first < end && weight(first) == 0.0F) ++first;
       while (first < end && weight(end - 1) == 0.0F) --end;
       if (first < end) {
-        room.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
-        const std::size_t before = room.made.weights.size();
-        room.made.weights.resize(before + static_cast<std::size_t>(end - first));
-        float* const made = room.made.weights.data() + before;
+        scratch.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
+        const std::size_t before = scratch.made.weights.size();
+        scratch.made.weights.resize(before + static_cast<std::size_t>(end - first));
+        float* const made = scratch.made.weights.data() + before;
         for (int i = first; i < end; ++i) made[i - first] = weight(i);
       }
       ++row;
     }
   }
-  room.made.runs_ends.push_back(room.made.runs.size());
+  scratch.made.runs_ends.push_back(scratch.made.runs.size());
 }
 
 template <class Group>
 void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, const Window& window,
-                        Room& room) const {
+                        Scratch& scratch) const {
   const int cut = split_.cubemap() ? 0 : 1;  // a lat-long's own column is two: see `MeasureLine`
   const auto count = static_cast<int>(window.rows.size());
   const auto range = [&](int row) -> const RowRange& { return window.rows[static_cast<std::size_t>(row)].range; };
@@ -367,11 +367,11 @@ void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, 
     if (!empty(close)) all = {std::min(all.first, close.first), std::max(all.end, close.end)};
   }
   const auto width = static_cast<std::ptrdiff_t>(all.end + 1 + cut - all.first) * simd::kLanes;
-  grow(room.corners, static_cast<std::size_t>(6 * width));
-  float* const corners = room.corners.data() - std::ptrdiff_t{all.first} * simd::kLanes;
+  grow(scratch.corners, static_cast<std::size_t>(6 * width));
+  float* const corners = scratch.corners.data() - std::ptrdiff_t{all.first} * simd::kLanes;
   const auto line = [&](int row) -> CornerLine {
     float* const first = corners + (row & 1) * 3 * width;
-    return {first, first + width, first + 2 * width, cut == 0 ? nullptr : room.bends[row & 1]};
+    return {first, first + width, first + 2 * width, cut == 0 ? nullptr : scratch.bends[row & 1]};
   };
   // the texels that are close above a line and below it
   const auto close_to_line = [&](int row) -> ColumnRange {
@@ -386,7 +386,7 @@ void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, 
     if (!empty(close))
       kernels.measure(lobe_, group, window.first_row + row, {close.first, close.end + 1 + cut}, line(row));
     if (row == 0 || empty(range(row - 1).columns)) continue;
-    float* const weights = room.weights.data() + window.rows[static_cast<std::size_t>(row - 1)].weights -
+    float* const weights = scratch.weights.data() + window.rows[static_cast<std::size_t>(row - 1)].weights -
                            std::ptrdiff_t{range(row - 1).columns.first} * simd::kLanes;
     kernels.weigh(lobe_, group, window.first_row + row - 1, range(row - 1), line(row - 1), line(row), weights);
   }

@@ -61,19 +61,19 @@ class NearWeights {
   [[nodiscard]] static std::size_t first_of(std::size_t tile) noexcept;  ///< direction
 
   /// Holds what a worker needs.
-  struct Room;
-  void make(std::size_t tile, NearTile& to, Room& room) const;
+  struct Scratch;
+  void make(std::size_t tile, NearTile& to, Scratch& scratch) const;
 
  private:
   using Directions = std::array<glm::dvec3, simd::kLanes>;
 
   struct Window;
-  void add_face(const Directions& directions, int part, Room& room) const;
-  void add_lat_long(const Directions& directions, Room& room) const;
+  void add_face(const Directions& directions, int part, Scratch& scratch) const;
+  void add_lat_long(const Directions& directions, Scratch& scratch) const;
   template <class Group>
-  void weigh(const GroupKernels<Group>& kernels, const Group& group, const Window& window, Room& room) const;
-  void weigh_group(std::size_t group, Room& room) const;
-  void take_runs(std::size_t lane, Room& room) const;
+  void weigh(const GroupKernels<Group>& kernels, const Group& group, const Window& window, Scratch& scratch) const;
+  void weigh_group(std::size_t group, Scratch& scratch) const;
+  void take_runs(std::size_t lane, Scratch& scratch) const;
 
   NearSplit split_;
   double share_;
@@ -101,7 +101,7 @@ struct NearWeights::Window {
 };
 
 /// What a worker holds while it makes weights.
-struct NearWeights::Room {
+struct NearWeights::Scratch {
   std::array<Window, kNearFaces.size()> windows;
   std::size_t count = 0;  ///< of the windows
   platform::AlignedBuffer<float> weights;

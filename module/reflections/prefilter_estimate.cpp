@@ -85,7 +85,7 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
 
 namespace {
 
-constexpr std::int64_t kMostTexels = 24576;  ///< that are looked through
+constexpr std::int64_t kMaxTexels = 24576;  ///< that are looked through
 
 /// A wave of degree l that runs diagonally to texels h wide steps by 2 sin(l h / sqrt(8)) of itself from each to the
 /// next, whose square is 8 sin^2(l h / sqrt(8)) / h^2 of it along both axes. Turns.
@@ -131,7 +131,7 @@ class ColumnSums {
 PictureSums::PictureSums(const SourceRows& faces, int rings)
     : texel(std::sqrt(4.0 * kPi / 6.0) / faces.face()), ring(kPi / rings) {
   const int size = faces.face();
-  if (std::int64_t{6} * size * size > kMostTexels) return;
+  if (std::int64_t{6} * size * size > kMaxTexels) return;
   const auto angles = image::FaceSolidAngles::get(size);
   ColumnSums sums(size);
   for (int row = 0; row < size; ++row) {
@@ -148,7 +148,7 @@ PictureSums::PictureSums(const SourceRows& faces, int rings)
 }
 
 PictureSums::PictureSums(const transforms::PictureRows& rows) : texel(kPi / rows.height) {
-  if (std::int64_t{rows.width} * rows.height > kMostTexels) return;
+  if (std::int64_t{rows.width} * rows.height > kMaxTexels) return;
   ColumnSums sums(rows.width);
   for (int row = 0; row < rows.height; ++row) {
     const double own = image::lat_long_texel_solid_angle(rows.width, rows.height, row);
@@ -273,6 +273,25 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
   return sum + square_beyond(beyond, lobe, counted * tail);
 }
 
+/// What a narrow mip's weights err by over its root mean square: a share of the steps that grows with alpha for
+/// cubemaps and with its root for lat-longs, and the places of lines in floats, no more in all than the error of any
+/// weight.
+double error_of_weights(const MipPlan& mip, const SpectralSource& source, double rms) {
+  constexpr double kMoved = 0x1p-23;  // of a texel: see `clear_of_lines`, and floats
+  constexpr double kMax = 9e-4;
+  double edges = 0.0;
+  if (mip.near.cubemap()) {
+    const double texel = 0.5 * kPi / mip.near.face;
+    edges = (1.32e-3 + 0.36 * mip.alpha) * mip.alpha + kMoved * std::sqrt(texel / mip.alpha);
+    if (source.face_size % (2 * mip.size) == 0) edges += 0.5 * kMoved * texel / mip.alpha;
+  } else {
+    const double texel = kPi / mip.near.rows;
+    edges = 3.3e-5 * std::sqrt(mip.alpha) + 4.0 * kMoved * texel / std::sqrt(mip.alpha);
+  }
+  const double steps = edges * source.steps / rms;
+  return 2.0 * kRounding + (source.negative ? steps : std::min(steps, kMax));
+}
+
 }  // namespace
 
 double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
@@ -285,7 +304,7 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
       of_lights * of_lights;
   const double finer = mip.lobe->last_band() > 0 ? kFinerToTheEnd : kFiner;
   double rounding = kRounding + (source.finer ? finer : 0.0);
-  if (mip.near.face > 0) {
+  if (mip.near.face > 0 && mip.method != MipMethod::near_far) {
     const double texel = 2.0 / mip.near.face;
     const double steps =
         std::sqrt(std::min(1.0, 1.0 * source.face_size / mip.near.face));  // parts of one differ by none
@@ -295,7 +314,10 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
     rounding += mip.lobe->alpha() > 0.0 ? of_cube.rounded(mip.ring_alpha()) : kTableRounding;
     rounding += kHalvedEdges * of_cube.halved * of_cube.halved;
   }
-  return (cube ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+  if (mip.method != MipMethod::near_far) return (cube ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
+  constexpr double kFlanks = 1e-5;  // of lights' weights, where texels of the mip may see no more of them
+  return kSafety * (mip.bands.zonal.front() * rounding + std::sqrt(square) / rms) + (of_lights > 0.0 ? kFlanks : 0.0) +
+         error_of_weights(mip, source, rms);
 }
 
 namespace {
@@ -326,7 +348,7 @@ double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
 /// Chooses the bands of one mip: as few as keep its share of the bound. Returns the error that is estimated for them.
 double choose_bands_of_lobe(const PrefilterPlan& plan, const SpectralSource& source, MipPlan& mip) {
   const int last = mip.lobe->last_band();
-  int bands = last > 0 ? last : std::min(kLeastLobeBands, plan.bands);
+  int bands = last > 0 ? last : std::min(kMinLobeBands, plan.bands);
   for (;; bands = std::min(plan.bands, bands + std::max(kBandStep, bands / 16 / kBandStep * kBandStep))) {
     const double error = error_of_bands(source, bands, mip);
     if (last > 0 || bands >= plan.bands || error <= kOfLobeBound * plan.bounds.rms) return error;
@@ -448,39 +470,6 @@ double blurred_rms(std::span<const double> energies, std::span<const double> zon
   double sum = 0.0;
   for (std::size_t l = 0; l < std::min(energies.size(), zonal.size()); ++l) sum += energies[l] * zonal[l] * zonal[l];
   return std::sqrt(sum / (4.0 * kPi));
-}
-
-double rms_of_level(const Cubemap& chain, int level, int samples) {
-  const int size = chain.level_size(level);
-  const int step = (size + samples - 1) / samples;
-  const auto angles = image::FaceSolidAngles::get(size);
-  std::array<double, 12> squares{};  // four texels side by side: one addition after the other would take the time
-  double whole = 0.0;
-  const auto seen = static_cast<std::size_t>((size - step / 2 + step - 1) / step);
-  std::vector<double> steradians((3 * seen + 11) / 12 * 12);  // of a row's texels, for each channel
-  std::vector<float> texels(steradians.size());
-  for (int row = step / 2; row < size; row += step) {
-    for (std::size_t k = 0; k < seen; ++k) {
-      const double own = angles->at(row, step / 2 + static_cast<int>(k) * step);
-      std::fill_n(&steradians[3 * k], 3, own);
-      whole += 6.0 * own;
-    }
-    for (int face = 0; face < 6; ++face) {
-      const float* rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
-      if (step > 1 || texels.size() > 3 * seen) {
-        for (std::size_t k = 0; k < 3 * seen; ++k) texels[k] = rgb[k / 3 * 3 * static_cast<std::size_t>(step) + k % 3];
-        rgb = texels.data();
-      }
-      std::array<double, 12> sums = squares;
-      for (std::size_t first = 0; first < steradians.size(); first += sums.size()) {
-        for (std::size_t k = 0; k < sums.size(); ++k)
-          sums[k] +=
-              steradians[first + k] * (static_cast<double>(rgb[first + k]) * static_cast<double>(rgb[first + k]));
-      }
-      squares = sums;
-    }
-  }
-  return std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / whole);
 }
 
 }  // namespace welkin::reflections

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/prefilter_plan.h"
@@ -45,7 +46,9 @@ struct SpectralSource {
   int rings = 0;                     ///< that it was read on
   bool finer = false;                ///< whether its texels are finer than the transform's bands
   double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
-  double contrast = 0.0;             ///< of a cubemap of few texels, see `contrast_of`
+  double contrast = 0.0;             ///< of a cubemap of few texels, see `contrast_of_faces`
+  double steps = 0.0;                ///< see `contrast_of`, where there are narrow mips
+  bool negative = false;             ///< whether it has negative values
   EnergyBeyond beyond{};             ///< of the energies
 };
 
@@ -79,9 +82,5 @@ struct SpectralSource {
 
 /// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);
-
-/// Returns the root mean square over the sphere of a level's radiance, all three channels together, from at most
-/// `samples` x `samples` texels per face. For lobes that are wider than the distance between these texels 128 suffice.
-[[nodiscard]] double rms_of_level(const Cubemap& chain, int level, int samples = 128);
 
 }  // namespace welkin::reflections

@@ -17,8 +17,10 @@
 
 namespace welkin::reflections {
 
+inline constexpr double kMinAlpha = 1e-6;  ///< below, a lobe is narrower than any texel by far: a copy
+
 /// No wider lobe has near sums, nor does it decide how others are made.
-inline constexpr double kMostNearAlpha = 0.25;
+inline constexpr double kMaxNearAlpha = 0.25;
 
 /// Alpha of the GGX lobe that texels are compared through where a surface is matte: from 25 times the mean on they are
 /// lights.
@@ -32,7 +34,7 @@ struct MipPlan {
   std::shared_ptr<const Lobe> lobe;    ///< null: a copy
   MipMethod method = MipMethod::copy;  ///< never `stored`
   BandChoice bands;                    ///< spectral
-  NearSplit near;                      ///< spectral: with a face, harmonics make the far part of the lobe only
+  NearSplit near;                      ///< with a face: harmonics make the far part of the lobe only
   std::optional<MipPair> to_next;      ///< this mip and the next of the whole chain of GGX lobes, if there is one
 
   /// alpha of a GGX lobe as narrow as what harmonics make of this one: a far part's spectrum falls faster than that.
@@ -71,7 +73,7 @@ struct PrefilterPlan {
 
   /// Of GGX lobes: alpha of the lobe as narrow as the finest that harmonics make, which decides a cubemap's rings.
   double ring_alpha = 1.0;
-  std::vector<MipPlan> near_mips;  ///< of the whole chain's, those with near sums
+  std::vector<MipPlan> near_mips;  ///< of the whole chain's spectral mips, those with near sums
 
   /// An irradiance cubemap over pi that is made of the same harmonics: a mip of roughness 1, which is the cosine. No
   /// mip's bits depend on it.
@@ -82,7 +84,7 @@ struct PrefilterPlan {
   std::shared_ptr<std::vector<float>> energies;
 
   /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
-  int narrow_size = 0;
+  int near_far_size = 0;
 
   /// The plan without so many mips at either end. The others keep their bits: all that they depend on stays that of the
   /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
@@ -90,11 +92,11 @@ struct PrefilterPlan {
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
-  /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMostTightenings`: of GGX
-  /// lobes, for a picture with more energy than most, or with dark parts. `face`: texels along an edge of a cubemap,
-  /// where near sums serve lobes for which those and fewer harmonics are cheaper; 0: of a lat-long. Other lobes have
-  /// one step, whose bands the picture decides: step 0 is where it begins, any other no picture makes it exceed.
-  [[nodiscard]] PrefilterPlan at_step(int step, int face) const;
+  /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMaxTightenings`: of GGX
+  /// lobes, for a picture with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which
+  /// those and fewer harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose
+  /// bands the picture decides: step 0 is where it begins, any other no picture makes it exceed.
+  [[nodiscard]] PrefilterPlan at_step(int step, const PictureShape& picture) const;
 
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
@@ -106,9 +108,6 @@ struct PrefilterPlan {
   [[nodiscard]] int face_for_cubemap(int face) const noexcept;
 };
 
-/// The reach of narrow mips, which look at bounds that are tighter than the default's only.
-[[nodiscard]] double narrow_reach(const PrefilterPlan& plan) noexcept;
-
 /// Returns the bounds of a chain.
 [[nodiscard]] ErrorBounds bounds_of(const PrefilterOptions& options) noexcept;
 
@@ -118,6 +117,6 @@ struct PrefilterPlan {
 /// Throws `Error`: invalid_argument for options out of range, limit_exceeded for error bounds or lobes that are out of
 /// reach.
 [[nodiscard]] PrefilterPlan plan_prefilter(const PrefilterOptions& options);
-[[nodiscard]] PrefilterPlan plan_prefilter(const KernelChainOptions& options);
+[[nodiscard]] PrefilterPlan plan_prefilter(const LobeChainOptions& options);
 
 }  // namespace welkin::reflections

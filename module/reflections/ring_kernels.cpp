@@ -17,7 +17,7 @@ constexpr int kShareRegisters = kShareLanes / kNarrowWidth;
 /// Registers that are summed at a time: as many as the processor has room for beside the products.
 constexpr int kAtATime = kRegisters < 6 ? kRegisters : 6;
 
-void sum_ring_taps(const RingRun& run, const RingPlacesInMemory& places) {
+void sum_ring_taps(const RingRun& run, const RingLayout& places) {
   alignas(64) float sums[kRecordFloats];
   for (int k = 0; k < run.count; ++k) {
     const RingTap* const first = run.taps + run.ends[k];
@@ -52,8 +52,8 @@ void halve_row(const HalvedRow& row, float* rgb) {
   constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
   const int floats = 3 * row.size;
-  float* const light = row.room + margin;
-  for (int k = 0; k < margin; ++k) row.room[k] = light[floats + k] = 0.0F;
+  float* const light = row.scratch + margin;
+  for (int k = 0; k < margin; ++k) row.scratch[k] = light[floats + k] = 0.0F;
   for (int k = 0; k < HalvedRow::kBeyond; ++k) light[floats + margin + k] = 0.0F;
   for (int first = 0; first < floats; first += kWidth) {
     Lanes sum(0.0F);
@@ -73,12 +73,12 @@ void halve_row(const HalvedRow& row, float* rgb) {
   // each texel is written as four floats, of which the next one overwrites the fourth
   if constexpr (kWidth > Quad::size) {  // sums between texels of the result cost less than narrow registers
     for (int first = 0; first < 6 * count; first += kWidth)
-      sum(row.room + first, Lanes(0.0F)).store_unaligned(row.room + first);
-    for (int i = 0; i < count; ++i) Quad::load_unaligned(row.room + 6 * i).store_unaligned(row.room + 3 * i);
+      sum(row.scratch + first, Lanes(0.0F)).store_unaligned(row.scratch + first);
+    for (int i = 0; i < count; ++i) Quad::load_unaligned(row.scratch + 6 * i).store_unaligned(row.scratch + 3 * i);
   } else {
-    for (int i = 0; i < count; ++i) sum(row.room + 6 * i, Quad(0.0F)).store_unaligned(row.room + 3 * i);
+    for (int i = 0; i < count; ++i) sum(row.scratch + 6 * i, Quad(0.0F)).store_unaligned(row.scratch + 3 * i);
   }
-  float* const inside = row.room + 3 * beyond;
+  float* const inside = row.scratch + 3 * beyond;
   for (int end = 0; end < 2; ++end) {
     const int step = end == 0 ? 3 : -3;
     float* const at = inside + (end == 0 ? 0 : 3 * (half - 1));

@@ -29,13 +29,13 @@ struct RingRun {
 };
 
 /// Where the images of a ring's texels go: image i's of texel k to to[i] + step[i] k.
-struct RingPlacesInMemory {
+struct RingLayout {
   float* to[kRingImages];
   std::ptrdiff_t step[kRingImages];
 };
 
 /// Sums of weight times record, tap after tap.
-using SumRingTaps = void (*)(const RingRun& run, const RingPlacesInMemory& places);
+using SumRingTaps = void (*)(const RingRun& run, const RingLayout& places);
 
 // A texel of a face gives its light to the four nearest of half as many along each axis, so that the light of all of
 // them as areas has the texel's own moments up to the third.
@@ -53,15 +53,15 @@ using WeighLight = void (*)(const float* radiance, const float* steradians, int 
 
 /// Rows of a face's light that give to one row of a face of half as many texels.
 struct HalvedRow {
-  static constexpr int kMostRows = 9;
-  static constexpr int kMargin = 7;  ///< texels of `room` beyond both ends
+  static constexpr int kMaxRows = 9;
+  static constexpr int kMargin = 7;  ///< texels of `scratch` beyond both ends
 
-  const float* light[kMostRows];  ///< packed RGB, radiance times steradians
-  float shares[kMostRows];
+  const float* light[kMaxRows];  ///< packed RGB, radiance times steradians
+  float shares[kMaxRows];
   int count;                          ///< rows
   int size;                           ///< texels of a row: even, at least 16
   const float* scale;                 ///< of each texel of the result
-  float* room;                        ///< 3 (size + 2 kMargin) + kBeyond floats
+  float* scratch;                     ///< 3 (size + 2 kMargin) + kBeyond floats
   static constexpr int kBeyond = 32;  ///< that registers may read
 };
 

@@ -246,7 +246,7 @@ RingWeights::RingWeights(int face_size, int rows, const RingKernels& kernels)
 
 /// Angles of the points (x, y) from the x axis, in columns; a ring is as high as a column is wide.
 void RingWeights::find_angles(const double* y, const double* x, int count, double* angles) const {
-  image::image_kernels().places_of_angles(y, x, count, 0.25 * columns_, 0.0, angles);
+  image::image_kernels().angle_positions(y, x, count, 0.25 * columns_, 0.0, angles);
 }
 
 void RingWeights::find_corners() {

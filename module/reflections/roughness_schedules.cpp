@@ -15,7 +15,7 @@
 namespace welkin {
 namespace {
 
-constexpr int kMostMips = 16;
+constexpr int kMaxMips = 16;
 
 /// 2^(mip / 0.8) = 2^(5 mip / 4), by square roots and an exact scaling.
 double babylon_alpha(int mip, int size) {
@@ -64,9 +64,9 @@ const char* name(RoughnessSchedule schedule) noexcept {
   return "linear";
 }
 
-std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size) {
+std::vector<double> mip_roughness(RoughnessSchedule schedule, int mips, int size) {
   const platform::FloatingPointScope floating_point;
-  image::require_range("mips", mips, 1, kMostMips);
+  image::require_range("mips", mips, 1, kMaxMips);
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
   std::vector<double> table;
   table.reserve(static_cast<std::size_t>(mips));
@@ -74,10 +74,10 @@ std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int 
   return table;
 }
 
-int mips_of_chain(RoughnessSchedule schedule, int size) {
+int default_mip_count(RoughnessSchedule schedule, int size) {
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
-  constexpr int kLeastTexels = 4;
-  constexpr int kLeastMips = 5;
+  constexpr int kMinTexels = 4;
+  constexpr int kMinMips = 5;
   constexpr int kUnityMips = 7;  // 0 to UNITY_SPECCUBE_LOD_STEPS
   const int whole = full_chain_levels(size);
   switch (schedule) {
@@ -87,11 +87,11 @@ int mips_of_chain(RoughnessSchedule schedule, int size) {
     case RoughnessSchedule::linear:
     case RoughnessSchedule::filament: break;
   }
-  const int to_least = size >= kLeastTexels ? full_chain_levels(size / kLeastTexels) : 1;
-  return std::min(whole, std::max(kLeastMips, to_least));
+  const int to_least = size >= kMinTexels ? full_chain_levels(size / kMinTexels) : 1;
+  return std::min(whole, std::max(kMinMips, to_least));
 }
 
-double mip_of_roughness(const std::vector<double>& table, double roughness) {
+double mip_for_roughness(const std::vector<double>& table, double roughness) {
   const platform::FloatingPointScope floating_point;
   if (table.empty())
     throw Error(ErrorCode::invalid_argument, "the table of roughness is empty; it needs one entry a mip");

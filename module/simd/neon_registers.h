@@ -98,6 +98,7 @@ struct batch_bool {
   using Mask = typename detail::Intrinsics<Value>::Mask;
   Mask data;
 
+  batch_bool() = default;
   WELKIN_INLINE batch_bool(Mask mask) : data(mask) {}
   WELKIN_INLINE explicit batch_bool(bool value) { detail::from_words(vdupq_n_u32(value ? ~0U : 0U), data); }
 

@@ -16,7 +16,7 @@ constexpr double kLargestExponent = 1.5;
 constexpr double kFaint = 1e-6;
 /// Densities below are too thin to be seen, whatever their slope.
 constexpr double kThinnest = 1e-12;
-constexpr std::size_t kMostShells = 160;
+constexpr std::size_t kMaxShells = 160;
 
 const DensityLayer& layer_at(std::span<const DensityLayer> layers, double altitude) {
   std::size_t layer = 0;
@@ -33,7 +33,7 @@ double value_at(const std::vector<double>& values, std::size_t index) { return v
 
 }  // namespace
 
-Air::Air(const Atmosphere& atmosphere)
+AirModel::AirModel(const Atmosphere& atmosphere)
     : atmosphere_(&atmosphere),
       thickness_(atmosphere.top_radius_m - atmosphere.bottom_radius_m),
       scale_height_(thickness_) {
@@ -56,7 +56,7 @@ Air::Air(const Atmosphere& atmosphere)
   length_shells_ = cut_at(breaks, kFaint);
 }
 
-bool Air::matters(const Constituent& constituent) noexcept {
+bool AirModel::matters(const Constituent& constituent) noexcept {
   const auto acts = [](const std::vector<double>& coefficients) {
     return std::any_of(coefficients.begin(), coefficients.end(), [](double value) { return value > 0.0; });
   };
@@ -64,7 +64,7 @@ bool Air::matters(const Constituent& constituent) noexcept {
 }
 
 // Whether others take so much more of the light there, at every wavelength, that its own slope does not show.
-bool Air::fainter(double share, std::size_t constituent, double altitude) const noexcept {
+bool AirModel::fainter(double share, std::size_t constituent, double altitude) const noexcept {
   for (std::size_t wavelength = 0; wavelength < atmosphere_->wavelengths_nm.size(); ++wavelength) {
     double others = 0.0;
     for (std::size_t i = 0; i < matter_.size(); ++i) {
@@ -79,7 +79,7 @@ bool Air::fainter(double share, std::size_t constituent, double altitude) const 
 
 // The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
 // end (falling ones) or at the upper (rising ones).
-double Air::steepness(double low, double high, double faint) const noexcept {
+double AirModel::steepness(double low, double high, double faint) const noexcept {
   double steepest = 0.0;
   for (std::size_t i = 0; i < matter_.size(); ++i) {
     const Constituent& matter = *matter_[i];
@@ -95,13 +95,13 @@ double Air::steepness(double low, double high, double faint) const noexcept {
 
 // Steps up from the lower end of each stretch while the air thins fast. (A density that grows upwards is cut as finely
 // all the way.)
-std::vector<double> Air::cut_at(const std::vector<double>& breaks, double faint) const {
+std::vector<double> AirModel::cut_at(const std::vector<double>& breaks, double faint) const {
   std::vector<double> shells{0.0};
   for (std::size_t i = 1; i < breaks.size(); ++i) {
     // nearer than rounding can tell apart: one and the same
     if (!(breaks[i] > shells.back() + 1e-12 * thickness_)) continue;
     double at = shells.back();
-    while (shells.size() < kMostShells) {
+    while (shells.size() < kMaxShells) {
       const double step = kLargestExponent / std::max(steepness(at, breaks[i], faint), 1e-300);
       if (!(at + 1.3 * step < breaks[i])) break;
       at += step;
@@ -113,13 +113,14 @@ std::vector<double> Air::cut_at(const std::vector<double>& breaks, double faint)
   return shells;
 }
 
-std::vector<std::vector<DensityLayer>> Air::profiles() const {
+std::vector<std::vector<DensityLayer>> AirModel::profiles() const {
   std::vector<std::vector<DensityLayer>> all;
   for (const Constituent* const matter : matter_) all.push_back(matter->density);
   return all;
 }
 
-void Air::densities(const std::array<double, 4>& altitudes, std::array<Amounts, 4>& amounts) const noexcept {
+void AirModel::densities(const std::array<double, 4>& altitudes,
+                         std::array<PerConstituent, 4>& amounts) const noexcept {
   amounts = {};
   for (std::size_t i = 0; i < matter_.size(); ++i) {
     const std::vector<DensityLayer>& layers = matter_[i]->density;
@@ -138,15 +139,17 @@ void Air::densities(const std::array<double, 4>& altitudes, std::array<Amounts, 
   }
 }
 
-double Air::scattering(std::size_t constituent, std::size_t wavelength) const noexcept {
+double AirModel::scattering(std::size_t constituent, std::size_t wavelength) const noexcept {
   return value_at(matter_[constituent]->scattering_per_m, wavelength);
 }
 
-double Air::extinction(std::size_t constituent, std::size_t wavelength) const noexcept {
+double AirModel::extinction(std::size_t constituent, std::size_t wavelength) const noexcept {
   return scattering(constituent, wavelength) + value_at(matter_[constituent]->absorption_per_m, wavelength);
 }
 
-double Air::albedo(std::size_t wavelength) const noexcept { return value_at(atmosphere_->ground_albedo, wavelength); }
+double AirModel::albedo(std::size_t wavelength) const noexcept {
+  return value_at(atmosphere_->ground_albedo, wavelength);
+}
 
 namespace {
 
@@ -182,8 +185,8 @@ double turning_point(const DensityLayer& layer) {
 }
 
 void add_clamps(const DensityLayer& layer, double bottom, double top, std::vector<double>& breaks) {
-  const double turn = turning_point(layer);  // not finite or outside: monotone
-  const double middle = turn > bottom && turn < top ? turn : top;
+  const double rotation = turning_point(layer);  // not finite or outside: monotone
+  const double middle = rotation > bottom && rotation < top ? rotation : top;
   for (const double level : {0.0, 1.0}) {
     add_crossing(layer, level, bottom, middle, breaks);
     if (middle < top) add_crossing(layer, level, middle, top, breaks);
@@ -256,8 +259,8 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int 
 PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   PhaseSpectrum spectrum;
   spectrum.aerosol = aerosol_moments(atmosphere, g, kNarrowBands + 1);
-  spectrum.narrow = spectrum.aerosol[kMostSourceBands] > kNarrowForward;
-  const int most = spectrum.narrow ? kNarrowBands : kMostSourceBands;
+  spectrum.narrow = spectrum.aerosol[kMaxSourceBands] > kNarrowForward;
+  const int most = spectrum.narrow ? kNarrowBands : kMaxSourceBands;
   spectrum.bands = 3;
   while (spectrum.bands < most &&
          std::abs(spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)]) > kSmallestMoment) {
@@ -269,7 +272,7 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   if (g > 0.0) {
     spectrum.forward = left_out;
     for (double& moment : spectrum.aerosol) moment = (moment - left_out) / (1.0 - left_out);
-  } else if (spectrum.bands == kMostSourceBands && std::abs(left_out) > kSmallestMoment) {
+  } else if (spectrum.bands == kMaxSourceBands && std::abs(left_out) > kSmallestMoment) {
     for (int l = 0; l < spectrum.bands; ++l) {
       const double cosine = math::sine_cosine_of_turns(0.25 * l / spectrum.bands).cosine;
       spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);

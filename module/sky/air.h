@@ -13,17 +13,17 @@
 namespace welkin::sky {
 
 /// Molecules, aerosol and up to four absorbers.
-inline constexpr std::size_t kMostConstituents = 6;
+inline constexpr std::size_t kMaxConstituents = 6;
 inline constexpr std::size_t kRayleigh = 0;
 inline constexpr std::size_t kAerosol = 1;
 
 /// A number for each constituent; those that an atmosphere has not are 0.
-using Amounts = std::array<double, kMostConstituents>;
+using PerConstituent = std::array<double, kMaxConstituents>;
 
-class Air {
+class AirModel {
  public:
   /// Of an atmosphere that `check` accepts, which must outlive it.
-  explicit Air(const Atmosphere& atmosphere);
+  explicit AirModel(const Atmosphere& atmosphere);
 
   [[nodiscard]] const Atmosphere& atmosphere() const noexcept { return *atmosphere_; }
   [[nodiscard]] double bottom_radius() const noexcept { return atmosphere_->bottom_radius_m; }
@@ -31,7 +31,7 @@ class Air {
   [[nodiscard]] std::size_t constituents() const noexcept { return matter_.size(); }
 
   /// Densities from 0 to 1 at four altitudes, all entries written.
-  void densities(const std::array<double, 4>& altitudes, std::array<Amounts, 4>& amounts) const noexcept;
+  void densities(const std::array<double, 4>& altitudes, std::array<PerConstituent, 4>& amounts) const noexcept;
 
   /// Densities of each constituent that matters.
   [[nodiscard]] std::vector<std::vector<DensityLayer>> profiles() const;
@@ -118,7 +118,7 @@ class Air {
 
 // Phase functions as sums of Legendre polynomials.
 
-inline constexpr int kMostSourceBands = 20;
+inline constexpr int kMaxSourceBands = 20;
 inline constexpr int kNarrowBands = 28;  ///< of a narrow lobe
 
 /// Moments chi_l of phase functions, p(cosine) = sum over l of (2 l + 1) / (4 pi) chi_l P_l(cosine), chi_0 = 1.

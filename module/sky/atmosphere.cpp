@@ -19,12 +19,12 @@ constexpr double kLargestCoefficient = 1e6;   // 1/m
 constexpr double kLargestIrradiance = 1e12;   // W/m2/nm
 constexpr double kLargestDensityTerm = 1e15;  // any term of a layer's formula
 constexpr double kLargestThickness = 1e12;    // m
-constexpr double kLeastAsymmetry = -0.8;
+constexpr double kMinAsymmetry = -0.8;
 constexpr double kLargestAsymmetry = 0.999;  // narrower lobes cannot be told from light that goes straight on
-constexpr std::size_t kMostLayers = 8;
-constexpr std::size_t kMostAbsorbers = 4;
-constexpr std::size_t kFewestWavelengths = 3;
-constexpr std::size_t kMostWavelengths = 96;
+constexpr std::size_t kMaxLayers = 8;
+constexpr std::size_t kMaxAbsorbers = 4;
+constexpr std::size_t kMinWavelengths = 3;
+constexpr std::size_t kMaxWavelengths = 96;
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
@@ -38,12 +38,12 @@ void require(const std::string& what, double value, double low, double high) {
 /// A forward lobe too narrow for the bands of scattered light can be taken for light that goes straight on; one that
 /// sends light back where it came from cannot, and would make or lose light.
 void check_asymmetry(const std::string& what, double g) {
-  if (g >= -1.0 && g < kLeastAsymmetry) {
+  if (g >= -1.0 && g < kMinAsymmetry) {
     refuse("the atmosphere's " + what + " is " + platform::number_text(g) + "; it must be from " +
-           platform::number_text(kLeastAsymmetry) + " to " + platform::number_text(kLargestAsymmetry) +
+           platform::number_text(kMinAsymmetry) + " to " + platform::number_text(kLargestAsymmetry) +
            ", as the lobe of one that sends light back is computed only if it is no narrower");
   }
-  require(what, g, kLeastAsymmetry, kLargestAsymmetry);
+  require(what, g, kMinAsymmetry, kLargestAsymmetry);
 }
 
 std::string at(const std::string& what, std::size_t index) { return what + "[" + std::to_string(index) + "]"; }
@@ -69,9 +69,9 @@ void check_layer(const std::string& what, const DensityLayer& layer) {
 }
 
 void check_constituent(const std::string& what, const Constituent& matter, std::size_t wavelengths) {
-  if (matter.density.size() > kMostLayers) {
+  if (matter.density.size() > kMaxLayers) {
     refuse("the atmosphere's " + what + ".density has " + std::to_string(matter.density.size()) +
-           " layers; it may have " + std::to_string(kMostLayers));
+           " layers; it may have " + std::to_string(kMaxLayers));
   }
   for (std::size_t i = 0; i < matter.density.size(); ++i) check_layer(at(what + ".density", i), matter.density[i]);
   check_values(what + ".scattering_per_m", matter.scattering_per_m, wavelengths, kLargestCoefficient);
@@ -79,9 +79,9 @@ void check_constituent(const std::string& what, const Constituent& matter, std::
 }
 
 void check_absorbers(const Atmosphere& air) {
-  if (air.absorbers.size() > kMostAbsorbers) {
+  if (air.absorbers.size() > kMaxAbsorbers) {
     refuse("the atmosphere has " + std::to_string(air.absorbers.size()) + " absorbers; it may have " +
-           std::to_string(kMostAbsorbers));
+           std::to_string(kMaxAbsorbers));
   }
   for (std::size_t i = 0; i < air.absorbers.size(); ++i) {
     const std::string what = at("absorbers", i);
@@ -96,9 +96,9 @@ void check_absorbers(const Atmosphere& air) {
 }  // namespace
 
 void sky::check_wavelengths(const std::vector<double>& wavelengths) {
-  if (wavelengths.size() < kFewestWavelengths || wavelengths.size() > kMostWavelengths) {
+  if (wavelengths.size() < kMinWavelengths || wavelengths.size() > kMaxWavelengths) {
     refuse("the atmosphere has " + std::to_string(wavelengths.size()) + " wavelengths; it must have from " +
-           std::to_string(kFewestWavelengths) + " to " + std::to_string(kMostWavelengths));
+           std::to_string(kMinWavelengths) + " to " + std::to_string(kMaxWavelengths));
   }
   for (std::size_t i = 0; i < wavelengths.size(); ++i) require(at("wavelengths_nm", i), wavelengths[i], 1.0, 1e6);
   const bool rising = wavelengths[1] > wavelengths[0];

@@ -13,10 +13,10 @@
 namespace welkin::sky {
 namespace {
 
-constexpr double kLeastForward = 1e-3;  ///< below, nothing is seen of it
-constexpr double kLastMoment = 1e-4;    ///< of f: no more of them
-constexpr std::size_t kDepths = 33;     ///< even in x / (1 + x)
-constexpr double kDeepest = 0.97;       ///< its last one
+constexpr double kMinForwardShare = 1e-3;  ///< below, nothing is seen of it
+constexpr double kLastMoment = 1e-4;       ///< of f: no more of them
+constexpr std::size_t kDepths = 33;        ///< even in x / (1 + x)
+constexpr double kDeepest = 0.97;          ///< its last one
 constexpr double kShallow = 1e-4;
 /// Light that is turned takes longer ways: by so much times 1 - g. Found by trying: of HG 0.95 and depth 0.3 what 8
 /// azimuths hold is then right to 4 % under a sun of 10 degrees, and to 2 % under one of 45.
@@ -137,22 +137,22 @@ std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double fo
 }
 
 /// A place among the depths.
-struct Place {
+struct NodeFraction {
   std::size_t node;
   double part;
 };
 
-Place place_of(double depth) {
+NodeFraction place_of(double depth) {
   const double x = std::max(0.0, depth);
   const double position = std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0);
   const std::size_t node = std::min(static_cast<std::size_t>(position), kDepths - 2);
   return {node, position - static_cast<double>(node)};
 }
 
-double value_at(const std::vector<double>& table, std::size_t angle, const Place& place) {
+double value_at(const std::vector<double>& table, std::size_t angle, const NodeFraction& point) {
   if (table.empty()) return 1.0;
-  const double factor = table[angle * kDepths + place.node];
-  return factor + place.part * (table[angle * kDepths + place.node + 1] - factor);
+  const double factor = table[angle * kDepths + point.node];
+  return factor + point.part * (table[angle * kDepths + point.node + 1] - factor);
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ Aureole::Aureole(const Atmosphere& atmosphere, const std::array<double, 3>& asym
       narrow && options.layout == ScatteringLayout::full && narrow_lobe(atmosphere, options.orders) != NarrowLobe::none;
   for (std::size_t c = 0; c < (all_equal(asymmetries) ? 1 : 3); ++c) {
     Lobe& lobe = lobes_.emplace_back();
-    if (forward[c] > kLeastForward) {
+    if (forward[c] > kMinForwardShare) {
       lobe.asymmetry = asymmetries[c];
       lobe.forward = forward[c];
       lobe.once = glows ? narrow_once_table(atmosphere, asymmetries[c], forward[c])
@@ -187,10 +187,10 @@ bool Aureole::glows() const noexcept {
 
 void Aureole::factors(const std::array<double, 3>& depths, float* values) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
-    const Place place = place_of(depths[c]);
+    const NodeFraction point = place_of(depths[c]);
     const std::vector<double>& table = lobe(c).seen();
     for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) {
-      values[4 * angle + c] = static_cast<float>(value_at(table, angle, place));
+      values[4 * angle + c] = static_cast<float>(value_at(table, angle, point));
     }
   }
   for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) values[4 * angle + 3] = 0.0F;
@@ -198,12 +198,12 @@ void Aureole::factors(const std::array<double, 3>& depths, float* values) const 
 
 Aureole::Factors Aureole::factors(std::size_t channel, double cosine, double depth) const noexcept {
   const Lobe& lobe = this->lobe(channel);
-  const Place place = place_of(depth);
+  const NodeFraction point = place_of(depth);
   const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0))) * (kAureoleAngles - 1);
   const std::size_t node = std::min(static_cast<std::size_t>(position), std::size_t{kAureoleAngles - 2});
   const auto at = [&](const std::vector<double>& table) {
-    const double low = value_at(table, node, place);
-    return low + (position - static_cast<double>(node)) * (value_at(table, node + 1, place) - low);
+    const double low = value_at(table, node, point);
+    return low + (position - static_cast<double>(node)) * (value_at(table, node + 1, point) - low);
   };
   return {at(lobe.once), at(lobe.glow)};
 }
@@ -218,7 +218,7 @@ double Aureole::loss(std::size_t channel, double chi, double depth) const noexce
 std::vector<std::array<double, 3>> aureole_depths(const Atmosphere& atmosphere, const SkyTableOptions& options,
                                                   const ColourFold& fold, const TableMapping& mapping, double altitude,
                                                   int suns) {
-  const Air air(atmosphere);
+  const AirModel air(atmosphere);
   RayPanels panels(air);
   const std::vector<double>& scattering = atmosphere.aerosol.scattering_per_m;
   const std::vector<double> forward = forward_shares(atmosphere, options.orders);

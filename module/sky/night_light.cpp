@@ -10,6 +10,7 @@
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
 #include "sky/sky_geometry.h"
+#include "sky/spectrum.h"
 
 namespace welkin::sky {
 namespace {
@@ -71,9 +72,9 @@ std::vector<glm::dvec3> zenith_channels(const SkyTables& tables) {
 
 /// Optical depths of the air above an altitude, one a wavelength.
 std::vector<double> depths_above(const Atmosphere& atmosphere, double altitude) {
-  const Air air(atmosphere);
+  const AirModel air(atmosphere);
   RayPanels panels(air);
-  const Amounts lengths = lengths_along(air, {altitude, 1.0, false, air.thickness() - altitude}, panels);
+  const PerConstituent lengths = lengths_along(air, {altitude, 1.0, false, air.thickness() - altitude}, panels);
   std::vector<double> depths;
   for (std::size_t i = 0; i < atmosphere.wavelengths_nm.size(); ++i) {
     double depth = 0.0;

@@ -42,10 +42,10 @@ constexpr std::array<double, kWavelengths> kOzoneCrossSection{
 constexpr double kOzoneDensity = 300.0 * 2.687e20 / 15000.0;
 
 double tabulated(const std::array<double, kWavelengths>& table, double wavelength_nm) {
-  const double place = (wavelength_nm - kFirstWavelength) / kWavelengthStep;
-  const auto below = static_cast<std::size_t>(place);
+  const double position = (wavelength_nm - kFirstWavelength) / kWavelengthStep;
+  const auto below = static_cast<std::size_t>(position);
   if (below + 1 >= table.size()) return table.back();
-  const double part = place - static_cast<double>(below);
+  const double part = position - static_cast<double>(below);
   return table[below] * (1.0 - part) + table[below + 1] * part;
 }
 

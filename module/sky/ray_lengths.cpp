@@ -23,7 +23,7 @@ struct Key {
   bool operator==(const Key&) const = default;
 };
 
-std::shared_ptr<const RayLengths> compute(const Air& air, const std::vector<Ray>& rays, const Control& control) {
+std::shared_ptr<const RayLengths> compute(const AirModel& air, const std::vector<Ray>& rays, const Control& control) {
   const auto lengths = std::make_shared<RayLengths>();
   lengths->amounts.resize(rays.size());
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
@@ -41,7 +41,7 @@ std::shared_ptr<const RayLengths> compute(const Air& air, const std::vector<Ray>
 
 }  // namespace
 
-std::shared_ptr<const RayLengths> lengths_of(const Air& air, std::vector<Ray> rays, const Control& control) {
+std::shared_ptr<const RayLengths> lengths_of(const AirModel& air, std::vector<Ray> rays, const Control& control) {
   static auto& kept = *new math::TableCache<Key, RayLengths>(kKeptBytes);
   const Key key{air.bottom_radius(), air.thickness(), air.profiles(), air.length_shells(), std::move(rays)};
   if (std::shared_ptr<const RayLengths> found = kept.find(key)) return found;

@@ -13,11 +13,11 @@ namespace welkin::sky {
 namespace {
 
 constexpr std::size_t kLanes = simd::kLanes;
-constexpr double kNegligible = 3e-4;        ///< share of what a panel scatters that is taken for the other matter's
-constexpr double kUnseen = 1e-9;            ///< share of a ray's aerosol that is left out
-constexpr double kThinPanel = 2.5;          ///< scale heights that a sample may stand for...
-constexpr double kThinStep = 1.3;           ///< ... or steps of a source's heights
-constexpr std::size_t kMostSunNodes = 256;  ///< of a row of sunlight
+constexpr double kNegligible = 3e-4;       ///< share of what a panel scatters that is taken for the other matter's
+constexpr double kUnseen = 1e-9;           ///< share of a ray's aerosol that is left out
+constexpr double kThinPanel = 2.5;         ///< scale heights that a sample may stand for...
+constexpr double kThinStep = 1.3;          ///< ... or steps of a source's heights
+constexpr std::size_t kMaxSunNodes = 256;  ///< of a row of sunlight
 constexpr int kGlowNodes = 1025;
 constexpr double kGlowDepth = 0.5;  ///< of aerosol, that a glow is typical of
 constexpr double kEvenGlow = 0.03;  ///< share of it that is the same from everywhere
@@ -25,7 +25,7 @@ constexpr double kEvenGlow = 0.03;  ///< share of it that is the same from every
 std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
 /// Place of an angle of that cosine among nodes evenly from 0 to pi.
-double place_of_angle(double cosine, int nodes) noexcept {
+double angle_position(double cosine, int nodes) noexcept {
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   return 2.0 * math::turns_of(sine, cosine) * (nodes - 1);
 }
@@ -98,7 +98,7 @@ double source_height(const SourceShape& shape, double height_coordinate) noexcep
   return bent(height_coordinate, shape.height_bend) * (shape.heights - 1);
 }
 
-WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward) {
+WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::span<const double> forward) {
   WavelengthGroup wavelengths;
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -138,7 +138,7 @@ Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
 
 double Glow::at(std::size_t channel, double cosine) const noexcept {
   const std::vector<double>& values = values_[values_.size() > 1 ? channel : 0];
-  const Between place = between(place_of_angle(cosine, kGlowNodes), kGlowNodes);
+  const Between place = between(angle_position(cosine, kGlowNodes), kGlowNodes);
   const double low = values[static_cast<std::size_t>(place.node)];
   return low + place.fraction * (values[static_cast<std::size_t>(place.node) + 1] - low);
 }
@@ -149,13 +149,13 @@ void ScatteringSource::set_steps() {
   for (std::size_t h = 0; h < static_cast<std::size_t>(shape.heights); ++h) {
     std::vector<double> nodes(brightness.begin() + static_cast<std::ptrdiff_t>(h * suns),
                               brightness.begin() + static_cast<std::ptrdiff_t>((h + 1) * suns));
-    limit_falls(nodes);
-    const std::vector<float> fine = fine_steps(nodes);
+    limit_decay(nodes);
+    const std::vector<float> fine = resample_log_cubic(nodes);
     std::copy(fine.begin(), fine.end(), steps.begin() + static_cast<std::ptrdiff_t>(h * shape.sun_steps()));
   }
 }
 
-RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
+RayLight::RayLight(const AirModel& air, const SourceShape& shape, std::size_t count)
     : count_(count),
       padded_(padded(count)),
       nodes_(air),
@@ -165,8 +165,8 @@ RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
       row_fraction_(padded_),
       sums_(12 * padded_),
       scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 16 * static_cast<std::size_t>(shape.suns),
-                        8 * kMostSunNodes)) {
-  panels_.reserve(kMostRayNodes);
+                        8 * kMaxSunNodes)) {
+  panels_.reserve(kMaxRayNodes);
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
 }
 
@@ -174,12 +174,12 @@ SkySuns RayLight::suns() const noexcept {
   return {zenith_cosine_.data(), angle_cosine_.data(), row_.data(), row_fraction_.data(), static_cast<int>(padded_)};
 }
 
-void RayLight::place(const Air& air, const Ray& ray, const WavelengthGroup& group) noexcept {
+void RayLight::place(const AirModel& air, const Ray& ray, const WavelengthGroup& group) noexcept {
   ray_ = ray;
   nodes_.place(air, ray, group.extinctions);
 }
 
-const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept {
+const float* RayLight::sunlight(const SolverKernels& kernels, const AirModel& air, const Sunlight& light) noexcept {
   std::fill_n(sums_.data(), 8 * padded_, 0.0F);
   const double radius = air.bottom_radius() + ray_.altitude;
   double all_aerosol = 0.0;
@@ -220,7 +220,7 @@ void RayLight::multiply_glow(const Glow& glow, float* light) const noexcept {
 // As many as one sample stands for: four of a panel, if they lie no further apart than what is between heights is
 // known, or what panels are cut by. A panel may cross all of a thin shell, in whose middle there is more light than on
 // the average.
-std::size_t RayLight::nodes_of_panel(const Air& air, const SourceShape& shape, const TableMapping& mapping,
+std::size_t RayLight::nodes_of_panel(const AirModel& air, const SourceShape& shape, const TableMapping& mapping,
                                      std::size_t first) const noexcept {
   std::size_t count = mapping.thin() ? 2 : kPanelNodes;
   const auto apart = [&](std::size_t a, std::size_t b) {
@@ -236,7 +236,7 @@ std::size_t RayLight::nodes_of_panel(const Air& air, const SourceShape& shape, c
   return count;
 }
 
-std::span<const ScatteringPanel> RayLight::panels(const Air& air, const WavelengthGroup& group,
+std::span<const ScatteringPanel> RayLight::panels(const AirModel& air, const WavelengthGroup& group,
                                                   const SourceShape& shape, const TableMapping& mapping) noexcept {
   panels_.clear();
   const double radius = air.bottom_radius() + ray_.altitude;
@@ -250,7 +250,7 @@ std::span<const ScatteringPanel> RayLight::panels(const Air& air, const Waveleng
       const double here = air.bottom_radius() + altitude;
       const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + sum.distance) / here, -1.0, 1.0);
       const Between height = between(source_height(shape, mapping.height_coordinate(altitude)), shape.heights);
-      const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
+      const Between zenith = between(angle_position(zenith_cosine, shape.zeniths), shape.zeniths);
       ScatteringPanel& to = panels_.emplace_back();
       to.start_ratio = static_cast<float>(radius / here);
       to.distance_ratio = static_cast<float>(sum.distance / here);

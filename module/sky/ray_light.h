@@ -74,8 +74,8 @@ struct ScatteringSource {
 
   /// Mean over all directions and channels: [heights][suns].
   std::vector<double> brightness;
-  /// The same between suns (`fine_steps`): [heights][sun_steps()]. What is read between suns is the source relative to
-  /// it, which changes little where light falls by decades.
+  /// The same between suns (`resample_log_cubic`): [heights][sun_steps()]. What is read between suns is the source
+  /// relative to it, which changes little where light falls by decades.
   std::vector<float> steps;
 
   explicit ScatteringSource(const SourceShape& nodes, bool with_aerosol)
@@ -110,7 +110,7 @@ struct WavelengthGroup {
 
 /// Wavelengths 3 `group` and the next two; beyond the last: the last again. Of what the aerosol scatters, a
 /// wavelength's share of `forward` (`forward_shares`; none: 0) counts neither as scattered nor as taken out.
-[[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward);
+[[nodiscard]] WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::span<const double> forward);
 
 /// What a stretch of a ray sends on of light that is nearly the same all over it: one sample in the middle of what
 /// scatters, which is exact for sources that vary linearly along it. Of no sun, and so kept from order to order.
@@ -126,7 +126,7 @@ struct ScatteringPanel {
 class RayLight {
  public:
   /// For `count` suns of a ray, and sources of that shape.
-  RayLight(const Air& air, const SourceShape& shape, std::size_t count);
+  RayLight(const AirModel& air, const SourceShape& shape, std::size_t count);
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
   /// The sun's zenith cosine at the ray's start, and its cosine with the ray.
@@ -139,14 +139,14 @@ class RayLight {
   }
 
   /// Places samples along a ray; what follows is about it.
-  void place(const Air& air, const Ray& ray, const WavelengthGroup& group) noexcept;
+  void place(const AirModel& air, const Ray& ray, const WavelengthGroup& group) noexcept;
 
   /// Sunlight scattered once, without phase functions, coefficients and irradiance: metres. [count][8]: three channels
   /// of the molecules', a place left out, three of the aerosol's, another.
-  const float* sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept;
+  const float* sunlight(const SolverKernels& kernels, const AirModel& air, const Sunlight& light) noexcept;
 
   /// The ray's samples of light that was scattered before, in the direction of the ray. Valid until the next call.
-  std::span<const ScatteringPanel> panels(const Air& air, const WavelengthGroup& group, const SourceShape& shape,
+  std::span<const ScatteringPanel> panels(const AirModel& air, const WavelengthGroup& group, const SourceShape& shape,
                                           const TableMapping& mapping) noexcept;
 
   /// Light of a source, [count][4] each: all of it, or that of molecules and aerosol apart where a glow is seen in the
@@ -161,7 +161,7 @@ class RayLight {
  private:
   [[nodiscard]] SkySuns suns() const noexcept;
   void fold_pairs(float* sums) const noexcept;
-  [[nodiscard]] std::size_t nodes_of_panel(const Air& air, const SourceShape& shape, const TableMapping& mapping,
+  [[nodiscard]] std::size_t nodes_of_panel(const AirModel& air, const SourceShape& shape, const TableMapping& mapping,
                                            std::size_t first) const noexcept;
   void multiply_glow(const Glow& glow, float* light) const noexcept;
 

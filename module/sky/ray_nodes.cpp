@@ -60,7 +60,7 @@ const Collocation& collocation() {
 
 }  // namespace
 
-RayPanels::RayPanels(const Air& air) {
+RayPanels::RayPanels(const AirModel& air) {
   ends_.reserve(2 * std::max(air.shells().size(), air.length_shells().size()) + 8);
   static_cast<void>(collocation());  // made here, where memory may run out, and not inside a tile
 }
@@ -71,7 +71,7 @@ void RayPanels::add(double place, double length) noexcept {
 
 // A sphere of altitude b is passed at -r mu -+ sqrt(D), D = (r mu)^2 + (b - h) (2 R + b + h): the way down passes
 // spheres below the start, from the highest on; the way up those above the lowest point.
-void RayPanels::cut(const Air& air, const Ray& ray, const std::vector<double>& shells) noexcept {
+void RayPanels::cut(const AirModel& air, const Ray& ray, const std::vector<double>& shells) noexcept {
   const double along = (air.bottom_radius() + ray.altitude) * ray.zenith_cosine;
   const auto inside = [&](double shell) {
     return (shell - ray.altitude) * (2.0 * air.bottom_radius() + shell + ray.altitude);
@@ -100,12 +100,12 @@ void RayPanels::cut(const Air& air, const Ray& ray, const std::vector<double>& s
   ends_.push_back(ray.length);
 }
 
-Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcept {
+PerConstituent lengths_along(const AirModel& air, const Ray& ray, RayPanels& panels) noexcept {
   const Collocation& rule = collocation();
   panels.cut(air, ray, air.length_shells());
-  Amounts sums{};
+  PerConstituent sums{};
   std::array<double, kPanelNodes> altitudes;
-  std::array<Amounts, kPanelNodes> density;
+  std::array<PerConstituent, kPanelNodes> density;
   for (std::size_t panel = 1; panel < panels.ends().size(); ++panel) {
     const double from = panels.ends()[panel - 1];
     const double size = panels.ends()[panel] - from;
@@ -120,16 +120,16 @@ Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcep
   return sums;
 }
 
-double optical_depth(const Amounts& extinction, const Amounts& lengths) noexcept {
+double optical_depth(const PerConstituent& extinction, const PerConstituent& lengths) noexcept {
   double sum = 0.0;
-  for (std::size_t i = 0; i < kMostConstituents; ++i) sum += extinction[i] * lengths[i];
+  for (std::size_t i = 0; i < kMaxConstituents; ++i) sum += extinction[i] * lengths[i];
   return sum;
 }
 
-RayNodes::RayNodes(const Air& air) : panels_(air), nodes_(kMostRayNodes) { pending_.reserve(128); }
+RayNodes::RayNodes(const AirModel& air) : panels_(air), nodes_(kMaxRayNodes) { pending_.reserve(128); }
 
 // Fills in four nodes from `count_` on and says whether they will do.
-bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
+bool RayNodes::try_panel(const AirModel& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
                          bool last_chance) noexcept {
   const Collocation& rule = collocation();
   const double size = to - from;
@@ -139,7 +139,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
   }
   RayNode* const nodes = nodes_.data() + count_;
   std::array<double, kPanelNodes> altitudes;
-  std::array<Amounts, kPanelNodes> density;
+  std::array<PerConstituent, kPanelNodes> density;
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
     RayNode& node = nodes[k];
     node.distance = from + size * rule.nodes[k];
@@ -149,7 +149,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
     altitudes[k] = node.altitude;
   }
   air.densities(altitudes, density);
-  Amounts whole{};
+  PerConstituent whole{};
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
     nodes[k].density = density[k];
     for (std::size_t i = 0; i < air.constituents(); ++i) whole[i] += nodes[k].weight * density[k][i];
@@ -180,7 +180,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
   return true;
 }
 
-void RayNodes::place(const Air& air, const Ray& ray, const Extinctions& extinctions) noexcept {
+void RayNodes::place(const AirModel& air, const Ray& ray, const Extinctions& extinctions) noexcept {
   panels_.cut(air, ray, air.shells());
   const std::vector<double>& ends = panels_.ends();
   count_ = 0;
@@ -192,8 +192,8 @@ void RayNodes::place(const Air& air, const Ray& ray, const Extinctions& extincti
       if (*std::max_element(transmittance_.begin(), transmittance_.end()) < kDark) return;
       const std::size_t left = ends.size() - panel + pending_.size();
       const double to = pending_.back();
-      const bool full = count_ / kPanelNodes + left + 1 >= kMostPanels || pending_.size() >= 48;
-      if (count_ + kPanelNodes > kMostRayNodes) return;
+      const bool full = count_ / kPanelNodes + left + 1 >= kMaxPanels || pending_.size() >= 48;
+      if (count_ + kPanelNodes > kMaxRayNodes) return;
       if (try_panel(air, ray, extinctions, from, to, full)) {
         from = to;
         pending_.pop_back();

@@ -9,9 +9,9 @@
 
 namespace welkin::sky {
 
-inline constexpr std::size_t kPanelNodes = 4;    ///< of Gauss and Legendre
-inline constexpr std::size_t kMostPanels = 384;  ///< of one ray
-inline constexpr std::size_t kMostRayNodes = kPanelNodes * kMostPanels;
+inline constexpr std::size_t kPanelNodes = 4;   ///< of Gauss and Legendre
+inline constexpr std::size_t kMaxPanels = 384;  ///< of one ray
+inline constexpr std::size_t kMaxRayNodes = kPanelNodes * kMaxPanels;
 
 /// A ray: from an altitude along a zenith cosine, to the ground or the top.
 struct Ray {
@@ -27,7 +27,7 @@ struct Ray {
 /// Scratch of a fixed size: nothing is allocated after construction.
 class RayPanels {
  public:
-  explicit RayPanels(const Air& air);
+  explicit RayPanels(const AirModel& air);
   /// A copy's vector would have lost its room.
   RayPanels(const RayPanels&) = delete;
   RayPanels& operator=(const RayPanels&) = delete;
@@ -36,7 +36,7 @@ class RayPanels {
   ~RayPanels() = default;
 
   /// `shells`: the air's, or its length shells.
-  void cut(const Air& air, const Ray& ray, const std::vector<double>& shells) noexcept;
+  void cut(const AirModel& air, const Ray& ray, const std::vector<double>& shells) noexcept;
   [[nodiscard]] const std::vector<double>& ends() const noexcept { return ends_; }
 
  private:
@@ -45,17 +45,17 @@ class RayPanels {
 };
 
 /// Density integrated along a whole ray, metres, each constituent's. Relative error some 1e-6.
-[[nodiscard]] Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcept;
+[[nodiscard]] PerConstituent lengths_along(const AirModel& air, const Ray& ray, RayPanels& panels) noexcept;
 
 /// Extinction of each constituent at three wavelengths, 1/m.
-using Extinctions = std::array<Amounts, 3>;
-[[nodiscard]] double optical_depth(const Amounts& extinction, const Amounts& lengths) noexcept;
+using Extinctions = std::array<PerConstituent, 3>;
+[[nodiscard]] double optical_depth(const PerConstituent& extinction, const PerConstituent& lengths) noexcept;
 
 struct RayNode {
   double distance;
   double altitude;
   double weight;  ///< metres that it stands for
-  Amounts density;
+  PerConstituent density;
   std::array<double, 3> transmittance;  ///< from the ray's start
 };
 
@@ -63,15 +63,15 @@ struct RayNode {
 /// on panels that end at shells, are short against the planet's curve, and thin to the eye at three wavelengths.
 class RayNodes {
  public:
-  explicit RayNodes(const Air& air);
+  explicit RayNodes(const AirModel& air);
   /// Allocates nothing.
-  void place(const Air& air, const Ray& ray, const Extinctions& extinctions) noexcept;
+  void place(const AirModel& air, const Ray& ray, const Extinctions& extinctions) noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const RayNode& operator[](std::size_t i) const noexcept { return nodes_[i]; }
 
  private:
-  bool try_panel(const Air& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
+  bool try_panel(const AirModel& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
                  bool last_chance) noexcept;
 
   RayPanels panels_;

@@ -24,16 +24,16 @@ constexpr int kPhaseNodes = 513;
 constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
 constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
-constexpr int kFewestAzimuths = 8;  ///< that the second order is followed along; further ones along three quarters
-constexpr int kFewestHeights = 24;  ///< that every other one of which carries further orders
+constexpr int kMinAzimuths = 8;  ///< that the second order is followed along; further ones along three quarters
+constexpr int kMinHeights = 24;  ///< that every other one of which carries further orders
 
 // Of what orders beyond the last one add.
-constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths, ...
-constexpr int kMostRestOrders = 24;      ///< ... or, where the ratio of two orders still changes, up to so many
-constexpr double kSettled = 1e-3;        ///< of all light: how far the sum may be wrong by that change
-constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
-constexpr double kLeastLoss = 0.75;      ///< ... and least loss of light from one to the next, of that of all places
-constexpr double kLargestRatio = 0.95;   ///< beyond which a sum would multiply errors by 20 and more
+constexpr int kRestOrders = 2;            ///< more that are followed, along half of the azimuths, ...
+constexpr int kMaxRestOrders = 24;        ///< ... or, where the ratio of two orders still changes, up to so many
+constexpr double kSettled = 1e-3;         ///< of all light: how far the sum may be wrong by that change
+constexpr double kMaxRatioToMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
+constexpr double kMinLoss = 0.75;         ///< ... and least loss of light from one to the next, of that of all places
+constexpr double kLargestRatio = 0.95;    ///< beyond which a sum would multiply errors by 20 and more
 
 /// Light of order after order, of all places, at three wavelengths.
 class OrderSums {
@@ -76,7 +76,7 @@ class OrderSums {
 
 }  // namespace
 
-SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Sunlight& light,
+SourceSolver::SourceSolver(const AirModel& air, const TableMapping& mapping, const Sunlight& light,
                            const WavelengthGroup& group, const SourceShape& shape)
     : air_(air),
       mapping_(mapping),
@@ -136,7 +136,7 @@ void SourceSolver::set_rules() {
       even_legendre(bands, cosine, legendre_.data() + (index(h) * kZeniths + i) * pair_count(bands));
       if (i >= index(DirectionRule::kGroundNodes)) continue;
       const double distance = distance_to_ground(air_.bottom_radius(), altitude, cosine);
-      const Amounts lengths = lengths_along(air_, {altitude, cosine, true, distance}, panels);
+      const PerConstituent lengths = lengths_along(air_, {altitude, cosine, true, distance}, panels);
       ground_distance_.push_back(distance);
       ground_transmittance_.emplace_back();
       for (std::size_t c = 0; c < 3; ++c) {
@@ -219,7 +219,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     add_order({}, {});
     orders_ = order;
     last_change_ = sums.add(scattered());
-    if (order > 1 && last_change_ < options.until_change) break;
+    if (order > 1 && last_change_ < options.convergence_threshold) break;
   }
   for (int order = orders_ + 1; rest; ++order) {
     next_source(part(2 * order - 3));
@@ -231,7 +231,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     sums.add(scattered());
     const int followed = order - orders_;
     doubt_ = sums.doubt();
-    const bool at_last = followed >= kMostRestOrders || (followed >= kRestOrders && doubt_ < kSettled);
+    const bool at_last = followed >= kMaxRestOrders || (followed >= kRestOrders && doubt_ < kSettled);
     add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
               at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
     if (at_last) break;
@@ -245,7 +245,8 @@ void SourceSolver::next_source(const Control& control) {
   gather(control);
   direct_ground_ = false;
   for (std::size_t c = 0; c < 3; ++c) {
-    ground_before_[c] = fine_steps(std::span(order_irradiance_).subspan(c * index(shape_.suns), index(shape_.suns)));
+    ground_before_[c] =
+        resample_log_cubic(std::span(order_irradiance_).subspan(c * index(shape_.suns), index(shape_.suns)));
   }
 }
 
@@ -267,7 +268,7 @@ std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& befo
     const std::size_t c = i / suns % 3;
     if (!(before[i] > 0.0 && sums_before[c] > 0.0) || sums[c] > kLargestRatio * sums_before[c]) continue;
     const double mean = sums[c] / sums_before[c];
-    const double most = std::min(kMostAboveMean * mean, 1.0 - kLeastLoss * (1.0 - mean));
+    const double most = std::min(kMaxRatioToMean * mean, 1.0 - kMinLoss * (1.0 - mean));
     factors[i] = 1.0 / (1.0 - std::min(last[i] / before[i], most));
   }
   return factors;
@@ -309,9 +310,9 @@ void SourceSolver::add_order_at(std::size_t height, const std::vector<double>& f
 // Light that was scattered twice is smooth: half of the azimuths carry it, and every other height what it leaves for
 // the next orders. (Half of those azimuths for the third and on moved Mars by 6e-3 and the deepest twilight by 1e-2.)
 void SourceSolver::follow_less(int order) {
-  const int half = std::max(shape_.azimuths / 2, std::min(shape_.azimuths, kFewestAzimuths));
+  const int half = std::max(shape_.azimuths / 2, std::min(shape_.azimuths, kMinAzimuths));
   set_azimuths(order == 2 || shape_.narrow ? half : 3 * half / 4);
-  if (shape_.narrow || shape_.height_bend > 0.0 || shape_.heights < kFewestHeights || !skipped_.empty()) return;
+  if (shape_.narrow || shape_.height_bend > 0.0 || shape_.heights < kMinHeights || !skipped_.empty()) return;
   followed_.clear();
   for (const std::size_t height : heights_) {
     (height % 2 == 0 || height + 1 == heights_.size() ? followed_ : skipped_).push_back(height);

@@ -35,12 +35,12 @@ class SourceSolver {
  public:
   struct Options {
     int orders = 4;
-    double until_change = 0.0;
+    double convergence_threshold = 0.0;
     bool rest = false;  ///< further orders are estimated, if there is more than one
   };
 
   /// `air`, `mapping` and `light` must outlive it.
-  SourceSolver(const Air& air, const TableMapping& mapping, const Sunlight& light, const WavelengthGroup& group,
+  SourceSolver(const AirModel& air, const TableMapping& mapping, const Sunlight& light, const WavelengthGroup& group,
                const SourceShape& shape);
 
   /// Bytes that it takes for itself, the sources included.
@@ -90,7 +90,7 @@ class SourceSolver {
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] std::array<double, 3> scattered() const noexcept;
 
-  const Air& air_;
+  const AirModel& air_;
   const TableMapping& mapping_;
   const Sunlight& light_;
   WavelengthGroup group_;

@@ -148,7 +148,7 @@ void SkyCurve::at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) con
       even[i] = foot(m, angles.zenith_sine) * glm::dvec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
     }
   }
-  sky::turn_even(even, bands, angles, coefficients);
+  sky::rotate_even(even, bands, angles, coefficients);
 }
 
 SphericalHarmonics SkyCurve::at(const glm::dvec3& sun) const {

@@ -151,7 +151,7 @@ struct SunTaps {
 };
 
 /// Nodes darker than that take no part.
-inline constexpr float kMostRatio = 1e12F;
+inline constexpr float kMaxRatio = 1e12F;
 
 /// One slice and one sun. Lengths in metres, all in double: planets have 1e9 of them, and altitudes of one.
 struct SkyRun {
@@ -184,8 +184,8 @@ struct SkyRun {
   SunTaps sun_taps;     ///< from inside
   double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
   AzimuthTerms azimuth_terms;
-  const float*
-      brightness;  ///< of suns, in steps between nodes (sky/sun_brightness.h, fine_steps): [(suns - 1) steps + 1]
+  const float* brightness;  ///< of suns, in steps between nodes (sky/sun_brightness.h, resample_log_cubic): [(suns - 1)
+                            ///< steps + 1]
   float fade;
 
   int half;  ///< nodes of either half of the views: first those that end on the ground

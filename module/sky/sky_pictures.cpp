@@ -91,7 +91,7 @@ template <class Covered>
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
               std::span<float> pixels) {
   const platform::FloatingPointScope floating_point;
-  const Sun sun = view.sun(towards);
+  const Sun sun = view.sun_light(towards);
   if (!(std::max({sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}) > 0.0)) return;
   const math::SineCosine radius = math::sine_cosine_of_turns(sun.angular_radius_degrees / 360.0);
   const double horizon = sky::horizon_cosine(view.tables()->atmosphere.bottom_radius_m, view.altitude_m());
@@ -172,7 +172,7 @@ namespace welkin::sky {
 namespace {
 
 constexpr double kFinest = 1.0 / 48.0;  // of the disc's radius: cells are cut down to that size
-constexpr int kLeastCuts = 3;           // of a texel that the rim goes through
+constexpr int kMinCuts = 3;             // of a texel that the rim goes through
 constexpr double kLargestTurns = 1.0 / 32.0;
 
 double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
@@ -286,7 +286,7 @@ class Coverage {
   double covered(const Cell& cell, const Bound& bound, int cuts) const {
     if (bound.outside) return 0.0;
     if (bound.inside && cuts > 0) return bound.steradians;
-    const bool small = bound.radius < kFinest * chord_ && cuts >= kLeastCuts;
+    const bool small = bound.radius < kFinest * chord_ && cuts >= kMinCuts;
     if (small && !picture_.large(cell)) {
       const auto share = [](double inside, double extent) {
         return extent > 0.0 ? std::clamp(0.5 + inside / extent, 0.0, 1.0) : inside > 0.0 ? 1.0 : 0.0;
@@ -323,7 +323,7 @@ glm::dvec3 highest(const VisibleDisc& disc) {
   return {disc.centre.x / level * sine, disc.horizon_cosine, disc.centre.z / level * sine};
 }
 
-int texel_of(double place, int count) { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
+int texel_of(double position, int count) { return std::clamp(static_cast<int>(std::floor(position)), 0, count - 1); }
 
 void sort_and_fill(std::vector<CoveredTexel>& found, std::size_t otherwise) {
   if (found.empty()) found.push_back({otherwise, 1.0});
@@ -340,12 +340,12 @@ std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int si
     Coverage(disc, CubeFace{size, face}, static_cast<std::size_t>(face) * face_texels, size, found)
         .visit({0.0, edge, 0.0, edge});
   }
-  const glm::dvec3 place = highest(disc);
-  const int face = image::face_of(place);
+  const glm::dvec3 position = highest(disc);
+  const int face = image::face_of(position);
   const image::Frame& frame = image::face_frame(face);
-  const double scale = 0.5 * size / glm::dot(place, frame.normal);
-  const int column = texel_of(0.5 * size + scale * glm::dot(place, frame.u), size);
-  const int row = texel_of(0.5 * size + scale * glm::dot(place, frame.v), size);
+  const double scale = 0.5 * size / glm::dot(position, frame.normal);
+  const int column = texel_of(0.5 * size + scale * glm::dot(position, frame.u), size);
+  const int row = texel_of(0.5 * size + scale * glm::dot(position, frame.v), size);
   sort_and_fill(found, static_cast<std::size_t>(face) * face_texels +
                            static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
                            static_cast<std::size_t>(column));
@@ -358,10 +358,10 @@ std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int w
     Coverage(disc, LatLong{width, height}, 0, width, found)
         .visit({0.0, static_cast<double>(width), 0.0, static_cast<double>(height)});
   }
-  const glm::dvec3 place = highest(disc);
-  const double level = std::sqrt(place.x * place.x + place.z * place.z);
-  const int row = texel_of((0.25 - math::turns_of(place.y, level)) * 2.0 * height, height);
-  const int column = texel_of((0.5 - math::turns_of(place.x, place.z)) * width, width);
+  const glm::dvec3 position = highest(disc);
+  const double level = std::sqrt(position.x * position.x + position.z * position.z);
+  const int row = texel_of((0.25 - math::turns_of(position.y, level)) * 2.0 * height, height);
+  const int column = texel_of((0.5 - math::turns_of(position.x, position.z)) * width, width);
   sort_and_fill(found,
                 static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column));
   return found;

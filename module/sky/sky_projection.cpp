@@ -22,7 +22,7 @@
 namespace welkin::sky {
 namespace {
 
-constexpr int kMostAzimuths = 256;
+constexpr int kMaxAzimuths = 256;
 
 void check_range(const char* what, int value, int least, int most) {
   if (value >= least && value <= most) return;
@@ -33,7 +33,7 @@ void check_range(const char* what, int value, int least, int most) {
 void check(const SkyHarmonicsOptions& options) {
   check_range("bands", options.bands, 1, kMaximumBands);
   check_range("zeniths", options.zeniths, 2, 128);
-  check_range("azimuths", options.azimuths, 2, kMostAzimuths);
+  check_range("azimuths", options.azimuths, 2, kMaxAzimuths);
   switch (options.quadrature) {
     case SkyQuadrature::uniform:
     case SkyQuadrature::gauss:
@@ -120,7 +120,7 @@ namespace {
 
 constexpr int kRings = kSkyRings;
 constexpr int kChunk = 16;  // azimuths
-constexpr std::size_t kMost = std::size_t{1} << 30U;
+constexpr std::size_t kMax = std::size_t{1} << 30U;
 
 static_assert(kRings == 16);
 
@@ -174,7 +174,7 @@ void SkyProjection::check_size(std::size_t rings) const {
   if (slice_.outside()) return;
   const std::size_t bytes = (rings + 2 * kRings) * static_cast<std::size_t>(slice_.azimuths()) *
                             static_cast<std::size_t>(slice_.suns()) * kSkyChannels * sizeof(float);
-  if (bytes <= kMost) return;
+  if (bytes <= kMax) return;
   throw Error(ErrorCode::limit_exceeded,
               "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(slice_.azimuths()) +
                   " azimuths x " + std::to_string(slice_.suns()) +
@@ -209,17 +209,17 @@ void SkyProjection::fill_values(RingGroup& group) const {
   group.values = platform::AlignedBuffer<float>(count * kSkyChannels * kRings);
   std::vector<float> rows(count * kSliceRow);
   for (std::size_t lane = 0; lane < kRings; ++lane) {
-    const ViewPlace place = slice_.view_place(group.cosines[lane]);
-    slice_.view_rows(place.taps, rows.data());
-    if (!place.ground && slice_.night().any()) {
+    const ViewLookup point = slice_.view_lookup(group.cosines[lane]);
+    slice_.view_rows(point.taps, rows.data());
+    if (!point.ground && slice_.night().any()) {
       group.any_night = true;
       group.night[lane] = slice_.night().radiance(group.cosines[lane]);
     }
-    if (place.ground) {
-      group.ground[lane].distance = place.distance;
+    if (point.ground) {
+      group.ground[lane].distance = point.distance;
       for (int c = 0; c < 3; ++c) {
-        group.ground[lane].transmittance[c] = static_cast<double>(place.transmittance[c]);
-        group.any_ground = group.any_ground || place.transmittance[c] > 0.0F;
+        group.ground[lane].transmittance[c] = static_cast<double>(point.transmittance[c]);
+        group.any_ground = group.any_ground || point.transmittance[c] > 0.0F;
       }
     }
     for (std::size_t k = 0; k < count; ++k) {
@@ -233,14 +233,14 @@ void SkyProjection::fill_values(RingGroup& group) const {
 /// that is above the horizon. Any share gives the same integral where the nodes resolve the lobe; where they do not,
 /// this one is nearly right: small lobes fall like (w^2 + angle^2)^(-3/2), w = -ln g, or nearly (1 - g) / sqrt(g),
 /// which a straight horizon cuts into 1/2 + atan(elevation / w) / pi.
-SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept {
+SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunLookup& point) const noexcept {
   Lobe lobe{};
   if (options_.quadrature != SkyQuadrature::gauss_split || backwards_) return lobe;
   const double horizon_sine = std::sqrt((1.0 - horizon_) * (1.0 + horizon_));
   const double above = sun.zenith_cosine * horizon_sine - sun.zenith_sine * horizon_;  // sine of the elevation over it
   const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
   const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
-  const ViewPlace view = slice_.view_place(std::max(sun.zenith_cosine, horizon_));
+  const ViewLookup view = slice_.view_lookup(std::max(sun.zenith_cosine, horizon_));
   const Taps azimuth = slice_.azimuth_taps(1.0, sun.zenith_cosine);
   const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
   for (int v = 0; v < 4; ++v) {
@@ -249,8 +249,8 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
           (static_cast<std::ptrdiff_t>(view.taps.first + v) * slice_.azimuths() + azimuth.first + a) * suns;
       const double weight = static_cast<double>(view.taps.weights[v]) * static_cast<double>(azimuth.weights[a]);
       for (int s = 0; s < 4; ++s) {
-        const float* const values = slice_.values() + (row + place.taps.first + s) * kSliceRow + 4;
-        const double part = weight * static_cast<double>(place.taps.weights[s]);
+        const float* const values = slice_.values() + (row + point.taps.first + s) * kSliceRow + 4;
+        const double part = weight * static_cast<double>(point.taps.weights[s]);
         for (std::size_t c = 0; c < 3; ++c) lobe[c] += part * static_cast<double>(values[c]);
       }
     }
@@ -383,21 +383,21 @@ const float* SkyProjection::aureole_under(const SunAngles& sun, float* room) con
   return room;
 }
 
-void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place,
+void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunLookup& point,
                               const CubicTaps* azimuth_taps, const Lobe& lobe, const Lobe& aerosol,
                               const float* aureole, std::span<glm::dvec3> even) const {
   alignas(64) float ground[kChunk * 3 * kRings];
   alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
   SunDistances distances;
   SkyRings rings = rings_of(group, sun, distances);
-  rings.rayleigh *= place.fade;
-  for (std::size_t c = 0; c < 3; ++c) rings.lobes[c].aerosol = static_cast<float>(aerosol[c]) * place.fade;
-  for (int k = 0; k < 4; ++k) rings.sun_weights[k] = place.taps.weights[k];
+  rings.rayleigh *= point.fade;
+  for (std::size_t c = 0; c < 3; ++c) rings.lobes[c].aerosol = static_cast<float>(aerosol[c]) * point.fade;
+  for (int k = 0; k < 4; ++k) rings.sun_weights[k] = point.taps.weights[k];
   for (std::size_t c = 0; c < 3; ++c) rings.lobe[c] = static_cast<float>(lobe[c]);
   rings.ground = group.any_ground || group.any_night ? ground : nullptr;
   if (group.any_night) fill_night(group, std::min(kChunk, options_.azimuths), ground);
   rings.aureole = aureole;
-  rings.values = group.values.data() + static_cast<std::ptrdiff_t>(place.taps.first) * kSkyChannels * kRings;
+  rings.values = group.values.data() + static_cast<std::ptrdiff_t>(point.taps.first) * kSkyChannels * kRings;
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
     rings.azimuth_taps = azimuth_taps + first;
@@ -438,17 +438,17 @@ void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) co
   if (slice_.outside()) return project_plainly(sun, even);
   const std::size_t terms = even_count(options_.bands);
   for (std::size_t k = 0; k < terms; ++k) even[k] = glm::dvec3(0.0);
-  const SunPlace place = slice_.sun_place(sun.zenith_cosine);
-  const Lobe lobe = lobe_at(sun, place);
+  const SunLookup point = slice_.sun_lookup(sun.zenith_cosine);
+  const Lobe lobe = lobe_at(sun, point);
   const Lobe aerosol = aerosol_factors(sun);
   float room[kAureoleAngles * kSkyColour];
   const float* const aureole = aureole_under(sun, room);
-  std::array<CubicTaps, kMostAzimuths> azimuth_taps;  // NOLINT: as many as there are azimuths are filled in
+  std::array<CubicTaps, kMaxAzimuths> azimuth_taps;  // NOLINT: as many as there are azimuths are filled in
   slice_.azimuth_taps(azimuths_.cosines, sun.zenith_cosine, azimuth_taps.data());
   for (const RingGroup& group : groups_) {
-    add_group(group, sun, place, azimuth_taps.data(), lobe, aerosol, aureole, even);
+    add_group(group, sun, point, azimuth_taps.data(), lobe, aerosol, aureole, even);
   }
-  const auto fade = static_cast<double>(place.fade);
+  const auto fade = static_cast<double>(point.fade);
   add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }
 
@@ -472,9 +472,9 @@ glm::dvec3 aureole_at(const float* aureole, double nu) {
 void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> even) const {
   const std::size_t terms = even_count(options_.bands);
   for (std::size_t k = 0; k < terms; ++k) even[k] = glm::dvec3(0.0);
-  const SunPlace place = slice_.sun_place(sun.zenith_cosine);
-  const Lobe lobe = slice_.outside() ? Lobe{} : lobe_at(sun, place);
-  const double fade = slice_.outside() ? 1.0 : static_cast<double>(place.fade);
+  const SunLookup point = slice_.sun_lookup(sun.zenith_cosine);
+  const Lobe lobe = slice_.outside() ? Lobe{} : lobe_at(sun, point);
+  const double fade = slice_.outside() ? 1.0 : static_cast<double>(point.fade);
   const glm::dvec3 towards(0.0, sun.zenith_cosine, sun.zenith_sine);
   float room[kAureoleAngles * kSkyColour];
   const float* const aureole = aureole_under(sun, room);
@@ -547,7 +547,7 @@ void SkyProjector::project(const glm::dvec3& sun, std::span<glm::dvec3> coeffici
   const sky::SunAngles angles = sky::sun_angles(sun);
   std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
   projection.project(angles, even);
-  sky::turn_even(even, bands, angles, coefficients);
+  sky::rotate_even(even, bands, angles, coefficients);
 }
 
 SphericalHarmonics SkyProjector::project(const glm::dvec3& sun) const {

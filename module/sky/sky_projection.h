@@ -91,7 +91,7 @@ class SkyProjection {
   void fill_values(RingGroup& group) const;
   void check_size(std::size_t rings) const;
 
-  [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept;
+  [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunLookup& point) const noexcept;
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
   /// The aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
   [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
@@ -99,7 +99,7 @@ class SkyProjection {
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept;
   [[nodiscard]] Lobe aerosol_factors(const SunAngles& sun) const noexcept;
-  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const CubicTaps* azimuth_taps,
+  void add_group(const RingGroup& group, const SunAngles& sun, const SunLookup& point, const CubicTaps* azimuth_taps,
                  const Lobe& lobe, const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const;
 
   SkyView view_;

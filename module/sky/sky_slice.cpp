@@ -51,26 +51,26 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
   if (options.ground) reach_ = ground_reach(*tables_, mapping_, fold_, inside_, views_ / 2);
 }
 
-ViewPlace SkySlice::view_place(double mu) const noexcept {
+ViewLookup SkySlice::view_lookup(double mu) const noexcept {
   const double bottom = mapping_.bottom_radius();
   const int half = views_ / 2;
-  ViewPlace place;
-  place.ground = meets_ground(bottom, inside_, mu);
-  const double position = mapping_.view_position(inside_, mu, place.ground, views_);
-  place.taps = taps_at(place.ground ? position : position - half, half);
-  if (place.ground) {
-    place.distance = distance_to_ground(bottom, inside_, mu);
+  ViewLookup point;
+  point.ground = meets_ground(bottom, inside_, mu);
+  const double position = mapping_.view_position(inside_, mu, point.ground, views_);
+  point.taps = taps_at(point.ground ? position : position - half, half);
+  if (point.ground) {
+    point.distance = distance_to_ground(bottom, inside_, mu);
     for (std::size_t c = 0; c < 3 && !reach_.empty(); ++c) {
       float sum = 0.0F;
       for (int i = 0; i < 4; ++i) {
-        sum += place.taps.weights[i] * reach_[static_cast<std::size_t>(4 * (place.taps.first + i)) + c];
+        sum += point.taps.weights[i] * reach_[static_cast<std::size_t>(4 * (point.taps.first + i)) + c];
       }
-      place.transmittance[c] = std::clamp(sum, 0.0F, 1.0F);
+      point.transmittance[c] = std::clamp(sum, 0.0F, 1.0F);
     }
   } else {
-    place.taps.first += half;
+    point.taps.first += half;
   }
-  return place;
+  return point;
 }
 
 Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
@@ -100,8 +100,8 @@ void SkySlice::set_brightness() {
   const auto suns = static_cast<std::size_t>(suns_);
   std::vector<double> sums(suns);
   for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSliceRow % suns] += static_cast<double>(values_[i]);
-  limit_falls(sums);
-  brightness_ = fine_steps(sums);
+  limit_decay(sums);
+  brightness_ = resample_log_cubic(sums);
 }
 
 std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
@@ -117,23 +117,23 @@ std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
   return depths;
 }
 
-SunPlace SkySlice::sun_place(double mu_s) const noexcept {
+SunLookup SkySlice::sun_lookup(double mu_s) const noexcept {
   const double position = mapping_.sun_coordinate(mu_s) * (suns_ - 1);
-  SunPlace place{.taps = taps_at(position, suns_), .fade = static_cast<float>(sun_fade(*tables_, mu_s))};
-  place.between = std::clamp(static_cast<int>(position) - place.taps.first, 0, 2);
+  SunLookup point{.taps = taps_at(position, suns_), .fade = static_cast<float>(sun_fade(*tables_, mu_s))};
+  point.between = std::clamp(static_cast<int>(position) - point.taps.first, 0, 2);
   const int step = std::min(static_cast<int>(position * kSunSteps), (suns_ - 1) * kSunSteps - 1);
   const float* const near = brightness_.data() + step;
   const auto part = static_cast<float>(position * kSunSteps - step);
   const float brightness = near[0] + part * (near[1] - near[0]);
   float ratios[4];
   for (int i = 0; i < 4; ++i) {
-    const float node = brightness_[static_cast<std::size_t>((place.taps.first + i) * kSunSteps)];
-    ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMostRatio);
-    place.taps.weights[i] *= ratios[i];
+    const float node = brightness_[static_cast<std::size_t>((point.taps.first + i) * kSunSteps)];
+    ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMaxRatio);
+    point.taps.weights[i] *= ratios[i];
   }
-  place.ratios[0] = ratios[place.between];
-  place.ratios[1] = ratios[place.between + 1];
-  return place;
+  point.ratios[0] = ratios[point.between];
+  point.ratios[1] = ratios[point.between + 1];
+  return point;
 }
 
 glm::dvec3 SkySlice::aerosol_phase(double nu) const noexcept {
@@ -197,13 +197,13 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
       std::max(0.0, distance_to_top(bottom, run.sun_thickness, 0.0, run.lowest_zenith) - run.sun_thickness) *
       run.sun_scale;
   run.sun_terms = mapping_.sun_terms();
-  const SunPlace place = sun_place(run.sun_zenith);
-  run.sun_taps.cubic.first = place.taps.first;
-  run.sun_taps.cubic.between = place.between;
-  std::copy_n(place.taps.weights, 4, run.sun_taps.cubic.weights);
-  std::copy_n(place.ratios, 2, run.sun_taps.ratios);
+  const SunLookup point = sun_lookup(run.sun_zenith);
+  run.sun_taps.cubic.first = point.taps.first;
+  run.sun_taps.cubic.between = point.between;
+  std::copy_n(point.taps.weights, 4, run.sun_taps.cubic.weights);
+  std::copy_n(point.ratios, 2, run.sun_taps.ratios);
   run.brightness = brightness_.data();
-  run.fade = place.fade;
+  run.fade = point.fade;
   run.azimuth_terms = mapping_.azimuth_terms();
   run.azimuth_bend = mapping_.azimuth_bend(run.sun_zenith);
   run.half = half;
@@ -236,7 +236,7 @@ constexpr int kRow = kSkyRow;
 
 /// In channels that the compact layout leaves out the aerosol's light is taken to be coloured as the molecules' is
 /// (Bruneton and Neyret 2008, section 4: "C_M = C_*.rgb C_M.r / C_*.r ..."); no more than this times the first channel.
-constexpr double kMostColoured = 1e4;
+constexpr double kMaxColourRatio = 1e4;
 
 /// Tables of a node along an axis: the rows from `first` on, `stride` apart.
 struct Blend {
@@ -287,7 +287,7 @@ struct AerosolColour {
     for (int c = 1; c < 3; ++c) {
       const double ratio =
           red > 0.0 && by_molecules[c] > 0.0 ? static_cast<double>(row[c]) / red * by_molecules[c] : alone[c];
-      row[4 + c] = static_cast<float>(first * std::min(ratio, kMostColoured));
+      row[4 + c] = static_cast<float>(first * std::min(ratio, kMaxColourRatio));
     }
   }
 };
@@ -397,7 +397,7 @@ std::vector<double> panels_of(const std::vector<const Constituent*>& matter, dou
   double finest = altitude;
   std::vector<double> breaks{0.0, altitude};
   for (const Constituent* const one : matter) {
-    for (const double place : density_breaks(one->density, altitude)) breaks.push_back(place);
+    for (const double point : density_breaks(one->density, altitude)) breaks.push_back(point);
     for (const DensityLayer& layer : one->density) {
       const double slope = std::abs(layer.exponential_scale_per_m);
       if (layer.exponential_term != 0.0 && slope * finest > 1.0) finest = 1.0 / slope;

@@ -32,7 +32,7 @@ struct Taps {
 };
 
 /// Where a sun stands.
-struct SunPlace {
+struct SunLookup {
   Taps taps;          ///< of sun rows, weighted as SunTaps says
   float ratios[2]{};  ///< likewise
   int between = 0;
@@ -40,7 +40,7 @@ struct SunPlace {
 };
 
 /// A view's zenith, and what lies at the end of its rays.
-struct ViewPlace {
+struct ViewLookup {
   Taps taps;  ///< of view nodes
   bool ground = false;
   double distance = 0.0;     ///< to the ground, metres, if there it ends
@@ -64,13 +64,13 @@ class SkySlice {
   [[nodiscard]] const float* values() const noexcept { return values_.data(); }
 
   /// Of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
-  [[nodiscard]] ViewPlace view_place(double mu) const noexcept;
+  [[nodiscard]] ViewLookup view_lookup(double mu) const noexcept;
   /// By the cosine of the azimuth between view and sun: (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
   [[nodiscard]] Taps azimuth_taps(double cosine, double mu_s) const noexcept;
   /// Of several under one sun.
   void azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept;
   /// By the cosine between sun and zenith.
-  [[nodiscard]] SunPlace sun_place(double mu_s) const noexcept;
+  [[nodiscard]] SunLookup sun_lookup(double mu_s) const noexcept;
 
   /// The aerosol's phase function at a cosine between view and sun, 1/sr, in each channel.
   [[nodiscard]] glm::dvec3 aerosol_phase(double nu) const noexcept;
@@ -105,7 +105,7 @@ class SkySlice {
   bool outside_ = false;
   int views_ = 0, azimuths_ = 0, suns_ = 0;
   std::vector<float> values_;
-  std::vector<float> brightness_;  ///< over suns, mean of all views and channels: fine_steps
+  std::vector<float> brightness_;  ///< over suns, mean of all views and channels: resample_log_cubic
 
   TableMapping mapping_;
   double inside_ = 0.0;  ///< altitude of the slice

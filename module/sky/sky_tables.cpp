@@ -29,8 +29,8 @@ namespace {
 
 constexpr double kNotedDoubt = 5e-3;  ///< of further orders that is told, as a share of all light
 
-using sky::Air;
-using sky::Amounts;
+using sky::AirModel;
+using sky::PerConstituent;
 using sky::Ray;
 using sky::TableMapping;
 using sky::WavelengthGroup;
@@ -78,7 +78,7 @@ class Precomputation {
         source_shape_(sky::source_shape(options, air_, mapping_)),
         colours_(atmosphere, options.colour),
         aureole_(atmosphere, colours_.asymmetries(), options) {
-    if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
+    if (options.colour == SkyColour::linear_srgb) weights_ = sky::srgb_weights(atmosphere.wavelengths_nm);
     for (std::size_t k = 0; k < index(options.sun_zeniths); ++k) {
       suns_.push_back(mapping_.sun_zenith_cosine(coordinate(k, options.sun_zeniths)));
     }
@@ -151,7 +151,7 @@ class Precomputation {
   void clip();
 
   SkyTableOptions options_;
-  Air air_;
+  AirModel air_;
   TableMapping mapping_;
   const Control& control_;
   std::size_t groups_;
@@ -189,10 +189,10 @@ void Precomputation::transmittance() {
   glm::dvec3 whole(0.0);  // colour of the sun's own spectrum
   const std::vector<double>& solar = air_.atmosphere().solar_irradiance;
   for (std::size_t i = 0; i < weights_.size(); ++i) whole += weights_[i] * solar[i];
-  const auto texel = [&](const Amounts& lengths, float* rgb) {
+  const auto texel = [&](const PerConstituent& lengths, float* rgb) {
     glm::dvec3 sum(0.0);
     for (std::size_t i = 0; i < (weights_.empty() ? 3 : weights_.size()); ++i) {
-      Amounts extinction{};
+      PerConstituent extinction{};
       for (std::size_t k = 0; k < air_.constituents(); ++k) extinction[k] = air_.extinction(k, i);
       const double through = math::exponential(-sky::optical_depth(extinction, lengths));
       if (weights_.empty()) {
@@ -233,7 +233,9 @@ void Precomputation::compute(std::size_t group, double from, double to) {
   const double middle = from + 0.5 * (to - from);
   sky::SourceSolver solver(air_, mapping_, light, wavelengths, source_shape_);
   timed("orders", "what each order of scattering leaves for the next, and what reaches the ground", [&] {
-    solver.solve({.orders = options_.orders, .until_change = options_.until_change, .rest = !options_.exact_orders},
+    solver.solve({.orders = options_.orders,
+                  .convergence_threshold = options_.convergence_threshold,
+                  .rest = !options_.truncate_orders},
                  part(from, middle));
   });
   if (solver.doubt() > kNotedDoubt) {
@@ -350,18 +352,18 @@ void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& s
   std::vector<std::vector<float>> curves;
   for (std::size_t row = 0; row < 3 * index(shape.heights); ++row) {
     curves.push_back(
-        sky::fine_steps(std::span(solver.irradiance()).subspan(row * index(shape.suns), index(shape.suns))));
+        sky::resample_log_cubic(std::span(solver.irradiance()).subspan(row * index(shape.suns), index(shape.suns))));
   }
-  std::vector<double> places;
+  std::vector<double> positions;
   for (std::size_t s = 0; s < suns; ++s) {
     const double cosine = mapping_.sun_zenith_cosine(coordinate(s, options_.irradiance_sun_zeniths));
-    places.push_back(mapping_.smooth_sun_coordinate(cosine) * steps);
+    positions.push_back(mapping_.smooth_sun_coordinate(cosine) * steps);
   }
   for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
     const sky::Cubic height =
         sky::cubic_at(sky::source_height(shape, coordinate(h, options_.irradiance_heights)), shape.heights);
     for (std::size_t s = 0; s < suns; ++s) {
-      const double sun = places[s];
+      const double sun = positions[s];
       const std::size_t left = std::min(static_cast<std::size_t>(sun), index(steps - 1));
       double irradiance[3]{};
       for (std::size_t c = 0; c < 3; ++c) {
@@ -391,7 +393,7 @@ void Precomputation::add_straight_light(const WavelengthGroup& scaled, const Wav
       const double cosine = mapping_.sun_zenith_cosine(coordinate(s, options_.irradiance_sun_zeniths));
       if (!(cosine > 0.0)) continue;
       const double length = sky::distance_to_top(air_.bottom_radius(), air_.thickness(), altitude, cosine);
-      const Amounts lengths = sky::lengths_along(air_, {altitude, cosine, false, length}, panels);
+      const PerConstituent lengths = sky::lengths_along(air_, {altitude, cosine, false, length}, panels);
       const double level = cosine * sky::SettingSun(air_.atmosphere(), altitude).visible_share(cosine);
       for (std::size_t k = 0; k < 3; ++k) {
         const double straight = math::exponential(-sky::optical_depth(scaled.extinctions[k], lengths)) -
@@ -412,12 +414,12 @@ void Precomputation::clip() {
 }
 
 /// Of the polynomial through values at places (Lagrange).
-std::vector<double> polynomial_weights(std::span<const double> places, double place) {
+std::vector<double> polynomial_weights(std::span<const double> positions, double place) {
   std::vector<double> weights;
-  for (std::size_t k = 0; k < places.size(); ++k) {
+  for (std::size_t k = 0; k < positions.size(); ++k) {
     double weight = 1.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (i != k) weight *= (place - places[i]) / (places[k] - places[i]);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (i != k) weight *= (place - positions[i]) / (positions[k] - positions[i]);
     }
     if (!std::isfinite(weight)) {
       throw Error(ErrorCode::invalid_argument, "places of tables must be finite, and no two of them the same");
@@ -430,8 +432,8 @@ std::vector<double> polynomial_weights(std::span<const double> places, double pl
 }  // namespace
 
 SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;                 // for what is computed outside of tiles
-  const std::uint64_t bytes = sky_table_bytes(atmosphere, options);  // checks both
+  const platform::FloatingPointScope floating_point;                      // for what is computed outside of tiles
+  const std::uint64_t bytes = sky::sky_table_bytes(atmosphere, options);  // checks both
   if (bytes > options.memory_limit_bytes) {
     throw Error(ErrorCode::limit_exceeded, "the sky tables need " + std::to_string(bytes) + " bytes, the limit is " +
                                                std::to_string(options.memory_limit_bytes) +
@@ -443,15 +445,15 @@ SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& op
 }
 
 SkyTables interpolate_sky(const Atmosphere& atmosphere, std::span<const SkyTables> tables,
-                          std::span<const double> places, double place, const Control& control) {
+                          std::span<const double> positions, double position, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  if (tables.empty() || places.size() != tables.size()) {
+  if (tables.empty() || positions.size() != tables.size()) {
     throw Error(ErrorCode::invalid_argument, "interpolate_sky got " + std::to_string(tables.size()) + " tables and " +
-                                                 std::to_string(places.size()) +
+                                                 std::to_string(positions.size()) +
                                                  " places; pass a place for each table");
   }
   const SkyTableOptions& options = tables.front().options;
-  static_cast<void>(sky_table_bytes(atmosphere, options));  // checks both
+  static_cast<void>(sky::sky_table_bytes(atmosphere, options));  // checks both
   for (const SkyTables& table : tables) {
     const Atmosphere& air = table.atmosphere;
     if (!(table.options == options) || air.bottom_radius_m != atmosphere.bottom_radius_m ||
@@ -462,7 +464,7 @@ SkyTables interpolate_sky(const Atmosphere& atmosphere, std::span<const SkyTable
                   "wavelengths and constituents");
     }
   }
-  const std::vector<double> weights = polynomial_weights(places, place);
+  const std::vector<double> weights = polynomial_weights(positions, position);
   jobs::throw_if_cancelled(control);
   return Precomputation(atmosphere, options, control).between(tables, weights);
 }

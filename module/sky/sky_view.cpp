@@ -122,7 +122,7 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
   }
 }
 
-Sun SkyView::sun(const glm::dvec3& sun) const {
+Sun SkyView::sun_light(const glm::dvec3& sun) const {
   const platform::FloatingPointScope floating_point;
   const sky::SkySlice& slice = slice_->slice;
   const double half_turns = tables()->atmosphere.sun_angular_radius_degrees / 720.0;

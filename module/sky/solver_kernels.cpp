@@ -16,12 +16,12 @@ WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
 WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
 
 /// A place among nodes: the one below, and the fraction towards the next.
-struct Place {
+struct NodeFraction {
   Indices node;
   Lanes fraction;
 };
 
-WELKIN_INLINE Place place_among(Lanes position, int nodes) {
+WELKIN_INLINE NodeFraction place_among(Lanes position, int nodes) {
   const Lanes inside = xsimd::min(xsimd::max(position, Lanes(0.0F)), Lanes(static_cast<float>(nodes - 1)));
   const Indices node = xsimd::min(xsimd::to_int(inside), Indices(nodes - 2));
   return {node, inside - xsimd::to_float(node)};
@@ -78,7 +78,7 @@ WELKIN_INLINE Lanes disc_share(const SunlitSample& sample, Lanes mu, Lanes nu, L
   return xsimd::select(lit, Lanes(1.0F), share);
 }
 
-WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
+WELKIN_INLINE NodeFraction sun_lookup(const SunAxis& axis, Lanes zenith_cosine) {
   const Lanes mu = xsimd::min(xsimd::max(zenith_cosine, Lanes(-1.0F)), Lanes(1.0F));
   // Cancels by day, but by no more than a float's last bit of 1: `reach` is 0.016 at least, the shortest distance
   // 0.008.
@@ -113,7 +113,7 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
     if (!xsimd::any(share > Lanes(0.0F))) continue;  // all in the planet's shadow
     share.store_aligned(shares);
     const Lanes y = xsimd::max(above, Lanes(0.0F));
-    const Place place =
+    const NodeFraction place =
         place_among(Lanes(sample.rational) * (y / (y + Lanes(sample.bend))) + Lanes(sample.linear) * y, nodes);
     place.node.store_aligned(node);
     place.fraction.store_aligned(fraction);
@@ -197,7 +197,7 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
   for (int i = 0; i < suns.count; i += kWidth) {
     const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
     (load(suns.angle_cosine + i) - Lanes(sample.view_cosine) * mu).store_aligned(across);
-    const Place place = sun_place(axis, mu);
+    const NodeFraction place = sun_lookup(axis, mu);
     place.node.store_aligned(node);
     place.fraction.store_aligned(fraction);
     const Lanes fine = place.fraction * Lanes(static_cast<float>(kSunSteps));
@@ -262,7 +262,7 @@ void place_angles(const float* cosines, int count, int angles, int row, std::int
     for (int k = 6; k >= 0; --k) polynomial = polynomial * size + Lanes(kArcCosine[k]);
     const Lanes turned = xsimd::sqrt(Lanes(1.0F) - size) * polynomial * Lanes(inverse_pi);
     const Lanes share = xsimd::select(x < Lanes(0.0F), Lanes(1.0F) - turned, turned);
-    const Place place = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
+    const NodeFraction place = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
     (place.node * Indices(row)).store_unaligned(rows + i);
     place.fraction.store_unaligned(fractions + i);
   }

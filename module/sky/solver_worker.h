@@ -52,7 +52,7 @@ void fill(std::size_t height, std::size_t heights, std::vector<Value>& rows, boo
 }  // namespace solver
 
 struct SourceSolver::Worker {
-  Worker(const Air& air, const SourceShape& shape, std::size_t azimuths, int bands)
+  Worker(const AirModel& air, const SourceShape& shape, std::size_t azimuths, int bands)
       : light(air, shape, azimuths * solver::index(shape.suns)),
         rays(3 * azimuths * solver::kSunBlock),
         values(pair_count(bands)),

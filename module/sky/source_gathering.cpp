@@ -20,7 +20,7 @@ namespace {
 using solver::index, solver::kSunBlock, solver::kZeniths;
 using std::numbers::pi;
 
-constexpr float kMostBeyond = 4.0F;  ///< of a node that no direction makes, times the light at the nearest
+constexpr float kMaxExtrapolation = 4.0F;  ///< of a node that no direction makes, times the light at the nearest
 
 }  // namespace
 
@@ -213,10 +213,10 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
       }
     }
     kernels.fold_orders(harmonics.data(), worker.values.data(), bands, bands, worker.aerosol.data());
-    const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
+    const std::size_t slot = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
       const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
-      float* const texels = source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns);
+      float* const texels = source_.aerosol.data() + slot + 4 * index(a) * index(shape_.suns);
       kernels.sum_orders(worker.aerosol.data(), bands, source_nodes_.azimuths.data() + first, texels);
       const float* const slopes = source_nodes_.slopes.data() + first;
       float inside[4 * kSunBlock];
@@ -235,7 +235,8 @@ void SourceSolver::go_on_outside(const float* inside, std::size_t first, float* 
     for (std::size_t c = 0; c < 3; ++c) {
       const float nearest = texels[4 * s + c] * (glows ? inverse[c] : 1.0F);
       const float change = nearest - inside[4 * s + c] * (glows ? inverse[3 + c] : 1.0F);
-      texels[4 * s + c] = std::clamp(nearest + source_nodes_.slopes[first + s] * change, 0.0F, kMostBeyond * nearest);
+      texels[4 * s + c] =
+          std::clamp(nearest + source_nodes_.slopes[first + s] * change, 0.0F, kMaxExtrapolation * nearest);
     }
   }
 }

@@ -6,10 +6,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "platform/float_environment.h"
 #include "welkin/sky.h"
 
-namespace welkin {
+namespace welkin::sky {
 namespace {
 
 constexpr double kFirst = 360.0;
@@ -128,9 +127,9 @@ glm::dvec3 srgb(const Tristimulus& c) {
 }
 
 Tristimulus matching(double wavelength) {
-  const double place = (wavelength - kFirst) / kStep;
-  const std::size_t below = std::min(static_cast<std::size_t>(std::max(place, 0.0)), kPoints - 2);
-  const double part = place - static_cast<double>(below);
+  const double position = (wavelength - kFirst) / kStep;
+  const std::size_t below = std::min(static_cast<std::size_t>(std::max(position, 0.0)), kPoints - 2);
+  const double part = position - static_cast<double>(below);
   const Tristimulus& a = kMatching[below];
   const Tristimulus& b = kMatching[below + 1];
   return {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), a.z + part * (b.z - a.z)};
@@ -138,13 +137,13 @@ Tristimulus matching(double wavelength) {
 
 /// Where either the spectrum or a matching function bends, from 360 to 830 nm, rising.
 std::vector<double> bends(const std::vector<double>& rising) {
-  std::vector<double> places;
-  for (std::size_t i = 0; i < kPoints; ++i) places.push_back(kFirst + kStep * static_cast<double>(i));
+  std::vector<double> positions;
+  for (std::size_t i = 0; i < kPoints; ++i) positions.push_back(kFirst + kStep * static_cast<double>(i));
   for (const double wavelength : rising) {
-    if (wavelength > kFirst && wavelength < kLast) places.push_back(wavelength);
+    if (wavelength > kFirst && wavelength < kLast) positions.push_back(wavelength);
   }
-  std::sort(places.begin(), places.end());
-  return places;
+  std::sort(positions.begin(), positions.end());
+  return positions;
 }
 
 /// A piecewise linear spectrum, constant beyond its ends: shares of the two wavelengths about a place.
@@ -152,30 +151,30 @@ struct Shares {
   std::size_t below;
   double above_share;
 };
-Shares shares(const std::vector<double>& rising, double place) {
-  if (place <= rising.front()) return {0, 0.0};
-  if (place >= rising.back()) return {rising.size() - 2, 1.0};
-  const auto above = static_cast<std::size_t>(std::upper_bound(rising.begin(), rising.end(), place) - rising.begin());
-  return {above - 1, (place - rising[above - 1]) / (rising[above] - rising[above - 1])};
+Shares shares(const std::vector<double>& rising, double position) {
+  if (position <= rising.front()) return {0, 0.0};
+  if (position >= rising.back()) return {rising.size() - 2, 1.0};
+  const auto above =
+      static_cast<std::size_t>(std::upper_bound(rising.begin(), rising.end(), position) - rising.begin());
+  return {above - 1, (position - rising[above - 1]) / (rising[above] - rising[above - 1])};
 }
 
 }  // namespace
 
 std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) {
-  const platform::FloatingPointScope floating_point;
-  sky::check_wavelengths(wavelengths_nm);
+  check_wavelengths(wavelengths_nm);
   std::vector<double> rising = wavelengths_nm;
   const bool falling = rising.front() > rising.back();
   if (falling) std::reverse(rising.begin(), rising.end());
   std::vector<glm::dvec3> weights(rising.size());
-  const std::vector<double> places = bends(rising);
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    const double width = places[i] - places[i - 1];
+  const std::vector<double> positions = bends(rising);
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    const double width = positions[i] - positions[i - 1];
     if (!(width > 0.0)) continue;
     // Between two bends the integrand is the product of two lines: Gauss's rule of two points is exact, and never asks
     // at the bends themselves.
     for (const double at : {0.21132486540518713, 0.78867513459481287}) {
-      const double wavelength = places[i - 1] + at * width;
+      const double wavelength = positions[i - 1] + at * width;
       const glm::dvec3 value = 0.5 * width * kLumensPerWatt * srgb(matching(wavelength));
       const Shares share = shares(rising, wavelength);
       weights[share.below] += (1.0 - share.above_share) * value;
@@ -186,9 +185,6 @@ std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) 
   return weights;
 }
 
-}  // namespace welkin
-
-namespace welkin::sky {
 namespace {
 
 std::vector<glm::dvec3> channel_weights(const Atmosphere& atmosphere, SkyColour colour) {

@@ -9,23 +9,23 @@ namespace welkin::sky {
 namespace {
 
 /// Below, a float may lose digits.
-constexpr double kLeastBrightness = 1e-30;
+constexpr double kMinBrightness = 1e-30;
 constexpr double kLargestFall = 0.01;
 /// Where light goes out within a step, a cubic swings beyond its nodes: so far it may leave the range of the nearest.
-constexpr double kLeastSwing = 0.9;
-constexpr double kMostSwing = 1.1;
+constexpr double kMinSwing = 0.9;
+constexpr double kMaxSwing = 1.1;
 
 }  // namespace
 
-void limit_falls(std::span<double> nodes) noexcept {
+void limit_decay(std::span<double> nodes) noexcept {
   for (std::size_t k = 1; k < nodes.size(); ++k) nodes[k] = std::max(nodes[k], kLargestFall * nodes[k - 1]);
   for (std::size_t k = nodes.size(); k-- > 1;) nodes[k - 1] = std::max(nodes[k - 1], kLargestFall * nodes[k]);
 }
 
-std::vector<float> fine_steps(std::span<const double> nodes) {
+std::vector<float> resample_log_cubic(std::span<const double> nodes) {
   const auto count = static_cast<int>(nodes.size());
   std::vector<double> logarithms;
-  for (const double value : nodes) logarithms.push_back(value > kLeastBrightness ? math::logarithm(value) : 0.0);
+  for (const double value : nodes) logarithms.push_back(value > kMinBrightness ? math::logarithm(value) : 0.0);
   std::vector<float> steps;
   for (int k = 0; k <= (count - 1) * kSunSteps; ++k) {
     const int node = std::min(k / kSunSteps, count - 2);
@@ -35,7 +35,7 @@ std::vector<float> fine_steps(std::span<const double> nodes) {
     bool positive = true;
     for (int i = 0; i < std::min(count, 4); ++i) {
       const auto at = static_cast<std::size_t>(cubic.first + i);
-      positive = positive && nodes[at] > kLeastBrightness;
+      positive = positive && nodes[at] > kMinBrightness;
       logarithm += cubic.weights[i] * logarithms[at];
     }
     const double low = nodes[static_cast<std::size_t>(node)];
@@ -43,11 +43,11 @@ std::vector<float> fine_steps(std::span<const double> nodes) {
     if (!positive) {
       const auto at = static_cast<std::size_t>(node);
       logarithm = logarithms[at] + part * (logarithms[at + 1] - logarithms[at]);
-      positive = low > kLeastBrightness && high > kLeastBrightness;
+      positive = low > kMinBrightness && high > kMinBrightness;
     }
     const double value = positive ? math::exponential(logarithm) : low + part * (high - low);
-    const double limited = std::clamp(value, kLeastSwing * std::min(low, high), kMostSwing * std::max(low, high));
-    steps.push_back(limited > kLeastBrightness ? static_cast<float>(limited) : 0.0F);
+    const double limited = std::clamp(value, kMinSwing * std::min(low, high), kMaxSwing * std::max(low, high));
+    steps.push_back(limited > kMinBrightness ? static_cast<float>(limited) : 0.0F);
   }
   return steps;
 }

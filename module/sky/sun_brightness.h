@@ -14,10 +14,10 @@ inline constexpr int kSunSteps = 32;
 /// them is 0 the straight line between the two nearest, and where one of those is 0 a straight line it is; it leaves
 /// the range of the two nearest by no more than a tenth, and what is below 1e-30 is 0. Where a step of nodes changes
 /// the brightness by a factor e, straight lines between what is returned are within 1.3e-4.
-[[nodiscard]] std::vector<float> fine_steps(std::span<const double> nodes);
+[[nodiscard]] std::vector<float> resample_log_cubic(std::span<const double> nodes);
 
 /// Of a brightness that something else is told relative to: no node is darker than a hundredth of either neighbour, as
 /// what is left where light goes out may come from one direction alone and tells nothing of the sun before.
-void limit_falls(std::span<double> nodes) noexcept;
+void limit_decay(std::span<double> nodes) noexcept;
 
 }  // namespace welkin::sky

@@ -13,8 +13,8 @@
 namespace welkin::sky {
 namespace {
 
-constexpr double kNearHorizon = 0.75;  ///< share of the nodes that the rational part of the axis places
-constexpr double kLeastBend = 1e-4;    ///< float tells cosines apart to 1e-7
+constexpr double kNearHorizon = 0.75;    ///< share of the nodes that the rational part of the axis places
+constexpr double kMinRefraction = 1e-4;  ///< float tells cosines apart to 1e-7
 /// Of a disc, radians: a point, as far as float tells cosines apart.
 constexpr double kSmallestRadius = 1e-7;
 
@@ -22,10 +22,10 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-SunPaths::SunPaths(const Air& air, const TableMapping& mapping, const Size& size, const Control& control)
+SunPaths::SunPaths(const AirModel& air, const TableMapping& mapping, const Size& size, const Control& control)
     : mapping_(mapping),
       size_(size),
-      bend_(std::clamp(4.0 * std::sqrt(2.0 * air.scale_height() / air.bottom_radius()), kLeastBend, 1.0)) {
+      bend_(std::clamp(4.0 * std::sqrt(2.0 * air.scale_height() / air.bottom_radius()), kMinRefraction, 1.0)) {
   std::vector<Ray> rays;
   for (int h = 0; h < size_.heights; ++h) {
     const double altitude = mapping_.altitude(static_cast<double>(h) / (size_.heights - 1));
@@ -54,7 +54,7 @@ double SunPaths::zenith_cosine(double altitude, int node) const noexcept {
   return std::min(1.0, axis.horizon + y);
 }
 
-Sunlight::Sunlight(const Air& air, const SunPaths& paths, const Extinctions& extinctions)
+Sunlight::Sunlight(const AirModel& air, const SunPaths& paths, const Extinctions& extinctions)
     : paths_(&paths), bottom_radius_(air.bottom_radius()), row_(4 * index(paths.size().zeniths)) {
   const double radius = air.atmosphere().sun_angular_radius_degrees * std::numbers::pi / 180.0;
   disc_slope_ = 0.5 / std::max(radius, kSmallestRadius);

@@ -29,14 +29,14 @@ class SunPaths {
     int zeniths = 256;
   };
 
-  SunPaths(const Air& air, const TableMapping& mapping, const Size& size, const Control& control);
+  SunPaths(const AirModel& air, const TableMapping& mapping, const Size& size, const Control& control);
 
   /// The two coefficients of a height's axis, per node.
   struct Axis {
     double horizon, rational, bend, linear;
   };
   [[nodiscard]] Axis axis(double altitude) const noexcept;
-  [[nodiscard]] const Amounts& lengths(int height, int zenith) const noexcept {
+  [[nodiscard]] const PerConstituent& lengths(int height, int zenith) const noexcept {
     return lengths_->amounts[static_cast<std::size_t>(height * size_.zeniths + zenith)];
   }
   [[nodiscard]] const TableMapping& mapping() const noexcept { return mapping_; }
@@ -54,7 +54,7 @@ class SunPaths {
 /// The light of the sun at three wavelengths, of one at unit irradiance.
 class Sunlight {
  public:
-  Sunlight(const Air& air, const SunPaths& paths, const Extinctions& extinctions);
+  Sunlight(const AirModel& air, const SunPaths& paths, const Extinctions& extinctions);
 
   /// Nodes of a row of a sample.
   [[nodiscard]] int nodes() const noexcept { return paths_->size().zeniths; }

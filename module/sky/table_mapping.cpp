@@ -47,7 +47,7 @@ constexpr double kSunBend = 0.25;
 constexpr double kLevelShare = 0.2;
 constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0, .zenith = 0.0};
 constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053, .zenith = 0.76};
-constexpr double kLeastSunset = 0.004;  ///< w of a sun that is a point, radians
+constexpr double kMinSunset = 0.004;  ///< w of a sun that is a point, radians
 constexpr int kHalvings = 60;
 constexpr int kNewtonSteps = 8;
 
@@ -69,7 +69,7 @@ SunTerms sunset_terms(double lowest, double sun_radius_degrees, const SunShares&
   SunTerms terms = smooth_terms(lowest, shares.zenith, shares.level);
   terms.path *= 1.0 - shares.sunset;
   terms.level *= 1.0 - shares.sunset;
-  terms.width = std::max(kLeastSunset, shares.radii * sun_radius_degrees * std::numbers::pi / 180.0);
+  terms.width = std::max(kMinSunset, shares.radii * sun_radius_degrees * std::numbers::pi / 180.0);
   terms.centre = shares.centre;
   terms.sunset_lowest = sigmoid(terms.lowest - terms.centre, terms.width);
   terms.sunset = shares.sunset / (sigmoid(1.0 - terms.centre, terms.width) - terms.sunset_lowest);

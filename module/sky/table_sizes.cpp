@@ -5,7 +5,6 @@
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
-#include "platform/float_environment.h"
 #include "platform/text.h"
 #include "sky/ray_nodes.h"
 #include "sky/scattering_solver.h"
@@ -31,12 +30,12 @@ std::uint64_t product(std::initializer_list<int> sizes) {
 
 /// How many scale heights of the air the lowest interval between a source's heights holds at most. An even source over
 /// many of them passes light on from order to order without loss; fewer leave too few nodes above.
-constexpr double kMostScaleHeights = 4.0;
+constexpr double kMaxScaleHeights = 4.0;
 
 // With fewer nodes those that crowd at the horizon or about sunset are missing elsewhere.
-constexpr int kLeastViews = 48;
-constexpr int kLeastSuns = 48;
-constexpr int kLeastAzimuths = 8;
+constexpr int kMinViews = 48;
+constexpr int kMinSuns = 48;
+constexpr int kMinAzimuths = 8;
 
 constexpr int kCompactHeights = 28;  ///< of 16 errors by day are three times as large
 
@@ -65,7 +64,7 @@ void check_options(const SkyTableOptions& options) {
   require("irradiance_sun_zeniths", options.irradiance_sun_zeniths, 2, 1024);
   require("minimum_sun_elevation_degrees", options.minimum_sun_elevation_degrees, -90.0, 0.0);
   require("orders", options.orders, 1, 64);
-  require("until_change", options.until_change, 0.0, 1e300);
+  require("convergence_threshold", options.convergence_threshold, 0.0, 1e300);
 }
 
 int angles_of(const SkyTableOptions& options) noexcept {
@@ -74,9 +73,9 @@ int angles_of(const SkyTableOptions& options) noexcept {
 
 TableNodes table_nodes(const SkyTableOptions& options) noexcept {
   if (options.layout != ScatteringLayout::full) return {};
-  return {.many_views = options.view_zeniths >= kLeastViews,
-          .many_suns = options.sun_zeniths >= kLeastSuns,
-          .many_azimuths = options.sun_zeniths >= kLeastSuns && options.sun_angles >= kLeastAzimuths};
+  return {.many_views = options.view_zeniths >= kMinViews,
+          .many_suns = options.sun_zeniths >= kMinSuns,
+          .many_azimuths = options.sun_zeniths >= kMinSuns && options.sun_angles >= kMinAzimuths};
 }
 
 TableMapping mapping_of(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
@@ -123,11 +122,11 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
           .narrow = narrow};
 }
 
-SourceShape source_shape(const SkyTableOptions& options, const Air& air, const TableMapping& mapping) {
+SourceShape source_shape(const SkyTableOptions& options, const AirModel& air, const TableMapping& mapping) {
   SourceShape shape = source_shape(options, narrow_lobe(air.atmosphere(), options.orders));
   // b x / (1 + b - x) = y: the node at x lies at y. As y nears x, b grows beyond all bounds, and nothing is bent.
   const double x = 1.0 / (shape.heights - 1);
-  const double y = mapping.height_coordinate(kMostScaleHeights * air.scale_height());
+  const double y = mapping.height_coordinate(kMaxScaleHeights * air.scale_height());
   if (y < x) shape.height_bend = y * (1.0 - x) / (x - y);
   return shape;
 }
@@ -138,7 +137,8 @@ SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
   return {};
 }
 
-SunPaths::Size sun_path_size(const SkyTableOptions& options, const Air& air, const TableMapping& mapping) noexcept {
+SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air,
+                             const TableMapping& mapping) noexcept {
   const SunPaths::Size size = sun_path_size(options);
   return mapping.altitude(1.0 / (size.heights - 1)) < air.scale_height() ? size : SunPaths::Size{};
 }
@@ -158,34 +158,32 @@ std::uint64_t result_bytes(const Atmosphere& atmosphere, const SkyTableOptions& 
                           transmittance_floats(options) + irradiance_floats(options));
 }
 
-}  // namespace welkin::sky
-
-namespace welkin {
-
 // Results; colours of spectra summed in double; paths of sunlight and their transmittances; the solver; scratch of each
 // worker that there can be.
 std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) {
-  const platform::FloatingPointScope floating_point;
   check(atmosphere);
-  sky::check_options(options);
+  check_options(options);
   if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
     throw Error(ErrorCode::invalid_argument,
                 "the atmosphere has " + std::to_string(atmosphere.wavelengths_nm.size()) +
                     " wavelengths; spectral tables hold three: use colour = linear_srgb, or three wavelengths");
   }
-  const bool with_aerosol = sky::scatters(atmosphere.aerosol);
+  const bool with_aerosol = scatters(atmosphere.aerosol);
   const std::uint64_t sun_nodes = std::uint64_t{128} * 256;
-  const std::uint64_t kept_rays = sun_nodes + sky::transmittance_floats(options) / 3;  // and their lengths
-  const std::uint64_t sunlight = kept_rays * (sizeof(sky::Amounts) + sizeof(sky::Ray)) + sun_nodes * 4 * sizeof(float);
+  const std::uint64_t kept_rays = sun_nodes + transmittance_floats(options) / 3;  // and their lengths
+  const std::uint64_t sunlight = kept_rays * (sizeof(PerConstituent) + sizeof(Ray)) + sun_nodes * 4 * sizeof(float);
   const std::uint64_t ray_suns =
-      static_cast<std::uint64_t>(sky::angles_of(options)) * static_cast<std::uint64_t>(options.sun_zeniths) + 1024;
-  const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
+      static_cast<std::uint64_t>(angles_of(options)) * static_cast<std::uint64_t>(options.sun_zeniths) + 1024;
+  const std::uint64_t worker = kMaxRayNodes * sizeof(RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
   const std::uint64_t workers = jobs::worker_count(jobs::Placement::arena);
-  return sky::result_bytes(atmosphere, options) + sunlight + 16 * sky::irradiance_floats(options) +
-         sky::SourceSolver::bytes(sky::source_shape(options, sky::narrow_lobe(atmosphere, options.orders)),
-                                  with_aerosol) +
+  return result_bytes(atmosphere, options) + sunlight + 16 * irradiance_floats(options) +
+         SourceSolver::bytes(source_shape(options, narrow_lobe(atmosphere, options.orders)), with_aerosol) +
          workers * worker;
 }
+
+}  // namespace welkin::sky
+
+namespace welkin {
 
 std::uint64_t SkyTables::bytes() const noexcept {
   return 4 * (transmittance.size() + scattering.size() + single_mie.size() + irradiance.size());

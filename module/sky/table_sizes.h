@@ -12,6 +12,10 @@
 
 namespace welkin::sky {
 
+/// Returns the memory in bytes that `precompute_sky` needs at most, including results and 1 MB per thread of the
+/// caller's arena. Throws `Error` (invalid_argument), also for `spectral` tables without three wavelengths.
+[[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
+
 /// Throws `Error` (invalid_argument) naming the option that is out of its range.
 void check_options(const SkyTableOptions& options);
 
@@ -38,11 +42,12 @@ void check_options(const SkyTableOptions& options);
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe = NarrowLobe::none) noexcept;
 /// The same in that air: its heights bent where it is thin beside its shell.
-[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, const Air& air, const TableMapping& mapping);
+[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, const AirModel& air,
+                                       const TableMapping& mapping);
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
 /// The same in that air: where it is thin beside its shell, as many as for large tables: the lowest heights must not
 /// lie beyond it.
-[[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options, const Air& air,
+[[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air,
                                            const TableMapping& mapping) noexcept;
 
 /// Bytes of the tables themselves.

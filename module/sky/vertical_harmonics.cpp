@@ -41,7 +41,6 @@ Basis basis_at(double x, double y, double z) {
 AxisChange make_axis_change() {
   constexpr int rings = kMaximumBands;
   constexpr int columns = 2 * kMaximumBands;
-  constexpr double pi = 3.14159265358979323846;
   const math::GaussRule rule = math::gauss_legendre(rings);
   std::vector<double> products(static_cast<std::size_t>(kMaximumBands) * kMaximumBands * (2 * kMaximumBands));
   const auto place = [](int to, int l, int from) {
@@ -58,7 +57,8 @@ AxisChange make_axis_change() {
       const Basis vertical = basis_at(z, x, y);
       for (int l = 0; l < kMaximumBands; ++l) {
         for (int to = l * l; to < (l + 1) * (l + 1); ++to) {
-          const double weighted = rule.weights[j] * (2.0 * pi / columns) * own[static_cast<std::size_t>(to)];
+          const double weighted =
+              rule.weights[j] * (2.0 * std::numbers::pi / columns) * own[static_cast<std::size_t>(to)];
           for (int from = l * l; from < (l + 1) * (l + 1); ++from) {
             products[place(to, l, from)] += weighted * vertical[static_cast<std::size_t>(from)];
           }
@@ -98,20 +98,20 @@ void even_basis(double zenith_cosine, double zenith_sine, int bands, std::span<d
   }
 }
 
-void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
-               std::span<glm::dvec3> coefficients) noexcept {
+void rotate_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
+                 std::span<glm::dvec3> coefficients) noexcept {
   std::array<double, kMaximumBands> cosines{1.0};
   std::array<double, kMaximumBands> sines{};
   for (std::size_t m = 1; m < static_cast<std::size_t>(bands); ++m) {
     cosines[m] = cosines[m - 1] * sun.azimuth_cosine - sines[m - 1] * sun.azimuth_sine;
     sines[m] = sines[m - 1] * sun.azimuth_cosine + cosines[m - 1] * sun.azimuth_sine;
   }
-  std::array<glm::dvec3, kMaximumBands * kMaximumBands> turned;
+  std::array<glm::dvec3, kMaximumBands * kMaximumBands> rotated;
   for (int l = 0; l < bands; ++l) {
-    turned[SphericalHarmonics::index(l, 0)] = even[even_index(l, 0)];
+    rotated[SphericalHarmonics::index(l, 0)] = even[even_index(l, 0)];
     for (int m = 1; m <= l; ++m) {
-      turned[SphericalHarmonics::index(l, m)] = cosines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
-      turned[SphericalHarmonics::index(l, -m)] = sines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
+      rotated[SphericalHarmonics::index(l, m)] = cosines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
+      rotated[SphericalHarmonics::index(l, -m)] = sines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
     }
   }
   for (int i = 0; i < bands * bands; ++i) coefficients[static_cast<std::size_t>(i)] = glm::dvec3(0.0);
@@ -119,7 +119,7 @@ void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun
   const std::size_t end = change.first[static_cast<std::size_t>(bands)];
   for (std::size_t k = 0; k < end; ++k) {
     const Entry& entry = change.entries[k];
-    coefficients[static_cast<std::size_t>(entry.to)] += entry.factor * turned[static_cast<std::size_t>(entry.from)];
+    coefficients[static_cast<std::size_t>(entry.to)] += entry.factor * rotated[static_cast<std::size_t>(entry.from)];
   }
 }
 

@@ -20,14 +20,14 @@ namespace welkin::sky {
 /// Y(l, m) for all l < bands, 0 <= m <= l, at azimuth 0.
 void even_basis(double zenith_cosine, double zenith_sine, int bands, std::span<double> values);
 
-/// Computes what `turn_even` needs, once in the process: some milliseconds, and the only time that it allocates.
+/// Computes what `rotate_even` needs, once in the process: some milliseconds, and the only time that it allocates.
 void prepare_turns();
 
 /// Coefficients about the vertical with the sun at azimuth 0, to Welkin's (bands^2 of them) with the sun at its own:
 ///   c(l, m) cos(m azimuth) and c(l, m) sin(m azimuth), then y z x become x y z.
 /// Allocates nothing.
-void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
-               std::span<glm::dvec3> coefficients) noexcept;
+void rotate_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
+                 std::span<glm::dvec3> coefficients) noexcept;
 
 // Harmonics about the vertical without their azimuth, for as many bands as sources have (`even_basis` ends at 16).
 

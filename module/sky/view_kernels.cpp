@@ -176,8 +176,8 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
 
 /// Where a sky falls off steeply, at the rim of the planet's shadow, a cubic swings beyond its nodes: it may leave the
 /// range of the two that the position lies between by this share of them, which smooth skies do not need.
-constexpr float kLeast = 0.9F;
-constexpr float kMost = 1.1F;
+constexpr float kMin = 0.9F;
+constexpr float kMax = 1.1F;
 
 /// The cubic through the four nodes about a position among `count` >= 4.
 WELKIN_INLINE CubicTaps taps_at(double position, int count) {
@@ -216,8 +216,8 @@ WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
 }
 WELKIN_INLINE Row limited(Row row, Row a, Row b) {
   for (int i = 0; i < Row::kRegisters; ++i) {
-    const NarrowLanes least = NarrowLanes(kLeast) * xsimd::min(a.part[i], b.part[i]);
-    const NarrowLanes most = NarrowLanes(kMost) * xsimd::max(a.part[i], b.part[i]);
+    const NarrowLanes least = NarrowLanes(kMin) * xsimd::min(a.part[i], b.part[i]);
+    const NarrowLanes most = NarrowLanes(kMax) * xsimd::max(a.part[i], b.part[i]);
     row.part[i] = xsimd::min(xsimd::max(row.part[i], least), most);
   }
   return row;
@@ -248,7 +248,7 @@ WELKIN_INLINE Row over_suns(const float* first, const SunTaps& sun) {
 
 WELKIN_INLINE float ratio_to(float brightness, float node) {
   const float ratio = node > 0.0F ? brightness / node : 1.0F;
-  return ratio < kMostRatio ? ratio : kMostRatio;
+  return ratio < kMaxRatio ? ratio : kMaxRatio;
 }
 
 WELKIN_INLINE SunTaps sun_taps_at(const SkyRun& run, double position) {

@@ -265,10 +265,10 @@ void run_any_radix(const FourierPass& pass, const float* in, float* out) {
         float* const to = out + radix * p * stride + q * kComplexFloats + part;
         for (int k = 0; k < radix; ++k) {
           Complex sum = load(from);
-          int turn = 0;  // j k modulo the radix
+          int rotation = 0;  // j k modulo the radix
           for (int j = 1; j < radix; ++j) {
-            turn = turn + k < radix ? turn + k : turn + k - radix;
-            sum = sum + times(load(from + pass.count * stride * j), factor_at(pass.roots + 2 * turn));
+            rotation = rotation + k < radix ? rotation + k : rotation + k - radix;
+            sum = sum + times(load(from + pass.count * stride * j), factor_at(pass.roots + 2 * rotation));
           }
           if (k > 0) sum = times(sum, factor_at(pass.twiddles + 2 * (std::ptrdiff_t{radix} * p + k)));
           store(sum, to + stride * k);

@@ -289,12 +289,12 @@ int find_start(const double* a, const double* x, const double* sectoral, double 
     }
     if (reached) break;
     for (int part = 0; part < kRingLanes; part += kDoubleWidth) {
-      const DoubleLanes place = DoubleLanes::load_aligned(x + part);
+      const DoubleLanes position = DoubleLanes::load_aligned(x + part);
       DoubleLanes even = DoubleLanes::load_aligned(state + part);
       DoubleLanes odd = DoubleLanes::load_aligned(state + kRingLanes + part);
       for (int i = 2; i < 6; i += 2) {
-        even = DoubleLanes(a[i]) * place * odd - even;
-        odd = DoubleLanes(a[i + 1]) * place * even - odd;
+        even = DoubleLanes(a[i]) * position * odd - even;
+        odd = DoubleLanes(a[i + 1]) * position * even - odd;
       }
       even.store_aligned(state + part);
       odd.store_aligned(state + kRingLanes + part);

@@ -16,8 +16,8 @@ constexpr std::size_t kCacheBytes = std::size_t{16} << 20U;
 using Number = std::complex<double>;
 
 /// e^(-2 pi i turn / turns), 0 <= turn < turns
-Number root(std::int64_t turn, std::int64_t turns) {
-  const math::SineCosine angle = math::sine_cosine_of_turns(static_cast<double>(turn) / static_cast<double>(turns));
+Number root(std::int64_t rotation, std::int64_t turns) {
+  const math::SineCosine angle = math::sine_cosine_of_turns(static_cast<double>(rotation) / static_cast<double>(turns));
   return {angle.cosine, -angle.sine};
 }
 

@@ -37,7 +37,7 @@ LegendreRings::LegendreRings(const LegendreRingsKey& key)
     : bands_(key.bands), groups_(groups_of(key.rings, key.places)) {
   place_rings(key);
   find_starts(key);
-  if (key.places == RingPlaces::edges) fill_row_weights(key);
+  if (key.places == RingSet::edges) fill_row_weights(key);
 }
 
 void LegendreRings::place_rings(const LegendreRingsKey& key) {
@@ -46,8 +46,8 @@ void LegendreRings::place_rings(const LegendreRingsKey& key) {
   x_ = platform::AlignedBuffer<double>(lanes());
   std::fill_n(x_.data(), lanes(), 0.0);
   for (int q = 0; q < pairs; ++q) {
-    const bool equator = key.places == RingPlaces::edges && q + 1 == pairs;
-    const double row = key.places == RingPlaces::centres ? q + 0.5 : q + 1.0;
+    const bool equator = key.places == RingSet::edges && q + 1 == pairs;
+    const double row = key.places == RingSet::centres ? q + 0.5 : q + 1.0;
     const math::SineCosine theta = math::sine_cosine_of_turns(equator ? 0.25 : row / (2.0 * key.rings));
     sines_[static_cast<std::size_t>(q)] = theta.sine;
     x_.data()[q] = theta.cosine;
@@ -60,7 +60,7 @@ void LegendreRings::place_rings(const LegendreRingsKey& key) {
     to[0] = nearest;
     to[kRingLanes] = static_cast<float>(x - static_cast<double>(nearest));
   }
-  if (key.places == RingPlaces::edges) first_single_ = groups_;
+  if (key.places == RingSet::edges) first_single_ = groups_;
   while (first_single_ < groups_ && sines_[static_cast<std::size_t>(first_single_ * kRingLanes)] < kSineForSingle) {
     ++first_single_;
   }
@@ -78,7 +78,7 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
   std::vector<double> sectoral(lanes());
   for (std::size_t q = 0; q < lanes(); ++q) {
     const double sine = sines_[q];
-    sectoral[q] = sine > 0.0 ? std::sqrt(0.25 / kPi) * (key.places == RingPlaces::edges ? sine * sine : 1.0) : 0.0;
+    sectoral[q] = sine > 0.0 ? std::sqrt(0.25 / kPi) * (key.places == RingSet::edges ? sine * sine : 1.0) : 0.0;
   }
   const LegendreKernels& kernels = legendre_kernels();
   double* state = states_.data();
@@ -209,14 +209,14 @@ void LegendreFactors::fill_order(int m, int count) {
 namespace {
 
 constexpr std::size_t kFunctionsCacheBytes = std::size_t{8} << 20U;
-constexpr std::size_t kMostFunctionBytes = std::size_t{1} << 20U;
+constexpr std::size_t kMaxFunctionBytes = std::size_t{1} << 20U;
 
 }  // namespace
 
 bool SplineFunctions::serve(int rings, int bands) noexcept {
-  const auto lanes = static_cast<std::size_t>(LegendreRings::groups_of(rings, RingPlaces::centres)) * kRingLanes;
+  const auto lanes = static_cast<std::size_t>(LegendreRings::groups_of(rings, RingSet::centres)) * kRingLanes;
   const auto functions = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands + 2) / 2;
-  return functions * lanes * sizeof(float) <= kMostFunctionBytes;
+  return functions * lanes * sizeof(float) <= kMaxFunctionBytes;
 }
 
 std::shared_ptr<const SplineFunctions> SplineFunctions::get(int rings, int bands) {
@@ -226,7 +226,7 @@ std::shared_ptr<const SplineFunctions> SplineFunctions::get(int rings, int bands
 
 // Six degrees of each parity at a time are sums of their own, in the places of the six numbers.
 SplineFunctions::SplineFunctions(int rings, int bands)
-    : bands_(bands), groups_(LegendreRings::groups_of(rings, RingPlaces::centres)) {
+    : bands_(bands), groups_(LegendreRings::groups_of(rings, RingSet::centres)) {
   constexpr int kParity = 6;
   std::size_t length = 0;
   for (int m = 0; m < bands; ++m) {
@@ -235,7 +235,7 @@ SplineFunctions::SplineFunctions(int rings, int bands)
   }
   values_ = platform::AlignedBuffer<float>(length * static_cast<std::size_t>(groups_) * kRingLanes);
   const auto factors = LegendreFactors::get(bands);
-  const auto places = LegendreRings::get({rings, bands, RingPlaces::centres});
+  const auto places = LegendreRings::get({rings, bands, RingSet::centres});
   const LegendreKernels& kernels = legendre_kernels();
   platform::AlignedBuffer<float> units(static_cast<std::size_t>(bands + 3) * kHarmonicFloats);
   platform::AlignedBuffer<float> columns(static_cast<std::size_t>(groups_) * kColumnFloats);

@@ -56,7 +56,7 @@ class LegendreFactors {
 // Where the Legendre functions of each order begin to matter on each group of ring pairs, and their values there.
 
 /// Which colatitudes, `rings` rows on the sphere. Lane q is a pair of equal distance from the equator.
-enum class RingPlaces {
+enum class RingSet {
   centres,  ///< theta = pi (q + 1/2) / rings, q < ceil(rings / 2), and its mirror image
   edges,    ///< theta = pi (q + 1) / rings, the last one the equator; the functions times sin^2(theta)
 };
@@ -64,7 +64,7 @@ enum class RingPlaces {
 struct LegendreRingsKey {
   int rings;
   int bands;
-  RingPlaces places;
+  RingSet places;
 
   bool operator==(const LegendreRingsKey&) const = default;
 };
@@ -75,10 +75,10 @@ class LegendreRings {
 
   explicit LegendreRings(const LegendreRingsKey& key);
 
-  [[nodiscard]] static int pairs_of(int rings, RingPlaces places) noexcept {
-    return places == RingPlaces::centres ? (rings + 1) / 2 : (rings - 1) / 2 + 1;
+  [[nodiscard]] static int pairs_of(int rings, RingSet places) noexcept {
+    return places == RingSet::centres ? (rings + 1) / 2 : (rings - 1) / 2 + 1;
   }
-  [[nodiscard]] static int groups_of(int rings, RingPlaces places) noexcept {
+  [[nodiscard]] static int groups_of(int rings, RingSet places) noexcept {
     return (pairs_of(rings, places) + kRingLanes - 1) / kRingLanes;
   }
 

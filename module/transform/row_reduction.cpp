@@ -72,9 +72,10 @@ struct ReducedRows::Strip {
   [[nodiscard]] std::size_t floats() const noexcept { return std::size_t{3} * static_cast<std::size_t>(columns()); }
 };
 
-/// One worker's room: the sums of as many coarse edges as one interval gives to, and one that is thrown away.
-struct ReducedRows::Room {
-  explicit Room(std::size_t strip_floats) : stride((strip_floats + 15) / 16 * 16), floats((kStepShares + 1) * stride) {}
+/// One worker's scratch: the sums of as many coarse edges as one interval gives to, and one that is thrown away.
+struct ReducedRows::Scratch {
+  explicit Scratch(std::size_t strip_floats)
+      : stride((strip_floats + 15) / 16 * 16), floats((kStepShares + 1) * stride) {}
   [[nodiscard]] float* sums(int slot) noexcept { return floats.data() + static_cast<std::size_t>(slot) * stride; }
   [[nodiscard]] float* nowhere() noexcept { return sums(kStepShares); }
 
@@ -100,9 +101,9 @@ std::size_t ReducedRows::most_bytes(int width, int height, int bands, std::size_
   const std::size_t rows = 3 * count(shape.columns) * count(shape.rows + 2);
   const std::size_t shares = 3 * count(height) * kStepShares;
   const std::size_t strip = 3 * count(kStripColumns + 2 * margin_of(shape.halvings));
-  const std::size_t room = (kStepShares + 1) * ((strip + 15) / 16 * 16);
-  return sizeof(float) * (rows + shares + workers * room) + sizeof(int) * count(shape.rows + 1) +
-         sizeof(const float*) * count(height) + (workers + 1) * (kLine + sizeof(Room));
+  const std::size_t scratch = (kStepShares + 1) * ((strip + 15) / 16 * 16);
+  return sizeof(float) * (rows + shares + workers * scratch) + sizeof(int) * count(shape.rows + 1) +
+         sizeof(const float*) * count(height) + (workers + 1) * (kLine + sizeof(Scratch));
 }
 
 void ReducedRows::find_shares() {
@@ -114,11 +115,11 @@ void ReducedRows::find_shares() {
   across_.assign(all, 0.0F);
   first_edges_.assign(static_cast<std::size_t>(shape_.rows) + 1, source_.height);
   for (int edge = source_.height - 1; edge > 0; --edge) {
-    const std::int64_t place = edge * std::int64_t{shape_.rows};
-    const auto interval = static_cast<int>(place / height);
+    const std::int64_t index = edge * std::int64_t{shape_.rows};
+    const auto interval = static_cast<int>(index / height);
     for (int k = interval; k >= 0 && first_edges_[static_cast<std::size_t>(k)] > edge; --k)
       first_edges_[static_cast<std::size_t>(k)] = edge;
-    const auto shares = shares_at(static_cast<double>(place % height) / static_cast<double>(height));
+    const auto shares = shares_at(static_cast<double>(index % height) / static_cast<double>(height));
     const std::size_t at = static_cast<std::size_t>(edge) * kStepShares;
     double across = 0.0;
     for (int k = 0; k < kStepShares; ++k) {
@@ -139,13 +140,13 @@ void ReducedRows::find_shares() {
   }
 }
 
-void ReducedRows::add_interval(int interval, const float* shares, const Strip& strip, bool turned,
+void ReducedRows::add_interval(int interval, const float* shares, const Strip& strip, bool rotated,
                                float* const* sums) noexcept {
   const int first_edge = first_edges_[static_cast<std::size_t>(interval)];
   const int edges = first_edges_[static_cast<std::size_t>(interval) + 1] - first_edge;
   if (edges <= 0) return;
   const int width = source_.width;
-  int column = ((strip.first - strip.margin + (turned ? width / 2 : 0)) % width + width) % width;
+  int column = ((strip.first - strip.margin + (rotated ? width / 2 : 0)) % width + width) % width;
   for (int done = 0; done < strip.columns();) {
     const int count = std::min(strip.columns() - done, width - column);
     std::array<float*, kStepShares> here{};
@@ -159,13 +160,13 @@ void ReducedRows::add_interval(int interval, const float* shares, const Strip& s
 }
 
 /// What edges near a pole give beyond it to coarse edge `edge`, half a turn away.
-void ReducedRows::add_beyond_pole(int edge, const Strip& strip, Room& room) noexcept {
+void ReducedRows::add_beyond_pole(int edge, const Strip& strip, Scratch& scratch) noexcept {
   const bool south = edge > shape_.rows / 2;
   const int distance = south ? shape_.rows - edge : edge;
   if (distance > kSharesBeyond) return;
   std::array<float*, kStepShares> sums{};
-  sums.fill(room.nowhere());
-  sums[static_cast<std::size_t>(distance - 1)] = room.sums(edge % kStepShares);
+  sums.fill(scratch.nowhere());
+  sums[static_cast<std::size_t>(distance - 1)] = scratch.sums(edge % kStepShares);
   for (int k = 0; k < kSharesBeyond; ++k)
     add_interval(south ? shape_.rows - 1 - k : k, beyond_.data(), strip, true, sums.data());
 }
@@ -180,24 +181,24 @@ void ReducedRows::finish(float* sums, const Strip& strip, int to) noexcept {
 }
 
 /// The steps at coarse edges `first_edge` to `end_edge` - 1.
-void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Room& room) noexcept {
+void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Scratch& scratch) noexcept {
   for (int interval = first_edge - kStepShares + 1 + kSharesBefore; interval < end_edge + kSharesBefore; ++interval) {
     if (interval >= 0 && interval < shape_.rows) {
       std::array<float*, kStepShares> sums{};
       for (int k = 0; k < kStepShares; ++k) {
         const int edge = interval - kSharesBefore + k;
         const bool here = edge >= first_edge && edge < end_edge;
-        sums[static_cast<std::size_t>(k)] = here ? room.sums(edge % kStepShares) : room.nowhere();
+        sums[static_cast<std::size_t>(k)] = here ? scratch.sums(edge % kStepShares) : scratch.nowhere();
       }
       add_interval(interval, shares_.data(), strip, false, sums.data());
     }
     const int edge = interval - kSharesBefore;  // no later interval gives to it
     if (edge < first_edge) continue;
-    float* const sums = room.sums(edge % kStepShares);
-    add_beyond_pole(edge, strip, room);
+    float* const sums = scratch.sums(edge % kStepShares);
+    add_beyond_pole(edge, strip, scratch);
     if (edge == shape_.rows / 2) {
-      std::transform(sums, sums + strip.floats(), room.nowhere(), [](float step) { return -0.5F * step; });
-      finish(room.nowhere(), strip, row_of_negated_step());
+      std::transform(sums, sums + strip.floats(), scratch.nowhere(), [](float step) { return -0.5F * step; });
+      finish(scratch.nowhere(), strip, row_of_negated_step());
       std::transform(sums, sums + strip.floats(), sums, [](float step) { return 0.5F * step; });
     }
     finish(sums, strip, edge - 1);
@@ -206,9 +207,9 @@ void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Ro
 }
 
 /// Half the sum of the rows next to the equator, with half of what edges give across it.
-void ReducedRows::sum_equator(const Strip& strip, Room& room) noexcept {
+void ReducedRows::sum_equator(const Strip& strip, Scratch& scratch) noexcept {
   const int equator = shape_.rows / 2;
-  float* const sum = room.sums(0);
+  float* const sum = scratch.sums(0);
   const float* const below = source_.row(source_.height / 2);
   const float* const above = source_.row((source_.height + 1) / 2 - 1);
   const int width = source_.width;
@@ -219,7 +220,7 @@ void ReducedRows::sum_equator(const Strip& strip, Room& room) noexcept {
     if (++column == width) column = 0;
   }
   std::array<float*, kStepShares> sums{};
-  sums.fill(room.nowhere());
+  sums.fill(scratch.nowhere());
   sums[0] = sum;
   for (int interval = equator - kStepShares / 2; interval < equator + kStepShares / 2; ++interval)
     add_interval(interval, across_.data(), strip, false, sums.data());
@@ -232,20 +233,20 @@ void ReducedRows::fill(const Control& control) {
   const int blocks = (shape_.rows - 1 + kTileEdges - 1) / kTileEdges;
   const jobs::Placement placement = jobs::placement_for(std::int64_t{source_.width} * source_.height);
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<Room> rooms;
+  std::vector<Scratch> scratches;
   for (std::size_t k = 0; k < workers; ++k)
-    rooms.emplace_back(std::size_t{3} * static_cast<std::size_t>(kStripColumns + 2 * margin));
+    scratches.emplace_back(std::size_t{3} * static_cast<std::size_t>(kStripColumns + 2 * margin));
   jobs::run_tiles(static_cast<std::size_t>(strips) * static_cast<std::size_t>(blocks + 1), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const platform::FlushDenormalsScope flush;
-                    Room& room = rooms[worker];
-                    std::fill_n(room.floats.data(), room.floats.size(), 0.0F);
+                    Scratch& scratch = scratches[worker];
+                    std::fill_n(scratch.floats.data(), scratch.floats.size(), 0.0F);
                     const int block = static_cast<int>(tile) / strips;
                     const int first = static_cast<int>(tile) % strips * kStripColumns;
                     const Strip strip{first, std::min(first + kStripColumns, source_.width), margin};
-                    if (block == blocks) return sum_equator(strip, room);
+                    if (block == blocks) return sum_equator(strip, scratch);
                     const int first_edge = 1 + block * kTileEdges;
-                    sum_steps(first_edge, std::min(first_edge + kTileEdges, shape_.rows), strip, room);
+                    sum_steps(first_edge, std::min(first_edge + kTileEdges, shape_.rows), strip, scratch);
                   });
 }
 

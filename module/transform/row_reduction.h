@@ -60,7 +60,7 @@ class ReducedRows {
   [[nodiscard]] static std::size_t most_bytes(int width, int height, int bands, std::size_t workers) noexcept;
 
  private:
-  struct Room;
+  struct Scratch;
   struct Strip;
 
   [[nodiscard]] float* row(int index) noexcept { return rows_.data() + static_cast<std::size_t>(index) * row_floats_; }
@@ -73,10 +73,10 @@ class ReducedRows {
   [[nodiscard]] int row_of_zeros() const noexcept { return shape_.rows + 1; }
 
   void find_shares();
-  void add_interval(int interval, const float* shares, const Strip& strip, bool turned, float* const* sums) noexcept;
-  void add_beyond_pole(int edge, const Strip& strip, Room& room) noexcept;
-  void sum_steps(int first_edge, int end_edge, const Strip& strip, Room& room) noexcept;
-  void sum_equator(const Strip& strip, Room& room) noexcept;
+  void add_interval(int interval, const float* shares, const Strip& strip, bool rotated, float* const* sums) noexcept;
+  void add_beyond_pole(int edge, const Strip& strip, Scratch& scratch) noexcept;
+  void sum_steps(int first_edge, int end_edge, const Strip& strip, Scratch& scratch) noexcept;
+  void sum_equator(const Strip& strip, Scratch& scratch) noexcept;
   void finish(float* sums, const Strip& strip, int to) noexcept;
 
   PictureRows source_;

@@ -90,7 +90,7 @@ class Analysis {
         legendre_kernels_(legendre_kernels()),
         fourier_(RingFourier::get(columns_of_row_)),
         factors_(LegendreFactors::get(bands)),
-        rings_(LegendreRings::get({reduced.rows > 0 ? reduced.rows : source.height, bands, RingPlaces::edges})),
+        rings_(LegendreRings::get({reduced.rows > 0 ? reduced.rows : source.height, bands, RingSet::edges})),
         groups_(rings_->groups()),
         zeros_(std::size_t{3} * static_cast<std::size_t>(source.width), 0.0F),
         columns_(static_cast<std::size_t>(bands) * static_cast<std::size_t>(groups_) * kColumnFloats),
@@ -110,9 +110,9 @@ class Analysis {
                kColumnFloats;
   }
   [[nodiscard]] RowQuads rows_of(int group) const noexcept;
-  void transform_rows(const RowQuads& rows, int group, RowScratch& room) noexcept;
+  void transform_rows(const RowQuads& rows, int group, RowScratch& scratch) noexcept;
   void transform_all_rows(const Control& control);
-  void sum_order(int m, AnalysisScratch& room) noexcept;
+  void sum_order(int m, AnalysisScratch& scratch) noexcept;
 
   const PictureRows& source_;
   int bands_;
@@ -133,7 +133,7 @@ class Analysis {
 /// even part there (none in an odd number of rows) and whose sum starts the integrals.
 RowQuads Analysis::rows_of(int group) const noexcept {
   const int height = source_.height;
-  const int pairs = LegendreRings::pairs_of(height, RingPlaces::edges);
+  const int pairs = LegendreRings::pairs_of(height, RingSet::edges);
   RowQuads rows{};
   for (int lane = 0; lane < kRingLanes; ++lane) {
     const int edge = group * kRingLanes + lane + 1;
@@ -152,13 +152,13 @@ RowQuads Analysis::rows_of(int group) const noexcept {
   return rows;
 }
 
-void Analysis::transform_rows(const RowQuads& rows, int group, RowScratch& room) noexcept {
+void Analysis::transform_rows(const RowQuads& rows, int group, RowScratch& scratch) noexcept {
   const platform::FlushDenormalsScope flush;
   const int width = columns_of_row_;
-  fourier_kernels_.load_row_quads(rows, width, room.planes.data());
+  fourier_kernels_.load_row_quads(rows, width, scratch.planes.data());
   for (int channel = 0; channel < 3; ++channel) {
-    float* const plane = room.planes.data() + std::ptrdiff_t{kComplexFloats} * channel * width;
-    const float* const z = fourier_->transform(fourier_kernels_, plane, room.work.data());
+    float* const plane = scratch.planes.data() + std::ptrdiff_t{kComplexFloats} * channel * width;
+    const float* const z = fourier_->transform(fourier_kernels_, plane, scratch.work.data());
     fourier_kernels_.part_orders(z, width, rings_->orders(group), channel, column(0, group),
                                  std::ptrdiff_t{kColumnFloats} * groups_);
   }
@@ -171,14 +171,14 @@ double column_extent(std::int64_t width, int m) noexcept {
          m;
 }
 
-void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
+void Analysis::sum_order(int m, AnalysisScratch& scratch) noexcept {
   const platform::FlushDenormalsScope flush;
   const int first = rings_->first_group(m);
-  std::fill_n(room.sums.data(), (bands_ - m + 7) * kHarmonicFloats, 0.0F);
+  std::fill_n(scratch.sums.data(), (bands_ - m + 7) * kHarmonicFloats, 0.0F);
   for (int group = first; group < groups_; group += kAnalysisGroups) {
     const int count = std::min(kAnalysisGroups, groups_ - group);
-    legendre_kernels_.analyse_order(rings_->run(m, group, count, *factors_), column(m, group), room.state.data(),
-                                    room.sums.data());
+    legendre_kernels_.analyse_order(rings_->run(m, group, count, *factors_), column(m, group), scratch.state.data(),
+                                    scratch.sums.data());
   }
   // A pixel's longitude is pi - 2 pi (i + 1/2) / width, and its extent turns the value at the centre into an integral;
   // the column numbers are doubled.
@@ -197,7 +197,7 @@ void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
     legendre_kernels_.weigh_odd_parts(column(m, first), rings_->row_weights(m) + std::ptrdiff_t{kRingLanes} * first,
                                       groups_ - first, run.first);
   }
-  legendre_kernels_.integrate_sums(run, room.sums.data(), spectrum_.order(m));
+  legendre_kernels_.integrate_sums(run, scratch.sums.data(), spectrum_.order(m));
 }
 
 void Analysis::transform_all_rows(const Control& control) {
@@ -205,12 +205,12 @@ void Analysis::transform_all_rows(const Control& control) {
   if (reduced_.rows > 0) reduced.emplace(source_, reduced_).fill(jobs::part_of(control, 0.0, 0.6));
   const jobs::Placement placement = this->placement();
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<RowScratch> rooms;
-  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(columns_of_row_, *fourier_);
+  std::vector<RowScratch> scratches;
+  for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(columns_of_row_, *fourier_);
   jobs::run_tiles(static_cast<std::size_t>(groups_), placement, workers,
                   jobs::part_of(control, reduced ? 0.6 : 0.0, 1.0), [&](std::size_t tile, std::size_t worker) {
                     const int group = static_cast<int>(tile);
-                    transform_rows(reduced ? reduced->quads(group) : rows_of(group), group, rooms[worker]);
+                    transform_rows(reduced ? reduced->quads(group) : rows_of(group), group, scratches[worker]);
                   });
 }
 
@@ -218,10 +218,10 @@ Spectrum Analysis::run(const Control& control) {
   transform_all_rows(jobs::part_of(control, 0.0, 0.4));
   const jobs::Placement placement = this->placement();
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<AnalysisScratch> rooms;
-  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_);
+  std::vector<AnalysisScratch> scratches;
+  for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(bands_);
   run_orders(bands_, placement, workers, jobs::part_of(control, 0.4, 1.0),
-             [&](int m, std::size_t worker) { sum_order(m, rooms[worker]); });
+             [&](int m, std::size_t worker) { sum_order(m, scratches[worker]); });
   return std::move(spectrum_);
 }
 
@@ -333,7 +333,7 @@ class Synthesis {
         legendre_kernels_(legendre_kernels()),
         fourier_(RingFourier::get(grid.columns())),
         factors_(LegendreFactors::get(bands_)),
-        rings_(LegendreRings::get({grid.rings(), bands_, RingPlaces::centres})),
+        rings_(LegendreRings::get({grid.rings(), bands_, RingSet::centres})),
         functions_(spline_ && SplineFunctions::serve(grid.rings(), bands_) ? SplineFunctions::get(grid.rings(), bands_)
                                                                            : nullptr),
         groups_(rings_->groups()),
@@ -347,8 +347,8 @@ class Synthesis {
            (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
                kColumnFloats;
   }
-  void sum_order(int m, SynthesisScratch& room) noexcept;
-  void write_rings(int group, RingScratch& room) noexcept;
+  void sum_order(int m, SynthesisScratch& scratch) noexcept;
+  void write_rings(int group, RingScratch& scratch) noexcept;
 
   const Spectrum& spectrum_;
   std::span<const double> zonal_;
@@ -365,7 +365,7 @@ class Synthesis {
   platform::AlignedBuffer<float> columns_;  ///< [m][group][kColumnFloats]
 };
 
-void Synthesis::sum_order(int m, SynthesisScratch& room) noexcept {
+void Synthesis::sum_order(int m, SynthesisScratch& scratch) noexcept {
   const platform::FlushDenormalsScope flush;
   // A texel's longitude is pi - 2 pi (i + 1/2) / columns.
   const std::int64_t width = grid_.columns();
@@ -382,27 +382,27 @@ void Synthesis::sum_order(int m, SynthesisScratch& room) noexcept {
                                      .phase_real = scale * phase.cosine,
                                      .phase_imaginary = scale * phase.sine,
                                      .count = count},
-                                    spectrum_.order(m), room.coefficients.data());
-  float* const end = room.coefficients.data() + std::ptrdiff_t{kHarmonicFloats} * count;
+                                    spectrum_.order(m), scratch.coefficients.data());
+  float* const end = scratch.coefficients.data() + std::ptrdiff_t{kHarmonicFloats} * count;
   std::fill_n(end, (4 * fours_of(count) - count) * kHarmonicFloats, 0.0F);
   for (int group = 0; functions_ && group < groups_; ++group) {
-    legendre_kernels_.sum_functions(functions_->of(m, group), room.coefficients.data(), functions_->degrees(m),
+    legendre_kernels_.sum_functions(functions_->of(m, group), scratch.coefficients.data(), functions_->degrees(m),
                                     column(m, group));
   }
   if (functions_) return;
-  legendre_kernels_.synthesise_order(rings_->run(m, 0, groups_, *factors_), room.coefficients.data(), column(m, 0));
-  if (spline_) legendre_kernels_.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), room.rows.data());
+  legendre_kernels_.synthesise_order(rings_->run(m, 0, groups_, *factors_), scratch.coefficients.data(), column(m, 0));
+  if (spline_) legendre_kernels_.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), scratch.rows.data());
 }
 
-void Synthesis::write_rings(int group, RingScratch& room) noexcept {
+void Synthesis::write_rings(int group, RingScratch& scratch) noexcept {
   const platform::FlushDenormalsScope flush;
   const int width = grid_.columns();
   // Spline coefficients reach a little beyond where the functions vanish.
   const int orders = rings_->orders(spline_ ? std::min(group + 1, groups_ - 1) : group);
   const float* planes[3] = {};
   for (int channel = 0; channel < 3; ++channel) {
-    float* const plane = room.planes.data() + static_cast<std::size_t>(channel) * RingScratch::plane_floats(width);
-    float* const work = room.work.data() + static_cast<std::size_t>(channel) * fourier_->scratch_floats();
+    float* const plane = scratch.planes.data() + static_cast<std::size_t>(channel) * RingScratch::plane_floats(width);
+    float* const work = scratch.work.data() + static_cast<std::size_t>(channel) * fourier_->scratch_floats();
     fourier_kernels_.join_orders(column(0, group), std::ptrdiff_t{kColumnFloats} * groups_, orders, channel, width,
                                  plane);
     planes[channel] = fourier_->transform(fourier_kernels_, plane, work);
@@ -424,15 +424,16 @@ void Synthesis::run(const Control& control) {
   const jobs::Placement placement = jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
   const std::size_t workers = jobs::worker_count(placement);
   {
-    std::vector<SynthesisScratch> rooms;
-    for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_, groups_);
+    std::vector<SynthesisScratch> scratches;
+    for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(bands_, groups_);
     run_orders(bands_, placement, workers, jobs::part_of(control, 0.0, 0.6),
-               [&](int m, std::size_t worker) { sum_order(m, rooms[worker]); });
+               [&](int m, std::size_t worker) { sum_order(m, scratches[worker]); });
   }
-  std::vector<RingScratch> rooms;
-  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(grid_.columns(), *fourier_);
-  jobs::run_tiles(static_cast<std::size_t>(groups_), placement, workers, jobs::part_of(control, 0.6, 1.0),
-                  [&](std::size_t group, std::size_t worker) { write_rings(static_cast<int>(group), rooms[worker]); });
+  std::vector<RingScratch> scratches;
+  for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(grid_.columns(), *fourier_);
+  jobs::run_tiles(
+      static_cast<std::size_t>(groups_), placement, workers, jobs::part_of(control, 0.6, 1.0),
+      [&](std::size_t group, std::size_t worker) { write_rings(static_cast<int>(group), scratches[worker]); });
   grid_.fill_poles();
 }
 

@@ -71,11 +71,11 @@ Projection Project::operator()(const Control& control) const {
 }
 
 Cubemap ToCubemap::operator()(const Control& control) const {
-  return to_cubemap(source.view(), size, turn, ResampleFilter::area, control);
+  return to_cubemap(source.view(), size, rotation, ResampleFilter::area, control);
 }
 
 LatLongImage ToLatLong::operator()(const Control& control) const {
-  return to_lat_long(source.view(), width, height, turn, ResampleFilter::bilinear, control);
+  return to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, control);
 }
 
 std::shared_ptr<const BakeResult> Bake::operator()(const Control& control) const {

@@ -102,8 +102,8 @@ void let_another_pass(TaskPriority priority) {
   scheduler->run_next(false, priority);
 }
 
-Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
-                 std::shared_ptr<JobRecord> its_parent)
+Submission::Submission(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
+                       std::shared_ptr<JobRecord> its_parent)
     : job(std::move(its_job)), parent(std::move(its_parent)), node{std::move(computation)} {
   if (job && !parent && !job->key.empty()) keyed.emplace(job->key, job);
 }
@@ -117,7 +117,7 @@ Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), proc
 }
 
 Scheduler::~Scheduler() {
-  for (Arrival* arrival = inbox_; arrival != nullptr;) delete std::exchange(arrival, arrival->next);
+  for (Submission* submission = inbox_; submission != nullptr;) delete std::exchange(submission, submission->next);
   give_back_job_memory();
 }
 
@@ -149,11 +149,11 @@ std::uint64_t Scheduler::next_id() noexcept {
 
 // The inbox.
 
-Scheduler::Books::Books(Scheduler& scheduler, Lock lock) : scheduler_(scheduler), lock_(std::move(lock)) {
+Scheduler::LockedState::LockedState(Scheduler& scheduler, Lock lock) : scheduler_(scheduler), lock_(std::move(lock)) {
   if (lock_) scheduler_.empty_inbox(work);
 }
 
-Scheduler::Books::~Books() {
+Scheduler::LockedState::~LockedState() {
   while (lock_) {
     scheduler_.tell_jobs_of(work);
     scheduler_.plan_calls(work);
@@ -166,34 +166,34 @@ Scheduler::Books::~Books() {
   }
 }
 
-void Scheduler::put_in_inbox(std::unique_ptr<Arrival> arrival) {
-  arrival->next = inbox_.load(std::memory_order_relaxed);
-  while (!inbox_.compare_exchange_weak(arrival->next, arrival.get(), std::memory_order_acq_rel)) {
+void Scheduler::put_in_inbox(std::unique_ptr<Submission> submission) {
+  submission->next = inbox_.load(std::memory_order_relaxed);
+  while (!inbox_.compare_exchange_weak(submission->next, submission.get(), std::memory_order_acq_rel)) {
   }
-  static_cast<void>(arrival.release());
-  const Books books(*this, Lock(mutex_, std::try_to_lock));
+  static_cast<void>(submission.release());
+  const LockedState state(*this, Lock(mutex_, std::try_to_lock));
 }
 
 /// After the mutex was unlocked. An exchange and not a load, so that it has a place in the order of the inbox's
-/// changes: an arrival comes before it, and is seen, or after it, and then its thread sees the mutex unlocked.
+/// changes: a submission comes before it, and is seen, or after it, and then its thread sees the mutex unlocked.
 bool Scheduler::inbox_has_something() noexcept {
-  Arrival* none = nullptr;
+  Submission* none = nullptr;
   return !inbox_.compare_exchange_strong(none, nullptr, std::memory_order_acq_rel);
 }
 
-void Scheduler::empty_inbox(DeferredWork& work) {
-  Arrival* newest = inbox_.exchange(nullptr, std::memory_order_acq_rel);
-  Arrival* oldest = nullptr;
+void Scheduler::empty_inbox(AfterUnlock& work) {
+  Submission* newest = inbox_.exchange(nullptr, std::memory_order_acq_rel);
+  Submission* oldest = nullptr;
   while (newest != nullptr) {
-    Arrival* const next = std::exchange(newest->next, oldest);
+    Submission* const next = std::exchange(newest->next, oldest);
     oldest = std::exchange(newest, next);
   }
   while (oldest != nullptr) {
-    const std::unique_ptr<Arrival> arrival(std::exchange(oldest, oldest->next));
-    if (arrival->parent) {
-      follow(*arrival, work);
+    const std::unique_ptr<Submission> submission(std::exchange(oldest, oldest->next));
+    if (submission->parent) {
+      follow(*submission, work);
     } else {
-      admit(*arrival, work);
+      admit(*submission, work);
     }
   }
 }
@@ -211,44 +211,44 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   posted->waiting_since = Clock::now();
   posted->bytes = options.bytes.value_or(bytes);
 
-  // All that may run out of memory comes before the books change.
-  auto arrival = std::make_unique<Arrival>(posted, job, nullptr);
-  if (!follower.empty()) hang(follower, job);
-  if (!closed_ && reserve(posted->bytes)) return put_in_inbox(std::move(arrival));
-  Books books(*this);
-  if (const std::optional<ErrorCode> reason = reason_to_refuse(*arrival)) {
+  // All that may run out of memory comes before the state change.
+  auto submission = std::make_unique<Submission>(posted, job, nullptr);
+  if (!follower.empty()) attach(follower, job);
+  if (!closed_ && reserve(posted->bytes)) return put_in_inbox(std::move(submission));
+  LockedState state(*this);
+  if (const std::optional<ErrorCode> reason = reason_to_refuse(*submission)) {
     job->withdrawn = reason;
     job->settled = true;
     posted->record = job;
-    books.work.ended.splice(books.work.ended.end(), arrival->node);
+    state.work.ended.splice(state.work.ended.end(), submission->node);
   } else {
-    admit(*arrival, books.work);
+    admit(*submission, state.work);
   }
 }
 
 /// Returns why a job that may be beyond the limits is refused. Without a reason, it has its place within them.
-std::optional<ErrorCode> Scheduler::reason_to_refuse(const Arrival& arrival) {
+std::optional<ErrorCode> Scheduler::reason_to_refuse(const Submission& submission) {
   if (closed_) return ErrorCode::stopped;
-  const std::uint64_t bytes = arrival.job->computation->bytes;
+  const std::uint64_t bytes = submission.job->computation->bytes;
   if (bytes > options_.max_bytes) return ErrorCode::limit_exceeded;
   // Withdrawing a waiting job of the same key makes room at once.
-  const auto newest = newest_.find(arrival.job->key);
+  const auto newest = newest_.find(submission.job->key);
   const bool frees = newest != newest_.end() && is_waiting(*newest->second->computation);
   const bool fits = reserve(bytes, frees ? 1 : 0, frees ? newest->second->computation->bytes : 0);
   return fits ? std::nullopt : std::optional(ErrorCode::queue_full);
 }
 
 /// A job with a place within the limits.
-void Scheduler::admit(Arrival& arrival, DeferredWork& work) {
-  const std::shared_ptr<JobRecord>& job = arrival.job;
+void Scheduler::admit(Submission& submission, AfterUnlock& work) {
+  const std::shared_ptr<JobRecord>& job = submission.job;
   const std::shared_ptr<Computation>& posted = job->computation;
   job->counted = true;
   posted->record = job;
-  let_wait(posted, arrival.node, false, work);
+  let_wait(posted, submission.node, false, work);
   if (job->key.empty() || job->settled) return;
   const auto newest = newest_.find(job->key);
   if (newest == newest_.end()) {
-    newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
+    newest_.insert(submission.keyed.extract(submission.keyed.begin()));
   } else {
     withdraw(std::exchange(newest->second, job), ErrorCode::replaced, work);
   }
@@ -281,7 +281,7 @@ void Scheduler::settle(JobRecord& job) {
 
 // Giving jobs up, and what follows when they are done.
 
-bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work) {
+bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, AfterUnlock& work) {
   if (job->settled || job->withdrawn) return false;
   // A continuation that has not started cancels the job that it follows, which nobody else hears of.
   while (job && !job->settled && !job->withdrawn) {
@@ -299,14 +299,14 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Defer
   return true;
 }
 
-void Scheduler::stop(const std::shared_ptr<Computation>& computation, DeferredWork& work) {
+void Scheduler::stop(const std::shared_ptr<Computation>& computation, AfterUnlock& work) {
   computation->stopping = true;
   computation->next_to_stop = std::move(work.stopping);
   work.stopping = computation;
 }
 
 /// The job is ready: what follows it may start.
-void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
+void Scheduler::dispatch_followers(JobRecord& job, AfterUnlock& work) {
   job.done = true;
   news_ = true;
   while (!job.followers.empty()) {
@@ -316,9 +316,9 @@ void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
     next->parent = nullptr;
     next->list = nullptr;
     next->failure = error_of(job);
-    if (next->where == Place::at_once) {
+    if (next->where == CallPlace::at_once) {
       work.at_once.splice(work.at_once.end(), node);
-    } else if (next->where == Place::drain) {
+    } else if (next->where == CallPlace::drain) {
       ComputationList& list = abandoned_ ? work.ended : drained_;
       list.splice(list.end(), node);
       undrained_.store(drained_.size(), std::memory_order_release);
@@ -330,7 +330,7 @@ void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
 
 /// Of a computation that waits, and that no thread will start: because of the error, because it was withdrawn, or as
 /// the worker has ended.
-void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work) {
+void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, AfterUnlock& work) {
   if (JobRecord* const job = computation->record.get()) {
     job->error = error;
     if (!error && !job->withdrawn) job->withdrawn = ErrorCode::stopped;
@@ -339,18 +339,18 @@ void Scheduler::end(const std::shared_ptr<Computation>& computation, std::except
   work.ended.splice(work.ended.end(), take_out(computation));
 }
 
-/// Makes the jobs of computations that will not start ready. `hand_on` adds to the list: a chain of followers may be
-/// long, and none ends inside the end of the one that it follows.
-void Scheduler::tell_jobs_of(DeferredWork& work) {
+/// Makes the jobs of computations that will not start ready. `dispatch_followers` adds to the list: a chain of
+/// followers may be long, and none ends inside the end of the one that it follows.
+void Scheduler::tell_jobs_of(AfterUnlock& work) {
   for (const std::shared_ptr<Computation>& computation : work.ended) {
     if (!computation->record) continue;
     computation->record->ready.store(true, std::memory_order_release);
-    hand_on(*computation->record, work);
+    dispatch_followers(*computation->record, work);
   }
 }
 
 /// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
-void Scheduler::carry_out(DeferredWork& work) {
+void Scheduler::carry_out(AfterUnlock& work) {
   // Code of the user's may throw out of a coroutine, a destructor or a stop callback, and there is nobody to throw to,
   // as on a thread of the worker.
   const auto go_on = [](const auto& call) {
@@ -360,7 +360,7 @@ void Scheduler::carry_out(DeferredWork& work) {
     }
   };
   if (work.news) signal();
-  call_for_hands(work);
+  wake_workers(work);
   while (work.stopping) {
     // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
     const ThreadRole role(*this, ThreadRole::bystander);
@@ -384,8 +384,8 @@ void Scheduler::carry_out(DeferredWork& work) {
 
 bool Scheduler::cancel(const std::shared_ptr<JobRecord>& job) {
   if (is_forked()) return false;  // destructors call this
-  Books books(*this);
-  return withdraw(job, ErrorCode::cancelled, books.work);
+  LockedState state(*this);
+  return withdraw(job, ErrorCode::cancelled, state.work);
 }
 
 bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
@@ -395,27 +395,28 @@ bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shar
     job->scheduler = parent->scheduler;
     job->id = next_id();
   }
-  auto arrival = std::make_unique<Arrival>(child, job, parent);
+  auto submission = std::make_unique<Submission>(child, job, parent);
   if (!closed_) {
-    put_in_inbox(std::move(arrival));
+    put_in_inbox(std::move(submission));
     return true;
   }
-  Books books(*this);
-  const bool too_late = parent->done && (child->where == Place::drain ? abandoned_ : child->where == Place::worker);
+  LockedState state(*this);
+  const bool too_late =
+      parent->done && (child->where == CallPlace::drain ? abandoned_ : child->where == CallPlace::worker);
   if (too_late && !job) return false;
-  follow(*arrival, books.work);
+  follow(*submission, state.work);
   return !too_late;
 }
 
-void Scheduler::follow(Arrival& arrival, DeferredWork& work) {
-  const std::shared_ptr<Computation> child = arrival.node.front();
-  child->priority = arrival.parent->computation->priority;
-  child->record = arrival.job;
-  hang(arrival.node, arrival.parent);
-  if (arrival.parent->done) hand_on(*arrival.parent, work);
+void Scheduler::follow(Submission& submission, AfterUnlock& work) {
+  const std::shared_ptr<Computation> child = submission.node.front();
+  child->priority = submission.parent->computation->priority;
+  child->record = submission.job;
+  attach(submission.node, submission.parent);
+  if (submission.parent->done) dispatch_followers(*submission.parent, work);
 }
 
-void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent) {
+void Scheduler::attach(ComputationList& node, const std::shared_ptr<JobRecord>& parent) {
   Computation& child = *node.front();
   child.parent = parent;
   child.list = &parent->followers;
@@ -444,7 +445,7 @@ void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, Computa
 
 /// For a thread, unless none will come.
 void Scheduler::let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
-                         DeferredWork& work) {
+                         AfterUnlock& work) {
   enqueue(computation, from, in_front);
   if (closed_) return end(computation, nullptr, work);
   ++work.startable;
@@ -461,12 +462,12 @@ ComputationList Scheduler::take_out(const std::shared_ptr<Computation>& computat
 }
 
 TaskPriority Scheduler::priority_of(const JobRecord& job) {
-  const Books books(*this);
+  const LockedState state(*this);
   return job.computation->priority;
 }
 
 void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
-  const Books books(*this);
+  const LockedState state(*this);
   const std::shared_ptr<Computation>& computation = job.computation;
   if (std::exchange(computation->priority, priority) == priority || !is_waiting(*computation)) return;
   ComputationList node;
@@ -477,7 +478,7 @@ void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
 // Threads.
 
 /// With the mutex held: whom to call for what waits.
-void Scheduler::plan_calls(DeferredWork& work) {
+void Scheduler::plan_calls(AfterUnlock& work) {
   if (own_threads_) {
     // While something runs, threads that are parked may be inside of its tasks, and it does not show which: all are
     // called. (What this thread itself runs has no tasks now.)
@@ -493,7 +494,7 @@ void Scheduler::plan_calls(DeferredWork& work) {
 }
 
 /// Without the mutex, and without any other lock: `post` comes through here.
-void Scheduler::call_for_hands(DeferredWork& work) {
+void Scheduler::wake_workers(AfterUnlock& work) {
   if (own_threads_) {
     own_threads_->call(std::exchange(work.startable, 0));
     return;
@@ -507,14 +508,14 @@ void Scheduler::call_for_hands(DeferredWork& work) {
       static_cast<void>(task.release());
     }
   } catch (...) {
-    Books books(*this);
-    books.work.refused = true;
+    LockedState state(*this);
+    state.work.refused = true;
     lent_ -= tasks;
     unstarted_ -= tasks;
     // A task that is there yet will ask again when it ends. If there is none, nobody will.
     for (ComputationList& list : waiting_) {
       while (lent_ == 0 && !list.empty()) {
-        end(std::shared_ptr<Computation>(list.front()), std::current_exception(), books.work);
+        end(std::shared_ptr<Computation>(list.front()), std::current_exception(), state.work);
       }
     }
   }
@@ -530,7 +531,7 @@ void Scheduler::run_task(void* task) {
     const ThreadRole role(scheduler);
     scheduler.run_next(true);
   }
-  const Books books(scheduler);
+  const LockedState state(scheduler);
   --scheduler.lent_;
 }
 
@@ -538,7 +539,7 @@ bool Scheduler::run_next(bool lent, TaskPriority least) {
   const jobs::ActivityScope computing;
   std::shared_ptr<Computation> next;
   {
-    const Books books(*this);
+    const LockedState state(*this);
     if (lent) --unstarted_;
     const auto end = std::prev(waiting_.rend(), static_cast<std::ptrdiff_t>(least));
     for (auto list = waiting_.rbegin(); list != end && !next; ++list) {
@@ -583,7 +584,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
   const std::shared_ptr<JobRecord> job = computation->record;
   bool wanted = false;
   {
-    const Books books(*this);
+    const LockedState state(*this);
     bytes_ -= std::exchange(computation->bytes, 0);
     if (job) settle(*job);
     wanted = job && !job->withdrawn;
@@ -600,15 +601,15 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
   error = nullptr;
   if (job) {
     job->ready.store(true, std::memory_order_release);
-    signal();  // who waits for a result does not wait for the books
-    Books books(*this);
-    hand_on(*job, books.work);
+    signal();  // who waits for a result does not wait for the state
+    LockedState state(*this);
+    dispatch_followers(*job, state.work);
   }
   computation->release();
-  // Both go when the books are closed.
+  // Both go when the lock is released.
   ComputationList over;
   stop_source stop(nostopstate);
-  const Books books(*this);
+  const LockedState state(*this);
   over = take_out(computation);
   computation->record = nullptr;
   if (!computation->stopping) std::swap(stop, computation->stop);
@@ -635,7 +636,7 @@ void Scheduler::wait(const JobRecord& job) {
     while (!ready()) {
       std::shared_ptr<Computation> next;
       {
-        const Books books(*this);
+        const LockedState state(*this);
         next = startable_for(job);
         if (next) start_running(next);
       }
@@ -656,13 +657,13 @@ std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) cons
 void Scheduler::wait_until_idle() {
   if (ThreadRole::has_any(*this)) return;
   wait_for([&] {
-    const Books books(*this);
+    const LockedState state(*this);
     return waiting_count() == 0 && running_.empty();
   });
 }
 
 WorkerLoad Scheduler::load() {
-  const Books books(*this);
+  const LockedState state(*this);
   const Clock::time_point now = Clock::now();
   Clock::time_point oldest = now;
   for (const ComputationList& list : waiting_) {
@@ -700,7 +701,7 @@ std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
         std::this_thread::sleep_for(kPause);
         static_cast<void>(lock.try_lock());
       }
-      const Books books(*this, std::move(lock));
+      const LockedState state(*this, std::move(lock));
       if (called == 0) there = drained_.size();
       if (drained_.empty()) return called;
       one.splice(one.begin(), drained_, drained_.begin());
@@ -716,36 +717,36 @@ void Scheduler::terminate() {
     return;
   }
   {
-    Books books(*this);
+    LockedState state(*this);
     closed_ = true;
     for (ComputationList& list : waiting_) {
-      while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, books.work);
+      while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, state.work);
     }
     for (const std::shared_ptr<Computation>& computation : running_) {
       JobRecord* const job = computation->record.get();
       if (job == nullptr || job->settled || computation->stopping) continue;
       job->withdrawn = ErrorCode::stopped;
-      stop(computation, books.work);
+      stop(computation, state.work);
     }
   }
   if (own_threads_) own_threads_->dismiss();
   if (ThreadRole::has_any(*this)) return;
   wait_for([&] {
-    const Books books(*this);
+    const LockedState state(*this);
     return running_.empty() && lending_ == 0;
   });
   if (own_threads_) own_threads_->join();
   std::shared_ptr<Executor> no_more_used;
-  const Books books(*this);
+  const LockedState state(*this);
   no_more_used.swap(options_.executor);
 }
 
 void Scheduler::abandon_rest() {
   if (is_forked()) return;
   {
-    Books books(*this);
+    LockedState state(*this);
     abandoned_ = true;
-    books.work.ended.splice(books.work.ended.end(), drained_);
+    state.work.ended.splice(state.work.ended.end(), drained_);
     undrained_.store(0, std::memory_order_release);
   }
   if (own_threads_ && ThreadRole::has_any(*this)) own_threads_->detach();

@@ -1,13 +1,13 @@
-// A worker's books: which computation waits, runs or is done, and for whom.
+// A worker's state: which computation waits, runs or is done, and for whom.
 //
 // Everything is guarded by one mutex. It is held for a few list operations at a time, and never while code of a
-// request, a callback or a stop token runs: such work is collected in a `DeferredWork` and carried out after the mutex
+// request, a callback or a stop token runs: such work is collected in an `AfterUnlock` and carried out after the mutex
 // is unlocked.
 //
 // The threads of a worker may rank so low that the system keeps them off the processors for seconds, also while they
 // hold the mutex. So `post`, `then` and `on_drain` do not wait for it. They put what they bring into an inbox, a list
 // without a lock, and try the mutex once. Whoever holds it looks into the inbox when taking it and after letting go of
-// it, so that nothing stays there (`Books`).
+// it, so that nothing stays there (`LockedState`).
 //
 // A computation is in one of three kinds of list: that of its parent's followers, one of those that wait, that of those
 // that run. It is in none before it is let in and when it is over.
@@ -33,9 +33,9 @@ namespace welkin::detail {
 
 class ThreadExecutor;
 
-/// What a change of the books brings with it. Jobs that end without a result get their errors before the mutex is
+/// Work that a change of the state entails. Jobs that end without a result get their errors before the mutex is
 /// unlocked, all else happens after.
-struct DeferredWork {
+struct AfterUnlock {
   ComputationList at_once;                ///< that are to run here
   ComputationList ended;                  ///< that will not start: cancelled, or the worker has ended
   std::shared_ptr<Computation> stopping;  ///< that run for nobody any more: the first, and `next_to_stop`
@@ -63,15 +63,15 @@ void give_back_job_memory() noexcept;
 [[nodiscard]] std::exception_ptr error_of(const JobRecord& job) noexcept;
 
 /// What comes in, with the list nodes that it needs later: a posted job, or a computation that follows a job.
-struct Arrival : InJobMemory {
-  Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
-          std::shared_ptr<JobRecord> its_parent);
+struct Submission : InJobMemory {
+  Submission(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
+             std::shared_ptr<JobRecord> its_parent);
 
   std::shared_ptr<JobRecord> job;     ///< may be null for one that follows
   std::shared_ptr<JobRecord> parent;  ///< null for a post
   ComputationList node;
-  JobsByKey keyed;          ///< one entry, if the job has a key
-  Arrival* next = nullptr;  ///< in the inbox
+  JobsByKey keyed;             ///< one entry, if the job has a key
+  Submission* next = nullptr;  ///< in the inbox
 };
 
 class Scheduler : public std::enable_shared_from_this<Scheduler> {
@@ -115,16 +115,16 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
 
   /// The mutex, held. What is in the inbox has been let in. When this goes, the mutex is unlocked, what has been
   /// deferred is carried out, and what came in meanwhile is let in.
-  class Books {
+  class LockedState {
    public:
     /// Throws `Error` (stopped) in a fork of the worker's process: who holds the mutex there will never let go of it.
-    explicit Books(Scheduler& scheduler) : Books(scheduler, scheduler.locked()) {}
-    Books(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
-    ~Books();
-    Books(const Books&) = delete;
-    Books& operator=(const Books&) = delete;
+    explicit LockedState(Scheduler& scheduler) : LockedState(scheduler, scheduler.locked()) {}
+    LockedState(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
+    ~LockedState();
+    LockedState(const LockedState&) = delete;
+    LockedState& operator=(const LockedState&) = delete;
 
-    DeferredWork work;
+    AfterUnlock work;
 
    private:
     Scheduler& scheduler_;
@@ -138,30 +138,30 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] Lock locked();
 
   // Letting jobs in. With the mutex held, but for `put_in_inbox` and `reserve`.
-  void put_in_inbox(std::unique_ptr<Arrival> arrival);
-  void empty_inbox(DeferredWork& work);
+  void put_in_inbox(std::unique_ptr<Submission> submission);
+  void empty_inbox(AfterUnlock& work);
   [[nodiscard]] bool inbox_has_something() noexcept;
-  [[nodiscard]] std::optional<ErrorCode> reason_to_refuse(const Arrival& arrival);
-  void admit(Arrival& arrival, DeferredWork& work);
-  void follow(Arrival& arrival, DeferredWork& work);
-  static void hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent);
+  [[nodiscard]] std::optional<ErrorCode> reason_to_refuse(const Submission& submission);
+  void admit(Submission& submission, AfterUnlock& work);
+  void follow(Submission& submission, AfterUnlock& work);
+  static void attach(ComputationList& node, const std::shared_ptr<JobRecord>& parent);
   /// Counts a job and bytes against the limits if they hold then, with as much less in flight as will be freed.
   [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
   void settle(JobRecord& job);
 
   // Giving jobs up, and what follows when they are done. With the mutex held, but for `carry_out`.
-  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work);
-  static void stop(const std::shared_ptr<Computation>& computation, DeferredWork& work);
-  void hand_on(JobRecord& job, DeferredWork& work);
-  void end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work);
-  void tell_jobs_of(DeferredWork& work);
-  void carry_out(DeferredWork& work);
+  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, AfterUnlock& work);
+  static void stop(const std::shared_ptr<Computation>& computation, AfterUnlock& work);
+  void dispatch_followers(JobRecord& job, AfterUnlock& work);
+  void end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, AfterUnlock& work);
+  void tell_jobs_of(AfterUnlock& work);
+  void carry_out(AfterUnlock& work);
   [[nodiscard]] static std::uint64_t next_id() noexcept;
 
   // Starting, running, waiting. With the mutex held: enqueue to startable_for.
   void enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front);
   void let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
-                DeferredWork& work);
+                AfterUnlock& work);
   void start_running(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] ComputationList take_out(const std::shared_ptr<Computation>& computation);
   [[nodiscard]] std::size_t waiting_count() const noexcept;
@@ -171,8 +171,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
   // Threads.
-  void plan_calls(DeferredWork& work);
-  void call_for_hands(DeferredWork& work);
+  void plan_calls(AfterUnlock& work);
+  void wake_workers(AfterUnlock& work);
   static void run_task(void* task);
   /// Tells those who wait for something that it may have come.
   void signal();
@@ -187,8 +187,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   int threads_ = 0;
   bool callers_may_look_ = false;  ///< keeping their processor, for a job's end
 
-  std::atomic<Arrival*> inbox_{nullptr};  ///< the newest first
-  std::atomic<std::size_t> jobs_{0};      ///< in flight, those in the inbox too
+  std::atomic<Submission*> inbox_{nullptr};  ///< the newest first
+  std::atomic<std::size_t> jobs_{0};         ///< in flight, those in the inbox too
   std::atomic<std::uint64_t> bytes_{0};
 
   std::mutex mutex_;

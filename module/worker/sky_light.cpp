@@ -12,8 +12,9 @@
 #include "platform/text.h"
 #include "sky/sky_projection.h"
 #include "sky/sunlight.h"
+#include "sky/table_sizes.h"
 #include "welkin/core.h"
-#include "worker/sky_bakery.h"
+#include "worker/sky_baker.h"
 
 namespace welkin {
 namespace {
@@ -33,7 +34,7 @@ void check_range(const char* what, double value, double least, double most) {
 void check_altitude(double altitude_m) { check_range("altitude in metres", altitude_m, 0.0, 1e9); }
 
 void check_tables(const Atmosphere& atmosphere, const SkyTableOptions& options) {
-  (void)sky_table_bytes(atmosphere, options);
+  (void)sky::sky_table_bytes(atmosphere, options);
   if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
     refuse("a spectral sky of as many wavelengths as", static_cast<double>(atmosphere.wavelengths_nm.size()),
            "three make one; any number is folded with SkyColour::linear_srgb");
@@ -77,7 +78,7 @@ glm::dvec2 azimuth(const glm::dvec3& sun) {
 }
 
 /// About the vertical, from one sun's azimuth to the other's.
-glm::dmat3 turn(const glm::dvec3& from, const glm::dvec3& to) {
+glm::dmat3 rotate(const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec2 a = azimuth(from);
   const glm::dvec2 b = azimuth(to);
   const double cosine = a.x * b.x + a.y * b.y;
@@ -115,8 +116,8 @@ struct Blend {
 
 struct SkyLight::State {
   SkyLightOptions options;
-  std::shared_ptr<worker::SkyBakery> bakery;
-  worker::SkyWish wish;
+  std::shared_ptr<worker::SkyBaker> baker;
+  worker::SkyTarget target;
   SkyLightFrame frame;
   SkyLightCounters counters;
   glm::dvec3 sun{0.0, 1.0, 0.0};
@@ -134,7 +135,7 @@ struct SkyLight::State {
         const SkyLightOptions& its_options);
 
   void move_sun(const glm::dvec3& to);
-  void wish_for_light(bool stop);
+  void request_light(bool stop);
   void take_news();
   [[nodiscard]] bool advance(double seconds);
   void compute_light();
@@ -146,15 +147,15 @@ struct SkyLight::State {
 SkyLight::State::State(Worker& worker, std::shared_ptr<const Atmosphere> atmosphere,
                        std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options)
     : options(checked(its_options)),
-      bakery(std::make_shared<worker::SkyBakery>(worker, options, tables)),
+      baker(std::make_shared<worker::SkyBaker>(worker, options, tables)),
       sun_gap(half_angle_square(options.sun_threshold_degrees)),
       specular_gap(half_angle_square(options.specular_threshold_degrees)),
       older_light(static_cast<std::size_t>(options.curve.bands) * static_cast<std::size_t>(options.curve.bands)) {
   frame.radiance = SphericalHarmonics(options.curve.bands);
-  wish = {.versions = {.tables = tables ? 0U : 1U, .curve = 1, .specular = options.specular.size > 0 ? 1U : 0U},
-          .atmosphere = std::move(atmosphere),
-          .altitude_m = options.altitude_m};
-  bakery->set(wish, false);
+  target = {.versions = {.tables = tables ? 0U : 1U, .curve = 1, .specular = options.specular.size > 0 ? 1U : 0U},
+            .atmosphere = std::move(atmosphere),
+            .altitude_m = options.altitude_m};
+  baker->set(target, false);
 }
 
 SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
@@ -174,7 +175,7 @@ SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, cons
   state_ = std::make_unique<State>(worker, std::move(atmosphere), std::move(tables), with_tables);
 }
 
-SkyLight::~SkyLight() { state_->bakery->close(); }
+SkyLight::~SkyLight() { state_->baker->close(); }
 
 void SkyLight::set_sun(double elevation_degrees, double azimuth_degrees) {
   const platform::FloatingPointScope floating_point;
@@ -193,7 +194,7 @@ void SkyLight::set_sun(const glm::dvec3& direction) {
 }
 
 void SkyLight::State::move_sun(const glm::dvec3& to) {
-  bakery->retry();
+  baker->retry();
   const glm::dvec3 chord = to - sun;
   const double moved = glm::dot(chord, chord);  // (2 sin(angle / 2))^2
   if (moved == 0.0) return;
@@ -206,24 +207,24 @@ void SkyLight::State::move_sun(const glm::dvec3& to) {
   sun = to;
   dirty = true;
   if (!rises) {
-    ++counters.turns;
+    ++counters.rotations;
     return;
   }
   ++counters.elevations;
   if (options.specular.size == 0) return;
-  if (elevation_gap(to, wish.sun) < specular_gap) {
-    ++counters.specular_spared;
+  if (elevation_gap(to, target.sun) < specular_gap) {
+    ++counters.reflections_skipped;
     return;
   }
-  wish.sun = to;
-  ++wish.versions.specular;
-  bakery->set(wish, false);
+  target.sun = to;
+  ++target.versions.specular;
+  baker->set(target, false);
 }
 
 void SkyLight::set_intensity(double intensity) {
   const platform::FloatingPointScope floating_point;
   check_range("intensity", intensity, 0.0, kLargestIntensity);
-  state_->bakery->retry();
+  state_->baker->retry();
   if (intensity == state_->intensity) return;
   state_->intensity = intensity;
   state_->dirty = true;
@@ -233,39 +234,39 @@ void SkyLight::set_intensity(double intensity) {
 void SkyLight::set_altitude(double altitude_m) {
   const platform::FloatingPointScope floating_point;
   check_altitude(altitude_m);
-  worker::SkyWish& wish = state_->wish;
-  state_->bakery->retry();
-  if (altitude_m == wish.altitude_m) return;
-  if (std::abs(altitude_m - wish.altitude_m) < state_->options.altitude_threshold_m) {
+  worker::SkyTarget& target = state_->target;
+  state_->baker->retry();
+  if (altitude_m == target.altitude_m) return;
+  if (std::abs(altitude_m - target.altitude_m) < state_->options.altitude_threshold_m) {
     ++state_->counters.moves_ignored;
     return;
   }
-  wish.altitude_m = altitude_m;
-  state_->wish_for_light(false);
+  target.altitude_m = altitude_m;
+  state_->request_light(false);
 }
 
 void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
   const platform::FloatingPointScope floating_point;
   check_tables(atmosphere, state_->options.tables);
-  worker::SkyWish& wish = state_->wish;
-  state_->bakery->retry();
-  if (same_but_for_name(*wish.atmosphere, atmosphere)) return;
-  wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
-  ++wish.versions.tables;
-  state_->wish_for_light(true);
+  worker::SkyTarget& target = state_->target;
+  state_->baker->retry();
+  if (same_but_for_name(*target.atmosphere, atmosphere)) return;
+  target.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
+  ++target.versions.tables;
+  state_->request_light(true);
 }
 
-/// A curve and reflections of what the wish has become.
-void SkyLight::State::wish_for_light(bool stop) {
-  wish.sun = sun;
-  ++wish.versions.curve;
-  if (options.specular.size > 0) ++wish.versions.specular;
-  bakery->set(wish, stop);
+/// A curve and reflections of what the target has become.
+void SkyLight::State::request_light(bool stop) {
+  target.sun = sun;
+  ++target.versions.curve;
+  if (options.specular.size > 0) ++target.versions.specular;
+  baker->set(target, stop);
 }
 
 /// What comes while something is being blended waits for the end of that: there are two places only.
 void SkyLight::State::take_news() {
-  std::optional<worker::SkyArrivals> news = bakery->try_take(!curves.under_way(), !reflections.under_way(), garbage);
+  std::optional<worker::SkyUpdates> news = baker->try_take(!curves.under_way(), !reflections.under_way(), garbage);
   frame.settled = news && !news->more_to_come;
   if (!news) return;
   const bool blends = options.blend_seconds > 0.0;
@@ -335,7 +336,7 @@ void SkyLight::State::compute_light() {
 void SkyLight::State::place_reflections() {
   using worker::BakedReflections;
   const auto place = [&](const BakedReflections& from, double weight) {
-    return SkyReflections{from.specular, turn(from.sun, sun), from.specular ? weight * intensity : 0.0};
+    return SkyReflections{from.specular, rotate(from.sun, sun), from.specular ? weight * intensity : 0.0};
   };
   frame.reflections[0] = place(reflections.newer, reflections.part);
   frame.reflections[1] =
@@ -362,7 +363,7 @@ const SkyLightFrame& SkyLight::light() const noexcept { return state_->frame; }
 
 SkyLightCounters SkyLight::counters() const {
   SkyLightCounters counters = state_->counters;
-  const worker::SkyBakeCounts baked = state_->bakery->counts();
+  const worker::SkyBakeCounts baked = state_->baker->counts();
   counters.posts = baked.posts;
   counters.tables_baked = baked.tables;
   counters.curves_baked = baked.curves;
@@ -372,6 +373,6 @@ SkyLightCounters SkyLight::counters() const {
   return counters;
 }
 
-std::exception_ptr SkyLight::error() const { return state_->bakery->error(); }
+std::exception_ptr SkyLight::error() const { return state_->baker->error(); }
 
 }  // namespace welkin

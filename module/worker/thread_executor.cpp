@@ -57,7 +57,7 @@ ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
       name_(options.name),
       arena_(threads_, static_cast<unsigned>(threads_)),
       looks_(leaves_a_processor(threads_)),
-      places_(static_cast<std::size_t>(threads_)) {
+      sleepers_(static_cast<std::size_t>(threads_)) {
   arena_.initialize();
 }
 
@@ -65,8 +65,8 @@ void ThreadExecutor::set_up_thread(int number) const noexcept {
   char suffix[8] = {};
   std::snprintf(suffix, sizeof suffix, "%d", number);
   // What is cut is the name, not what tells the threads apart.
-  const int room = static_cast<int>(kMostNameCharacters - std::strlen(suffix) - 1);
-  char name[kMostNameCharacters + 1] = {};
+  const int room = static_cast<int>(kMaxNameCharacters - std::strlen(suffix) - 1);
+  char name[kMaxNameCharacters + 1] = {};
   std::snprintf(name, sizeof name, "%.*s %s", room, name_.c_str(), suffix);
   name_current_thread(name);
   rank_current_thread(priority_);
@@ -87,7 +87,7 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   set_up_thread(number);
   const auto work = [&] {
     const ThreadRole role(scheduler);
-    Place& place = places_[static_cast<std::size_t>(number)];
+    Sleeper& sleeper = sleepers_[static_cast<std::size_t>(number)];
     for (bool warm = false;;) {
       if (scheduler.run_next()) {
         warm = looks_;
@@ -95,8 +95,8 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
       }
       if (dismissed_) return;
       // Once only: who was called and found nothing takes part in what the others run.
-      if (std::exchange(warm, false) && look_for_work(scheduler, place)) continue;
-      park(scheduler, place);
+      if (std::exchange(warm, false) && look_for_work(scheduler, sleeper)) continue;
+      park(scheduler, sleeper);
     }
   };
   for (;;) {
@@ -109,30 +109,30 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   }
 }
 
-bool ThreadExecutor::look_for_work(Scheduler& scheduler, Place& place) {
+bool ThreadExecutor::look_for_work(Scheduler& scheduler, Sleeper& sleeper) {
   constexpr std::chrono::microseconds kTime{50};
-  place = &looking_;
+  sleeper = &looking_;
   // What came before this thread could be seen to look.
   const WorkerLoad load = scheduler.load();
   if (!dismissed_ && load.waiting == 0 && load.running == 0) {
-    spin_until([&] { return place.load(std::memory_order_acquire) == nullptr; }, kTime);
+    spin_until([&] { return sleeper.load(std::memory_order_acquire) == nullptr; }, kTime);
   }
-  return place.exchange(nullptr) == nullptr || load.waiting > 0;
+  return sleeper.exchange(nullptr) == nullptr || load.waiting > 0;
 }
 
-void ThreadExecutor::park(Scheduler& scheduler, Place& place) {
+void ThreadExecutor::park(Scheduler& scheduler, Sleeper& sleeper) {
   Parking parking;
   parking.blocker = parking.group.defer([] {});
-  place = &parking.blocker;
+  sleeper = &parking.blocker;
   // What came after this thread looked for work, but before it could be seen to be free.
-  if (dismissed_ || scheduler.load().waiting > 0) call(place);
+  if (dismissed_ || scheduler.load().waiting > 0) call(sleeper);
   parking.group.wait();
 }
 
-bool ThreadExecutor::call(Place& place) {
+bool ThreadExecutor::call(Sleeper& sleeper) {
   // The blocker is taken out of the parking before it goes: that is the waiting thread's, and gone as soon as the wait
   // ends.
-  tbb::task_handle* const waiting = place.load() != nullptr ? place.exchange(nullptr) : nullptr;
+  tbb::task_handle* const waiting = sleeper.load() != nullptr ? sleeper.exchange(nullptr) : nullptr;
   if (waiting == nullptr) return false;
   if (waiting == &looking_) return true;
   const tbb::task_handle blocker = std::move(*waiting);
@@ -141,9 +141,9 @@ bool ThreadExecutor::call(Place& place) {
 
 int ThreadExecutor::call_looking() {
   int called = 0;
-  for (Place& place : places_) {
+  for (Sleeper& sleeper : sleepers_) {
     tbb::task_handle* looking = &looking_;
-    if (place.load() == looking && place.compare_exchange_strong(looking, nullptr)) ++called;
+    if (sleeper.load() == looking && sleeper.compare_exchange_strong(looking, nullptr)) ++called;
   }
   return called;
 }
@@ -152,8 +152,8 @@ void ThreadExecutor::call(int count) {
   if (count <= 0) return;
   // All of these, as they are awake: who finds nothing to start takes part in what is started.
   count -= call_looking();
-  for (auto place = places_.begin(); count > 0 && place != places_.end(); ++place) {
-    if (call(*place)) --count;
+  for (auto sleeper = sleepers_.begin(); count > 0 && sleeper != sleepers_.end(); ++sleeper) {
+    if (call(*sleeper)) --count;
   }
 }
 

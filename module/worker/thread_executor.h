@@ -57,14 +57,14 @@ class ThreadExecutor {
     tbb::task_handle blocker;  ///< the group's wait ends when this goes
   };
   /// Of a blocker, or of `looking_`.
-  using Place = std::atomic<tbb::task_handle*>;
+  using Sleeper = std::atomic<tbb::task_handle*>;
 
   void serve(Scheduler& scheduler, int number);
   /// For a while, if nothing runs. True if there may be something to start.
-  bool look_for_work(Scheduler& scheduler, Place& place);
-  void park(Scheduler& scheduler, Place& place);
-  /// Whoever takes a thread's blocker out of its place ends its wait. True if there was one.
-  bool call(Place& place);
+  bool look_for_work(Scheduler& scheduler, Sleeper& sleeper);
+  void park(Scheduler& scheduler, Sleeper& sleeper);
+  /// Whoever takes a thread's blocker out of its sleeper ends its wait. True if there was one.
+  bool call(Sleeper& sleeper);
   /// Those that only look. Returns how many there were.
   int call_looking();
   void set_up_thread(int number) const noexcept;
@@ -73,9 +73,9 @@ class ThreadExecutor {
   ThreadPriority priority_;
   std::string name_;
   tbb::task_arena arena_;
-  bool looks_;                 ///< whether a thread that looks takes no processor from who posts
-  tbb::task_handle looking_;   ///< blocks nothing: in the place of a thread that only looks
-  std::vector<Place> places_;  ///< one a thread; null while the thread does not wait
+  bool looks_;                     ///< whether a thread that looks takes no processor from who posts
+  tbb::task_handle looking_;       ///< blocks nothing: in the sleeper of a thread that only looks
+  std::vector<Sleeper> sleepers_;  ///< one a thread; null while the thread does not wait
   std::atomic<bool> dismissed_{false};
 
   std::mutex threads_mutex_;  ///< only one may join, and all wait for that

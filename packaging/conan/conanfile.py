@@ -54,6 +54,7 @@ class WelkinConan(ConanFile):
         if self.settings.arch == "x86_64":  # for ARM we have registers of our own
             self.requires("xsimd/[>=8.1 <9]")
         if self.options.with_files:
+            self.requires("libjpeg-turbo/[>=2.1]")
             self.requires("libspng/[>=0.7]")
             self.requires("libwebp/[>=1.2]")
             self.requires("nlohmann_json/[>=3.11]")
@@ -112,5 +113,5 @@ class WelkinConan(ConanFile):
         files.libs = ["welkin"] if self.options.shared else ["welkin-files"]
         files.set_property("cmake_target_name", "welkin::files")
         files.set_property("pkg_config_name", "welkin")
-        files.requires = ["core", "libspng::libspng", "libwebp::libwebp", "nlohmann_json::nlohmann_json",
+        files.requires = ["core", "libjpeg-turbo::libjpeg-turbo", "libspng::libspng", "libwebp::libwebp", "nlohmann_json::nlohmann_json",
                           "openexr::openexr", "xxhash::xxhash", "zlib::zlib", "zstd::zstd"]

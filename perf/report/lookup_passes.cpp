@@ -179,8 +179,8 @@ std::vector<Measurement> from_file(const PassContext& context) {
   std::vector<Measurement> all;
   for (const Chain& chain : kChains) {
     const int mips = full_chain_levels(size) - full_chain_levels(chain.smallest) + 1;
-    PrefilterOptions options{.size = size, .roughness = roughness_of_mips(chain.schedule, mips, size)};
-    if (chain.fitted) options.lobe_roughness = fitted_roughness_of_mips(chain.schedule, mips, size);
+    PrefilterOptions options{.size = size, .roughness = mip_roughness(chain.schedule, mips, size)};
+    if (chain.fitted) options.lobe_roughness = fitted_mip_roughness(chain.schedule, mips, size);
     for (const double bound : kBounds) {
       options.rms_error = bound;
       Cubemap result;

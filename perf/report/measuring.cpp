@@ -203,20 +203,20 @@ namespace {
 
 constexpr double kFloor = 1e-6;
 
-struct Place {
+struct FacePoint {
   double u, v;
   int face;
 };
 
 /// Of a texel's centre.
-Place place_of(std::int64_t texel, int size) {
+FacePoint place_of(std::int64_t texel, int size) {
   const std::int64_t face = texel / (std::int64_t{size} * size);
   return {(2.0 * static_cast<double>(texel % size) + 1.0) / size - 1.0,
           (2.0 * static_cast<double>(texel / size % size) + 1.0) / size - 1.0, static_cast<int>(face)};
 }
 
 /// Face axes as the table at `CubemapView` has them.
-glm::dvec3 direction_of(const Place& at) {
+glm::dvec3 direction_of(const FacePoint& at) {
   const std::array<glm::dvec3, 6> all{{{1.0, -at.v, -at.u},
                                        {-1.0, -at.v, at.u},
                                        {at.u, 1.0, at.v},
@@ -227,7 +227,7 @@ glm::dvec3 direction_of(const Place& at) {
 }
 
 double solid_angle(std::int64_t texel, int size) {
-  const Place at = place_of(texel, size);
+  const FacePoint at = place_of(texel, size);
   return std::pow(1.0 + at.u * at.u + at.v * at.v, -1.5);
 }
 

@@ -99,11 +99,11 @@ PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
 
 std::vector<float> rows_from_below(const float* rgb, int size) {
   const std::ptrdiff_t row_values = std::ptrdiff_t{3} * size;
-  std::vector<float> turned;
+  std::vector<float> rotated;
   for (int row = size - 1; row >= 0; --row) {
-    turned.insert(turned.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
+    rotated.insert(rotated.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
   }
-  return turned;
+  return rotated;
 }
 
 Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {

@@ -170,8 +170,8 @@ std::vector<Measurement> one_roughness(const PassContext& context, const Blur& b
 /// The chain of a pass: down to where cmgen ends, or the default one.
 PrefilterOptions shape_of(const std::string& pass, int size) {
   const int mips = pass == kFromFile ? full_chain_levels(size) - full_chain_levels(kSmallestOfCmgen) + 1
-                                     : mips_of_chain(RoughnessSchedule::filament, size);
-  return {.size = size, .roughness = roughness_of_mips(RoughnessSchedule::filament, mips, size)};
+                                     : default_mip_count(RoughnessSchedule::filament, size);
+  return {.size = size, .roughness = mip_roughness(RoughnessSchedule::filament, mips, size)};
 }
 
 /// What a pass about a chain times. A lat-long's file is read in each call, a cubemap's before them.
@@ -237,8 +237,7 @@ std::vector<Measurement> chain(const PassContext& context, const std::string& pa
   }
   for (const PeerChain& peer : peers) {
     const Cubemap& chain = peer.cubemap;
-    const ErrorNorms errors =
-        truth.errors(chain, roughness_of_mips(peer.schedule, chain.levels(), chain.level_size(0)));
+    const ErrorNorms errors = truth.errors(chain, mip_roughness(peer.schedule, chain.levels(), chain.level_size(0)));
     all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
   }
   return all;

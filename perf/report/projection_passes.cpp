@@ -176,7 +176,7 @@ namespace {
 constexpr int kNormals = 200;
 constexpr const char* kIrradianceTruth = "direct cosine integral over all texels in double, 200 normals";
 
-ProjectionOptions with_bands(int bands) {
+ProjectionOptions resized(int bands) {
   ProjectionOptions options;
   options.bands = bands;
   return options;
@@ -193,8 +193,8 @@ Measurement row(const std::string& method, const std::string& setting, const Irr
 std::vector<Measurement> with_sun_extracted(const PassContext& context, const SphericalHarmonics& whole) {
   const LatLongImage& image = context.environment.image;
   LatLongImage rest = image;
-  if (!take_out_sun(rest)) return {};
-  const SphericalHarmonics rest_light = project(rest.view(), with_bands(context.scale.most_bands)).radiance;
+  if (!extract_sun(rest)) return {};
+  const SphericalHarmonics rest_light = project(rest.view(), resized(context.scale.most_bands)).radiance;
   const double share = rms_of_irradiance(rest_light) / rms_of_irradiance(whole);
   const std::vector<IrradianceError> errors = irradiance_errors(rest.view(), rest_light, kNormals);
   std::vector<Measurement> all;
@@ -202,8 +202,8 @@ std::vector<Measurement> with_sun_extracted(const PassContext& context, const Sp
     if (bands == 4) continue;
     const double seconds = context.stopwatch.seconds([&] {
       LatLongImage copy = image;
-      if (take_out_sun(copy)) rest = std::move(copy);
-      (void)project(rest.view(), with_bands(bands));
+      if (extract_sun(copy)) rest = std::move(copy);
+      (void)project(rest.view(), resized(bands));
     });
     all.push_back(row("harmonics and the sun extracted", band_words(bands), errors[static_cast<std::size_t>(bands - 1)],
                       seconds, share));
@@ -213,12 +213,12 @@ std::vector<Measurement> with_sun_extracted(const PassContext& context, const Sp
 
 std::vector<Measurement> by_bands(const PassContext& context) {
   const LatLongView view = context.environment.image.view();
-  const SphericalHarmonics radiance = project(view, with_bands(context.scale.most_bands)).radiance;
+  const SphericalHarmonics radiance = project(view, resized(context.scale.most_bands)).radiance;
   const std::vector<IrradianceError> errors = irradiance_errors(view, radiance, kNormals);
   std::vector<Measurement> all;
   for (const IrradianceError& error : errors) {
     if (error.bands > 3 && error.bands % 2 == 0) continue;  // the cosine lobe has no odd bands above the first
-    const double seconds = context.stopwatch.seconds([&] { (void)project(view, with_bands(error.bands)); });
+    const double seconds = context.stopwatch.seconds([&] { (void)project(view, resized(error.bands)); });
     all.push_back(row("harmonics", band_words(error.bands), error, seconds));
   }
   progress(context, 1, 3);

@@ -138,7 +138,7 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
               last = done;
             }});
   CHECK(last == 1.0);
-  std::stop_source stop;
+  stop_source stop;
   const ThrownError error = thrown_by([&] {
     bake_many(probes.views, room.targets, coefficients, options, 3,
               {.stop = stop.get_token(), .progress = [&](double done) {
@@ -153,10 +153,9 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
 namespace {
 
 BakeOptions quick_bake() {
-  BakeOptions options;
-  options.background = BackgroundOptions{.size = 16};
-  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
-  options.irradiance = IrradianceOptions{.size = 5};
+  BakeOptions options{.background = BackgroundOptions{.size = 16},
+                      .specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}},
+                      .irradiance = IrradianceOptions{.size = 5}};
   options.brdf.reset();
   return options;
 }

@@ -130,7 +130,7 @@ std::filesystem::path write_ktx2(const TemporaryDirectory& directory, const std:
 
 TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const StoredEnvironment file = probe_environment(write_env(directory));
+  const StoredEnvironment file = inspect_stored_environment(write_env(directory));
   CHECK(file.has_polynomial);
   CHECK(file.content == LevelContent::reflections);
   CHECK(file.levels == 5);
@@ -147,7 +147,7 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
 
 TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const StoredEnvironment file = probe_environment(write_env(directory));
+  const StoredEnvironment file = inspect_stored_environment(write_env(directory));
   const Cubemap stored = mirrored_x(read_babylon_environment(file.input).specular);
   for (const RoughnessRange range : {RoughnessRange{0.0, 1.0}, RoughnessRange{0.6, 1.0}}) {
     const Plan planned = plan(file, {.glossy = range}, whole_bake());
@@ -171,7 +171,7 @@ TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][co
 
 TEST_CASE("What a file carries is computed all the same if that is asked for", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const StoredEnvironment file = probe_environment(write_env(directory));
+  const StoredEnvironment file = inspect_stored_environment(write_env(directory));
   const Plan planned = plan(file, {.stored_results = false}, whole_bake());
   for (const char* pass : {"read", "specular", "project"}) CHECK(planned.pass(pass).action == PassAction::run);
   const BakeResult result = bake(file, planned);
@@ -193,7 +193,7 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
 
 TEST_CASE("A KTX2's levels are the background's mips", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const StoredEnvironment file = probe_environment(write_ktx2(directory, ""));
+  const StoredEnvironment file = inspect_stored_environment(write_ktx2(directory, ""));
   CHECK(file.content == LevelContent::radiance);
   const SceneNeeds needs{.glossy = std::nullopt};
   const Plan planned = plan(file, needs, whole_bake());
@@ -208,7 +208,7 @@ TEST_CASE("A KTX2's levels are the background's mips", "[plan][codec]") {
 
 TEST_CASE("A KTX2 that speaks of roughness holds reflections", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const StoredEnvironment file = probe_environment(write_ktx2(directory, "0 0.25 0.5 0.75 1"));
+  const StoredEnvironment file = inspect_stored_environment(write_ktx2(directory, "0 0.25 0.5 0.75 1"));
   CHECK(file.content == LevelContent::reflections);
   CHECK(file.roughness == std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0});
   const Plan planned = plan(file, {.glossy = RoughnessRange{0.3, 0.6}, .background = false}, whole_bake());
@@ -222,7 +222,7 @@ TEST_CASE("A KTX2 that speaks of roughness holds reflections", "[plan][codec]") 
 TEST_CASE("A cached bake of a file is the bake of the file, whatever was baked of its pixels before", "[plan][codec]") {
   const TemporaryDirectory directory;
   for (const auto& path : {write_env(directory), write_ktx2(directory, "")}) {
-    const StoredEnvironment file = probe_environment(path);
+    const StoredEnvironment file = inspect_stored_environment(path);
     ResultCache cache;
     for (const bool stored_results : {true, false, true, false}) {
       INFO(path << (stored_results ? ", with" : ", without") << " what it carries");
@@ -265,7 +265,7 @@ TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]")
   write_texture(path, odd_chain().views(), {.format = TexelFormat::rgba32f});
   const SceneNeeds needs{.glossy = std::nullopt};
   const auto action = [&](LevelContent content) {
-    return plan(probe_environment(path, {}, content), needs, whole_bake()).pass("background mips").action;
+    return plan(inspect_stored_environment(path, {}, content), needs, whole_bake()).pass("background mips").action;
   };
   CHECK(action(LevelContent::automatic) == PassAction::run);
   CHECK(action(LevelContent::radiance) == PassAction::reuse);
@@ -282,7 +282,7 @@ TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec
   options.irradiance->size = 512;
   options.irradiance->method = IrradianceMethod::harmonics;
   options.memory_limit_bytes = 1'000'000;
-  const StoredEnvironment stored = probe_environment(file);
+  const StoredEnvironment stored = inspect_stored_environment(file);
   const Plan planned = plan(stored, needs, options);
   REQUIRE(planned.streams);
   CHECK(thrown_by([&] { static_cast<void>(bake(stored, planned)); }).code == ErrorCode::limit_exceeded);
@@ -318,7 +318,7 @@ TEST_CASE("A panorama whose light alone is used is projected while it is read", 
   const TemporaryDirectory directory;
   const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
   write_environment(directory.file("sky.pfm"), picture.view());
-  const StoredEnvironment file = probe_environment(directory.file("sky.pfm"));
+  const StoredEnvironment file = inspect_stored_environment(directory.file("sky.pfm"));
   const BakeResult whole = bake(picture.view(), whole_bake());
   const Plan light = plan(file, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
   CHECK(light.streams);

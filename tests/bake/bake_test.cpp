@@ -78,8 +78,7 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   REQUIRE(result.specular);
   CHECK(same_bits(result.specular->cubemap, prefilter_specular(picture.view(), *options.specular).cubemap));
   REQUIRE(result.radiance);
-  ProjectionOptions projecting;
-  projecting.bands = 4;
+  ProjectionOptions projecting{.bands = 4};
   const Projection projection = project(picture.view(), projecting);
   CHECK(same_bytes(result.radiance->coefficients(), projection.radiance.coefficients()));
   CHECK(same_bits(*result.irradiance, irradiance_cubemap(irradiance_from_radiance(projection.radiance), 5)));
@@ -353,14 +352,14 @@ TEST_CASE("A bake stops at any point of its progress", "[bake]") {
     run_with_threads(threads, [&] {
       for (const double at : {0.0, 0.1, 0.5, 0.9}) {
         INFO("at " << at << ", " << threads << " threads");
-        std::stop_source source;
+        stop_source source;
         const Control control{source.get_token(), [&](double done) {
                                 if (done >= at) source.request_stop();
                               }};
         CHECK(outcome_of([&] { static_cast<void>(bake(picture.view(), small_bake(64), control)); }) == "cancelled");
       }
       // Before the first tile, and after the last.
-      std::stop_source source;
+      stop_source source;
       const Control late{source.get_token(), [&](double done) {
                            if (done == 1.0) source.request_stop();
                          }};

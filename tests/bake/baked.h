@@ -60,8 +60,7 @@ inline const PassRecord& pass_named(const BakeResult& result, const std::string&
 
 /// Small and quick, with every pass.
 inline BakeOptions small_bake(int size = 16) {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = size};
+  BakeOptions options{.specular = PrefilterOptions{.size = size}};
   options.irradiance->size = 5;
   options.brdf = BrdfTableOptions{.width = 9, .height = 7};
   return options;

@@ -1,5 +1,6 @@
 // Lobes other than GGX in bakes: the bits of the direct calls, whichever way a bake is asked for.
 #include "bake/baked.h"
+#include "cache/recipe.h"
 #include "reflections/prefilter_plan.h"
 #include "support/catch.h"
 #include "support/chains.h"
@@ -22,7 +23,7 @@ double power(double roughness) { return 2.0 / (roughness * roughness * roughness
 
 struct FamilyOptions {
   PrefilterOptions options;
-  std::vector<ZonalKernel> kernels;  ///< of the direct call; none: that is the call by family
+  std::vector<ZonalLobe> kernels;  ///< of the direct call; none: that is the call by family
 };
 
 /// Wide lobes: narrow ones take long.
@@ -30,16 +31,15 @@ std::vector<FamilyOptions> all_families() {
   const std::vector<double> two{0.5, 0.8};
   const std::vector<std::vector<double>> spectra{{2.0, 1.0, 0.5}, {3.0, 1.0, 0.25, -0.5}};
   return {
-      {{.size = 8, .roughness = two, .lobe = LobeFamily::charlie},
-       {ZonalKernel::charlie(0.5), ZonalKernel::charlie(0.8)}},
+      {{.size = 8, .roughness = two, .lobe = LobeFamily::charlie}, {ZonalLobe::charlie(0.5), ZonalLobe::charlie(0.8)}},
       {{.size = 8, .lobe = LobeFamily::lambert}, {}},
       {{.size = 8, .roughness = two, .lobe = LobeFamily::phong},
-       {ZonalKernel::phong(power(0.5)), ZonalKernel::phong(power(0.8))}},
-      {{.size = 8, .roughness = {1.0}, .lobe = LobeFamily::phong}, {ZonalKernel::phong(1.0)}},
+       {ZonalLobe::phong(power(0.5)), ZonalLobe::phong(power(0.8))}},
+      {{.size = 8, .roughness = {1.0}, .lobe = LobeFamily::phong}, {ZonalLobe::phong(1.0)}},
       {{.size = 8, .roughness = two, .lobe = LobeFamily::blinn},
-       {ZonalKernel::blinn(power(0.5)), ZonalKernel::blinn(power(0.8))}},
+       {ZonalLobe::blinn(power(0.5)), ZonalLobe::blinn(power(0.8))}},
       {{.size = 8, .roughness = {0.5, 0.5}, .lobe = LobeFamily::spectra, .spectra = spectra},
-       {ZonalKernel::from_spectrum(spectra[0]), ZonalKernel::from_spectrum(spectra[1])}},
+       {ZonalLobe::from_spectrum(spectra[0]), ZonalLobe::from_spectrum(spectra[1])}},
   };
 }
 
@@ -49,7 +49,7 @@ BakeOptions bake_of(const PrefilterOptions& specular) {
 
 PrefilteredSpecular direct(const EnvironmentView& view, const FamilyOptions& family) {
   if (family.kernels.empty()) return prefilter_specular(view, family.options);
-  return prefilter_by_kernels(view, {.size = family.options.size, .kernels = family.kernels});
+  return prefilter_by_lobes(view, {.size = family.options.size, .lobes = family.kernels});
 }
 
 std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
@@ -83,7 +83,7 @@ TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call",
     const PrefilteredSpecular alone = prefilter_specular(view, family.options);
     CHECK(same_bits(alone.cubemap, truth.cubemap));
     CHECK(roughness_of(alone) == reflections::roughness_of_chain(family.options));
-    CHECK(mips_of_chain(family.options) == truth.cubemap.levels());
+    CHECK(default_mip_count(family.options) == truth.cubemap.levels());
     const BakeOptions options = bake_of(family.options);
     CHECK(same_bits(bake(view, options).specular->cubemap, truth.cubemap));
     const Plan planned = plan(view, {}, options);
@@ -128,16 +128,16 @@ TEST_CASE("lobes: a chain has as many mips, and as rough ones, as its family has
   const auto roughness = [](LobeFamily lobe) {
     return reflections::roughness_of_chain({.size = 8, .roughness = {0.0, 0.02, 0.6}, .lobe = lobe});
   };
-  CHECK(roughness(LobeFamily::charlie) == std::vector<double>{kLeastCharlieRoughness, kLeastCharlieRoughness, 0.6});
+  CHECK(roughness(LobeFamily::charlie) == std::vector<double>{kMinCharlieRoughness, kMinCharlieRoughness, 0.6});
   CHECK(roughness(LobeFamily::phong) == std::vector<double>{0.12, 0.12, 0.6});
   CHECK(roughness(LobeFamily::blinn) == std::vector<double>{0.12, 0.12, 0.6});
   CHECK(roughness(LobeFamily::lambert) == std::vector<double>{0.0, 0.02, 0.6});
   const PrefilterOptions sheen{.size = 64, .lobe = LobeFamily::charlie};
-  const int mips = mips_of_chain(RoughnessSchedule::linear, 64);
-  CHECK(mips_of_chain(sheen) == mips);
-  CHECK(reflections::roughness_of_chain(sheen) == charlie_roughness_of_mips(mips, 64));
-  CHECK(mips_of_chain({.size = 64, .lobe = LobeFamily::lambert}) == 1);
-  CHECK(mips_of_chain({.size = 64}) == mips_of_chain(RoughnessSchedule::filament, 64));
+  const int mips = default_mip_count(RoughnessSchedule::linear, 64);
+  CHECK(default_mip_count(sheen) == mips);
+  CHECK(reflections::roughness_of_chain(sheen) == charlie_mip_roughness(mips, 64));
+  CHECK(default_mip_count({.size = 64, .lobe = LobeFamily::lambert}) == 1);
+  CHECK(default_mip_count({.size = 64}) == default_mip_count(RoughnessSchedule::filament, 64));
 }
 
 TEST_CASE("lobes: bakes into targets and of many probes have the bits of the direct call", "[bake][many][lobes]") {
@@ -145,7 +145,7 @@ TEST_CASE("lobes: bakes into targets and of many probes have the bits of the dir
   for (const FamilyOptions& family : all_families()) {
     INFO(name(family.options.lobe));
     const std::vector<std::byte> truth = stored(direct(cube.view(), family).cubemap);
-    const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 8, .levels = mips_of_chain(family.options)};
+    const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 8, .levels = default_mip_count(family.options)};
     std::vector<std::byte> memory(upload_bytes(layout));
     static_cast<void>(bake_to({.specular = upload_targets(layout, memory)}, cube.view(), bake_of(family.options)));
     CHECK(memory == truth);
@@ -182,7 +182,8 @@ TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][c
       CHECK(action_of(found) == expected);
       CHECK(same_bits(found.specular->cubemap, prefilter_specular(cube.view(), all[k]).cubemap));
       CHECK(same_bits(cache.prefilter_specular(cube.view(), all[k]).cubemap, found.specular->cubemap));
-      for (std::size_t other = 0; other < k; ++other) CHECK(hash_options(all[k]) != hash_options(all[other]));
+      for (std::size_t other = 0; other < k; ++other)
+        CHECK(cache::hash_options(all[k]) != cache::hash_options(all[other]));
     }
   }
 }

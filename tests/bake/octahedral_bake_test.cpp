@@ -1,5 +1,6 @@
 // Octahedral maps out of bakes: the bits of the direct call, whichever way a bake is asked for.
 #include "bake/baked.h"
+#include "cache/recipe.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/temporary_directory.h"
@@ -88,13 +89,14 @@ TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, an
       CHECK(action_of(found) == expected);
       const BakeResult truth = bake(cube.view(), all[k]);
       CHECK(same_map(found.octahedral, *truth.octahedral));
-      for (std::size_t other = 0; other < k; ++other) CHECK(hash_options(all[k]) != hash_options(all[other]));
+      for (std::size_t other = 0; other < k; ++other)
+        CHECK(cache::hash_options(all[k]) != cache::hash_options(all[other]));
     }
   }
   BakeOptions none = all[0];
   none.octahedral.reset();
   CHECK_FALSE(cache.bake(cube.view(), none).octahedral.has_value());
-  CHECK(hash_options(none) != hash_options(all[0]));
+  CHECK(cache::hash_options(none) != cache::hash_options(all[0]));
 }
 
 TEST_CASE("octahedral: a bake's memory stays below what was predicted", "[bake][octahedral]") {

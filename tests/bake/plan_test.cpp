@@ -98,8 +98,7 @@ namespace {
 const SourceShape kPanorama{false, 512, 256, PixelFormat::rgb32f};
 
 BakeOptions six_mip_bake() {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = 64, .roughness = {0.0, 0.1, 0.3, 0.5, 0.8, 1.0}};
+  BakeOptions options{.specular = PrefilterOptions{.size = 64, .roughness = {0.0, 0.1, 0.3, 0.5, 0.8, 1.0}}};
   return options;
 }
 

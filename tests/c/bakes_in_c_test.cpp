@@ -73,7 +73,7 @@ welkin_pixel_policy clamping_policy() {
 
 const char* name_of(welkin_prefilter_method method) {
   if (method == WELKIN_PREFILTER_COPY) return "copy";
-  if (method == WELKIN_PREFILTER_NARROW) return "narrow";
+  if (method == WELKIN_PREFILTER_NEAR_FAR) return "near_far";
   return name(static_cast<PrefilterMethod>(method));
 }
 
@@ -179,12 +179,12 @@ TEST_CASE("C: chains by a schedule have its roughness and its number of mips", "
       options.fitted = fitted ? 1 : 0;
       welkin_chain* chain = nullptr;
       REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
-      const int mips = mips_of_chain(schedule, 8);
+      const int mips = default_mip_count(schedule, 8);
       auto info = c_struct<welkin_chain_info>();
       REQUIRE(welkin_chain_get_info(chain, &info) == WELKIN_OK);
       REQUIRE(info.levels == mips);
-      const std::vector<double> roughness = roughness_of_mips(schedule, mips, 8);
-      const std::vector<double> lobes = fitted ? fitted_roughness_of_mips(schedule, mips, 8) : roughness;
+      const std::vector<double> roughness = mip_roughness(schedule, mips, 8);
+      const std::vector<double> lobes = fitted ? fitted_mip_roughness(schedule, mips, 8) : roughness;
       for (int level = 0; level < mips; ++level) {
         auto mip = c_struct<welkin_mip>();
         REQUIRE(welkin_chain_get_mip(chain, level, &mip) == WELKIN_OK);

@@ -514,14 +514,14 @@ TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interfa
     for (const Convention& convention : conventions()) {
       auto form = c_struct<welkin_engine_light>();
       const auto number = static_cast<welkin_engine>(convention.engine);
-      for (const bool turned : {false, true}) {
+      for (const bool rotated : {false, true}) {
         const welkin_status status =
-            welkin_engine_light_from_radiance(bands, radiance.data(), number, turned ? 0 : 1, &form);
+            welkin_engine_light_from_radiance(bands, radiance.data(), number, rotated ? 0 : 1, &form);
         INFO(convention.name);
         REQUIRE((status == WELKIN_OK) == has_engine_light(convention.engine));
         if (status != WELKIN_OK) continue;
-        const EngineLight engine = turned ? engine_light(light.radiance, convention.engine)
-                                          : engine_light_in_place(light.radiance, convention.engine);
+        const EngineLight engine = rotated ? engine_light(light.radiance, convention.engine)
+                                           : engine_light_unrotated(light.radiance, convention.engine);
         REQUIRE(form.engine == number);
         REQUIRE(static_cast<std::size_t>(form.term_count) == engine.terms.size());
         REQUIRE(static_cast<std::size_t>(form.vector_count) == engine.vectors.size());

@@ -18,8 +18,8 @@ struct Reflections {
   Reflections() {
     const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
     const welkin_environment view = c_view(cube.view());
-    expected = prefilter_specular(cube.view(),
-                                  {.size = 16, .roughness = roughness_of_mips(RoughnessSchedule::babylon, 5, 16)});
+    expected =
+        prefilter_specular(cube.view(), {.size = 16, .roughness = mip_roughness(RoughnessSchedule::babylon, 5, 16)});
     auto options = c_struct<welkin_prefilter_options>();
     options.size = 16;
     options.schedule = WELKIN_ROUGHNESS_BABYLON;
@@ -95,9 +95,9 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
 
   // The chain brings its roughness, which a later bake finds.
   REQUIRE(welkin_write_chain(place("chain.ktx2").c_str(), reflections.chain, nullptr, nullptr, nullptr) == WELKIN_OK);
-  const StoredEnvironment stored = probe_environment(place("chain.ktx2"));
+  const StoredEnvironment stored = inspect_stored_environment(place("chain.ktx2"));
   REQUIRE(stored.content == LevelContent::reflections);
-  REQUIRE(stored.roughness == roughness_of_mips(RoughnessSchedule::babylon, 5, 16));
+  REQUIRE(stored.roughness == mip_roughness(RoughnessSchedule::babylon, 5, 16));
 
   const std::vector<float> rgb{0.5F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
   write_texture_2d(place("cpp.dds"), 2, 1, rgb.data());

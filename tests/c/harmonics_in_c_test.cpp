@@ -21,11 +21,11 @@ TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_inter
     std::array<double, 9> numbers{};
     for (int i = 0; i < 9; ++i) numbers.at(static_cast<std::size_t>(i)) = matrix[i / 3][i % 3];
     made = radiance;  // in place
-    REQUIRE(welkin_turn(bands, made.data(), numbers.data(), made.data()) == WELKIN_OK);
-    REQUIRE(same_doubles(made.data(), turned(light, matrix)));
+    REQUIRE(welkin_rotate(bands, made.data(), numbers.data(), made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), rotate(light, matrix)));
 
     for (const auto window : {Window::none, Window::hanning, Window::lanczos, Window::min_laplacian}) {
-      const Windowed expected = apply_window(light, window, 5.0);
+      const WindowResult expected = apply_window(light, window, 5.0);
       made = radiance;
       REQUIRE(welkin_apply_window(bands, made.data(), static_cast<welkin_window>(window), 5.0, made.data()) ==
               WELKIN_OK);

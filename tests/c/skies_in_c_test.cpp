@@ -26,8 +26,8 @@ welkin_sky_table_options c_options(const SkyTableOptions& options) {
   values.orders = options.orders;
   values.linear_srgb = options.colour == SkyColour::linear_srgb ? 1 : 0;
   values.minimum_sun_elevation_degrees = options.minimum_sun_elevation_degrees;
-  values.until_change = options.until_change;
-  values.exact_orders = options.exact_orders ? 1 : 0;
+  values.convergence_threshold = options.convergence_threshold;
+  values.truncate_orders = options.truncate_orders ? 1 : 0;
   values.memory_limit_bytes = options.memory_limit_bytes;
   return values;
 }
@@ -193,8 +193,8 @@ TEST_CASE("C: a sky's tables have the C++ call's bits, at once and as a job", "[
   other.layout = ScatteringLayout::compact;
   other.colour = SkyColour::linear_srgb;
   other.orders = 3;
-  other.until_change = 0.02;
-  other.exact_orders = true;
+  other.convergence_threshold = 0.02;
+  other.truncate_orders = true;
   other.minimum_sun_elevation_degrees = -12.0;
   const SkyTables expected = precompute_sky(mars(), other);
   const welkin_atmosphere air = planet(WELKIN_PLANET_MARS);
@@ -230,7 +230,7 @@ TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
     REQUIRE(same_bytes(std::span<const glm::vec3>(found), std::span<const glm::vec3>(wanted)));
     REQUIRE(welkin_sky_view_radiance(view.handle, nullptr, 0, c_sun.data(), nullptr) == WELKIN_OK);
 
-    const Sun light = expected.sun(sun);
+    const Sun light = expected.sun_light(sun);
     std::array<double, 3> irradiance{};
     double solid_angle = 0.0;
     REQUIRE(welkin_sky_view_sun(view.handle, c_sun.data(), irradiance.data(), &solid_angle) == WELKIN_OK);
@@ -275,10 +275,7 @@ TEST_CASE("C: a sky's harmonics have the C++ calls' bits, at once and as jobs", 
   const SkyView expected_view(sky.tables, 0.0);
   CView view;
   REQUIRE(welkin_sky_view_create(sky.c_tables.handle, 0.0, 0, &view.handle) == WELKIN_OK);
-  SkyCurveOptions curve_options;
-  curve_options.bands = 4;
-  curve_options.nodes = 16;
-  curve_options.projection = {3, SkyQuadrature::gauss_split, 8, 12};
+  SkyCurveOptions curve_options{.bands = 4, .nodes = 16, .projection = {3, SkyQuadrature::gauss_split, 8, 12}};
   const SkyCurve curve(expected_view, curve_options);
   auto options = c_struct<welkin_sky_harmonics_options>();
   options.bands = 4;
@@ -369,7 +366,7 @@ void require_same(const welkin_sky_frame& frame, const SkyLightFrame& expected) 
   if (wanted.specular) require_same_chain(reflections.chain, wanted.specular->cubemap);
   REQUIRE(same_bits(reflections.weight, wanted.weight));
   for (int column = 0; column < 3; ++column) {
-    REQUIRE(same_triple(reflections.turn + 3 * column, wanted.turn[column]));
+    REQUIRE(same_triple(reflections.rotation + 3 * column, wanted.rotation[column]));
   }
 }
 
@@ -408,10 +405,10 @@ TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its refle
   skies.set_sun(30.0, 160.0);
   skies.light.set_intensity(3.0);
   REQUIRE(welkin_sky_light_set_intensity(skies.c_light.handle, 3.0) == WELKIN_OK);
-  const welkin_sky_frame turned = skies.settled();
-  require_same(turned, skies.light.light());
-  REQUIRE(turned.reflections[0].id == first.reflections[0].id);
-  REQUIRE(turned.reflections[0].weight == 3.0);
+  const welkin_sky_frame rotated = skies.settled();
+  require_same(rotated, skies.light.light());
+  REQUIRE(rotated.reflections[0].id == first.reflections[0].id);
+  REQUIRE(rotated.reflections[0].weight == 3.0);
 
   // An elevation does: the chain that was the newer one keeps its number as the older one.
   skies.set_sun(10.0, 160.0);

@@ -51,7 +51,7 @@ TEST_CASE("hash: where rows lie in memory does not matter") {
 
 TEST_CASE("hash: every texel, every channel and every face counts") {
   const TestCubemap original = make_cubemap(Content::random, 150, 3, 1);
-  const std::array<ContentHash, 6> faces = hash_faces(original.view());
+  const std::array<ContentHash, 6> faces = cache::hash_faces(original.view(), {});
   std::set<ContentHash> seen{hash_pixels(original.view())};
   const std::size_t face_values = original.pixels.size() / 6;
   // First and last values of faces, and of the blocks of rows that are hashed apart.
@@ -62,7 +62,7 @@ TEST_CASE("hash: every texel, every channel and every face counts") {
       changed.pixels[face * face_values + place] += 1.0F;
       INFO(face << ' ' << place);
       CHECK(seen.insert(hash_pixels(changed.view())).second);
-      const std::array<ContentHash, 6> now = hash_faces(changed.view());
+      const std::array<ContentHash, 6> now = cache::hash_faces(changed.view(), {});
       for (std::size_t other = 0; other < 6; ++other) CHECK((now[other] == faces[other]) == (other != face));
     }
   }
@@ -73,13 +73,13 @@ TEST_CASE("hash: faces in another order are another cubemap") {
   CubemapView swapped = cubemap.view();
   std::swap(swapped.faces[0], swapped.faces[1]);
   CHECK(hash_pixels(swapped) != hash_pixels(cubemap.view()));
-  CHECK(hash_faces(swapped)[0] == hash_faces(cubemap.view())[1]);
+  CHECK(cache::hash_faces(swapped, {})[0] == cache::hash_faces(cubemap.view(), {})[1]);
 }
 
 TEST_CASE("hash: what no call accepts is refused, and cancelling works") {
   CHECK(thrown_by([] { static_cast<void>(hash_pixels(CubemapView{})); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([] { static_cast<void>(hash_file("/nowhere/at/all")); }).code == ErrorCode::file_access);
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   CHECK(thrown_by([&] {
@@ -108,12 +108,12 @@ namespace {
 /// Every change gives a hash of its own.
 template <class Options>
 void check_changes(const Options& plain, const std::vector<std::function<void(Options&)>>& changes) {
-  std::set<ContentHash> seen{hash_options(plain)};
+  std::set<ContentHash> seen{cache::hash_options(plain)};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     Options options = plain;
     changes[k](options);
     INFO("change " << k);
-    CHECK(seen.insert(hash_options(options)).second);
+    CHECK(seen.insert(cache::hash_options(options)).second);
   }
 }
 
@@ -121,7 +121,7 @@ template <class Options>
 void check_without_effect(const Options& plain, const std::function<void(Options&)>& change) {
   Options options = plain;
   change(options);
-  CHECK(hash_options(options) == hash_options(plain));
+  CHECK(cache::hash_options(options) == cache::hash_options(plain));
 }
 
 TEST_CASE("options: every field of a projection counts") {
@@ -196,8 +196,8 @@ TEST_CASE("options: every field of sky tables counts, but their limit") {
            [](Options& o) { o.sun_angles = 9; }, [](Options& o) { o.transmittance_heights = 9; },
            [](Options& o) { o.transmittance_zeniths = 9; }, [](Options& o) { o.irradiance_heights = 9; },
            [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.minimum_sun_elevation_degrees = -9.0; },
-           [](Options& o) { o.orders = 9; }, [](Options& o) { o.until_change = 0.5; },
-           [](Options& o) { o.exact_orders = true; }, [](Options& o) { o.colour = SkyColour::linear_srgb; }});
+           [](Options& o) { o.orders = 9; }, [](Options& o) { o.convergence_threshold = 0.5; },
+           [](Options& o) { o.truncate_orders = true; }, [](Options& o) { o.colour = SkyColour::linear_srgb; }});
   check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
 }
 
@@ -287,8 +287,7 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
   const CacheOptions options{.folder = directory.file("cache"), .memory_bytes = 0};
   const TestLatLong picture = make_lat_long(Content::random, 32, 16, 3);
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
-  BakeOptions baking;
-  baking.specular = PrefilterOptions{.size = 8, .mips = 2};
+  BakeOptions baking{.specular = PrefilterOptions{.size = 8, .mips = 2}};
   baking.irradiance->size = 4;
   baking.brdf.reset();
   const SkyTableOptions sky{.heights = 4,

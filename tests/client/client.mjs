@@ -1,6 +1,6 @@
 // Opens a page in Chromium and asks an engine what it makes of our files.
 //
-//   node client.mjs --engine babylon|three --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR
+//   node client.mjs --engine babylon|playcanvas|three --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR
 //                   [--shared HDR_DIR] [--most PICTURES] [--all-wrong] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
 //                   [--spheres FOLDER [--figure-of PICTURE.hdr]]
 //
@@ -53,20 +53,36 @@ function serve(folders) {
 }
 
 async function openPage(url) {
-  const browser = await chromium.launch({
+  const launch = () => chromium.launch({
     executablePath: flag("--browser"),
     // No graphics card is asked for: SwiftShader draws, the same everywhere.
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--ignore-gpu-blocklist", "--disable-background-networking"],
   });
-  const page = await browser.newPage({ viewport: { width: 1024, height: 320 } });
-  page.setDefaultTimeout(120_000);
-  page.on("pageerror", (error) => console.error(`page: ${error.message}`));
-  page.on("console", (message) => { if (message.type() === "error") console.error(`page: ${message.text()}`); });
-  await page.goto(`${url}/index.html`);
-  await page.waitForFunction("window.client");
-  const ask = (name, ...values) => page.evaluate(([n, v]) => window.client[n](...v), [name, values]);
-  return { browser, ask };
+  const open = async (browser) => {
+    const page = await browser.newPage({ viewport: { width: 1024, height: 320 } });
+    page.setDefaultTimeout(120_000);
+    page.on("pageerror", (error) => console.error(`page: ${error.message}`));
+    page.on("console", (message) => { if (message.type() === "error") console.error(`page: ${message.text()}`); });
+    await page.goto(`${url}/index.html`);
+    await page.waitForFunction("window.client");
+    return page;
+  };
+  const browser = await launch();
+  const ask = async (page, name, ...values) => page.evaluate(([n, v]) => window.client[n](...v), [name, values]);
+  if (!engine.freshBrowser) {
+    const page = await open(browser);
+    return { browser, ask: (...words) => ask(page, ...words) };
+  }
+  const askAnew = async (...words) => {
+    const another = await launch();
+    try {
+      return await ask(await open(another), ...words);
+    } finally {
+      await another.close();
+    }
+  };
+  return { browser, ask: askAnew };
 }
 
 const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignore", "ignore", "inherit"] });

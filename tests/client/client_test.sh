@@ -1,6 +1,7 @@
 #!/bin/sh
-# Real clients of our files: Babylon.js and three.js in Debian's Chromium, without a screen.
-#   client_test.sh CLIENT_DIR WELKIN SHARED_HDR_DIR WORK_DIR --engine babylon|three [MORE ARGUMENTS OF client.mjs]
+# Real clients of our files: Babylon.js, PlayCanvas and three.js in Debian's Chromium, without a screen.
+#   client_test.sh CLIENT_DIR WELKIN SHARED_HDR_DIR WORK_DIR --engine babylon|playcanvas|three [MORE ARGUMENTS OF client.mjs]
+#   client_test.sh CLIENT_DIR WELKIN SHARED_HDR_DIR WORK_DIR preview.mjs|ultra_hdr.mjs [MORE ARGUMENTS]
 # CLIENT_DIR holds client.mjs and the package.json with the pinned packages, which are installed into WORK_DIR (once).
 # Chromium is installed with apt-get where it is missing and that may be done. Exit code 77, for ctest to call it skipped,
 # where Node.js, the packages or Chromium cannot be had.
@@ -61,4 +62,11 @@ if ! cmp -s "$here/package-lock.json" "$work/package-lock.json" || ! [ -e "$work
   fi
 fi
 
-exec node "$here/client.mjs" --modules "$work" --browser "$browser" --welkin "$welkin" --work "$work" --shared "$shared" "$@"
+script=client.mjs
+case ${1-} in
+  *.mjs)
+    script=$1
+    shift
+    ;;
+esac
+exec node "$here/$script" --modules "$work" --browser "$browser" --welkin "$welkin" --work "$work" --shared "$shared" "$@"

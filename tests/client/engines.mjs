@@ -49,4 +49,14 @@ export const ENGINES = {
     /** The truth is summed once more where lobes are much wider than a pixel; it may be off by this. */
     direct: { roughness: [0.375, 0.75], allowed: 0.001 },
   },
+  playcanvas: {
+    // 512 texels, as EnvLighting.generateAtlas makes unless asked for more.
+    files: [{ name: "atlas", kind: "atlas", of: "env_atlas.json", options: ["--for", "playcanvas"],
+              wrong: [...TURNED, ["with PlayCanvas' schedule", "--roughness", "0,0.18,0.36,0.55,0.73,0.91"],
+                      ["with another schedule", "--roughness", "0,0.1,0.2,0.4,0.6,1"]] }],
+    truth: { of: "specular.ktx2", options: ["--formats", "ktx2"] },
+    roughness: (given) => given,
+    /** After its own prefilter no further asset gets ready in the same browser, under SwiftShader. */
+    freshBrowser: true,
+  },
 };

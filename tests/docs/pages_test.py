@@ -215,12 +215,14 @@ def check_words(source):
                                                     "bindings/python/source/*.cpp")]
     for path, words_of in readers:
         name = path.relative_to(source).as_posix()
-        for number, line in enumerate(words_of(path.read_text(encoding="utf-8")).split("\n"), 1):
-            for word, instead in FORBIDDEN.items():
-                for match in re.finditer(rf"\b(?:{word})\b", line, flags=re.I):
-                    if not any(name.startswith(where) and (what is None or what == match.group(0).lower())
-                               for where, what, _ in EXCEPTIONS):
-                        faults.append(f"{name}:{number}: '{match.group(0)}' ({instead}): {line.strip()[:100]}")
+        text = words_of(path.read_text(encoding="utf-8"))
+        lines = text.split("\n")
+        for word, instead in FORBIDDEN.items():
+            for match in re.finditer(rf"\b(?:{word})\b", text, flags=re.I):
+                if not any(name.startswith(where) and (what is None or what == match.group(0).lower())
+                           for where, what, _ in EXCEPTIONS):
+                    number = text.count("\n", 0, match.start()) + 1
+                    faults.append(f"{name}:{number}: '{match.group(0)}' ({instead}): {lines[number - 1].strip()[:100]}")
     return faults
 
 

@@ -68,7 +68,7 @@ PAGES = {
         ()),
     "docs/guides/probe_grids.md": (
         "std::vector<welkin::CubemapView> cubes, std::vector<welkin::DepthView> depths, welkin::dvec3 position,"
-        "welkin::dvec3 normal", ()),
+        "welkin::dvec3 normal", (0,)),
     "docs/guides/sun.md": ("welkin::LatLongImage (*load)()", ()),
     "docs/reference/files.md": ("Archive archive", ()),
 }

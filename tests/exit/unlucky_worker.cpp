@@ -162,11 +162,11 @@ void own_worker_of_busy_process() {
 /// All but so much of the address space, in blocks.
 std::vector<std::unique_ptr<char[]>> take_all_but(std::size_t mebibytes) {
   constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
-  constexpr std::size_t kMost = 4096;
+  constexpr std::size_t kMax = 4096;
   std::vector<std::unique_ptr<char[]>> blocks;
-  blocks.reserve(kMost);
+  blocks.reserve(kMax);
   try {
-    while (blocks.size() < kMost) blocks.emplace_back(new char[kMebibyte]);
+    while (blocks.size() < kMax) blocks.emplace_back(new char[kMebibyte]);
   } catch (const std::bad_alloc&) {
     blocks.resize(blocks.size() - std::min(blocks.size(), mebibytes));
     return blocks;

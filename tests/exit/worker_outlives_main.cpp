@@ -85,9 +85,7 @@ Values resample() {
 }
 
 Values prefilter() {
-  welkin::PrefilterOptions options;
-  options.size = 8;
-  options.method = welkin::PrefilterMethod::spectral;
+  welkin::PrefilterOptions options{.size = 8, .method = welkin::PrefilterMethod::spectral};
   const welkin::PrefilteredSpecular result = welkin::prefilter_specular(cubemap().view(), options);
   Values values;
   for (const welkin::MipRecord& mip : result.mips) values.insert(values.end(), {mip.mean.x, mip.mean.y, mip.mean.z});
@@ -100,16 +98,15 @@ Values brdf() {
 }
 
 Values sky() {
-  welkin::SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 16;
-  options.sun_zeniths = 8;
-  options.sun_angles = 4;
-  options.transmittance_heights = 16;
-  options.transmittance_zeniths = 64;
-  options.irradiance_heights = 4;
-  options.irradiance_sun_zeniths = 16;
-  options.orders = 2;
+  welkin::SkyTableOptions options{.heights = 4,
+                                  .view_zeniths = 16,
+                                  .sun_zeniths = 8,
+                                  .sun_angles = 4,
+                                  .transmittance_heights = 16,
+                                  .transmittance_zeniths = 64,
+                                  .irradiance_heights = 4,
+                                  .irradiance_sun_zeniths = 16,
+                                  .orders = 2};
   const auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth(), options));
   const welkin::SkyProjector projector(welkin::SkyView(tables, 0.0));
   return values_of(projector.project(welkin::sun_direction(20.0, 30.0)));

@@ -24,9 +24,7 @@ namespace {
 constexpr std::pair<TexelFormat, int> kFormats[] = {{TexelFormat::astc_4x4_hdr, 4}, {TexelFormat::astc_6x6_hdr, 6}};
 
 TextureOptions in_astc(TexelFormat format, AstcEffort effort = AstcEffort::fastest) {
-  TextureOptions options;
-  options.format = format;
-  options.astc_effort = effort;
+  TextureOptions options{.format = format, .astc_effort = effort};
   return options;
 }
 
@@ -227,7 +225,7 @@ TEST_CASE("a cut ASTC file is refused, and a stopped write leaves none", "[codec
   write_bytes(path, bytes);
   CHECK(thrown_by([&] { (void)read_texture(path); }).code == ErrorCode::corrupt_file);
   std::filesystem::remove(path);
-  std::stop_source source;
+  stop_source source;
   double last = 0.0;
   const Control control{source.get_token(), [&](double done) {
                           last = done;

@@ -66,8 +66,7 @@ TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][tex
         const CubemapTexture texture = read_texture(path);
         REQUIRE(texture.cubemap.levels() == full_chain_levels(size));
         CHECK(is_recorded(texture.cubemap, blocks));
-        ReadOptions options;
-        options.level = texture.cubemap.levels() - 1;
+        ReadOptions options{.level = texture.cubemap.levels() - 1};
         CHECK(read_environment(path, options).pixels[0] == texture.cubemap.face(options.level, 0)[0]);
         const Environment whole = read_environment(path);
         CHECK(same_bytes<float>({whole.pixels.get(), level_values(texture.cubemap, 0).size()},
@@ -104,8 +103,7 @@ TEST_CASE("cubemaps are written as BC6H and come back as their blocks say", "[co
 TEST_CASE("headers of BC6H textures are as their specifications have them", "[codec][textures][bc6h]") {
   const TemporaryDirectory directory;
   const Cubemap chain = noisy_chain(8, 4);
-  TextureOptions options;
-  options.format = TexelFormat::bc6h_ufloat;
+  TextureOptions options{.format = TexelFormat::bc6h_ufloat};
   write_texture(directory.file("sky.ktx2"), chain.views(), options);
   write_texture(directory.file("sky.dds"), chain.views(), options);
   const std::vector<char> ktx = read_bytes(directory.file("sky.ktx2"));
@@ -169,8 +167,7 @@ TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures
         CAPTURE(width, height, name);
         const TextureOptions options{.format = format};
         CHECK(write_texture_2d(directory.file(name), width, height, rgb.data(), options).values_clamped == 0);
-        ReadOptions read_options;
-        read_options.layout = Layout::lat_long;
+        ReadOptions read_options{.layout = Layout::lat_long};
         const Environment read = read_environment(directory.file(name), read_options);
         REQUIRE(read.info.width == width);
         REQUIRE(read.info.height == height);
@@ -178,8 +175,7 @@ TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures
       }
       TextureOptions packed{.format = format, .supercompression = Supercompression::zlib};
       write_texture_2d(directory.file("packed.ktx2"), width, height, rgb.data(), packed);
-      ReadOptions read_options;
-      read_options.layout = Layout::lat_long;
+      ReadOptions read_options{.layout = Layout::lat_long};
       CHECK(same_bytes<float>({read_environment(directory.file("packed.ktx2"), read_options).pixels.get(), rgb.size()},
                               {read_environment(directory.file("sky.dds"), read_options).pixels.get(), rgb.size()}));
     }

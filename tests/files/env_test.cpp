@@ -108,7 +108,7 @@ TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes
   for (int l = 0; l < 3; ++l) {
     for (int m = -l; m <= l; ++m) radiance.at(l, m) = glm::dvec3(1.0 + l * 3 + m, 0.5 * m, l - 0.25 * m);
   }
-  const BabylonEnvironment turned = to_babylon(chain, radiance, some_irradiance(3));
+  const BabylonEnvironment rotated = to_babylon(chain, radiance, some_irradiance(3));
   for (int level = 0; level < 3; ++level) {
     const int size = chain.level_size(level);
     for (int face = 0; face < 6; ++face) {
@@ -118,19 +118,19 @@ TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes
           direction.x = -direction.x;
           const auto [other_face, other_column, other_row] = texel_at(size, direction);
           const float* from = chain.face(level, face) + 3 * (row * size + column);
-          const float* to = turned.specular.face(level, other_face) + 3 * (other_row * size + other_column);
+          const float* to = rotated.specular.face(level, other_face) + 3 * (other_row * size + other_column);
           CHECK(std::equal(from, from + 3, to));
         }
       }
     }
   }
-  CHECK(same_bits(mirrored_x(turned.specular), chain));
-  CHECK(same_bits(mirrored_x(turned.irradiance), some_irradiance(3)));
+  CHECK(same_bits(mirrored_x(rotated.specular), chain));
+  CHECK(same_bits(mirrored_x(rotated.irradiance), some_irradiance(3)));
   // Twice E / pi of the polynomial's kind in a direction is that of the mirrored direction.
-  REQUIRE(turned.polynomial);
+  REQUIRE(rotated.polynomial);
   const BabylonPolynomial straight = babylon_polynomial(radiance);
   for (const glm::dvec3& normal : {glm::dvec3(1, 0, 0), glm::dvec3(0.6, 0.8, 0), glm::dvec3(0.36, 0.48, -0.8)}) {
-    const glm::dvec3 mirrored = evaluate(*turned.polynomial, normal * glm::dvec3(-1, 1, 1));
+    const glm::dvec3 mirrored = evaluate(*rotated.polynomial, normal * glm::dvec3(-1, 1, 1));
     CHECK(glm::length(mirrored - evaluate(straight, normal)) < 1e-12);
   }
 }
@@ -309,16 +309,16 @@ glm::dvec3 stored_term(const std::string& file, const std::string& term) {
   return {};
 }
 
-/// Mean over a level's texels of |log2 of green / green|, once the faces of `chain` went through `turn`: texel (column,
-/// row) of a face of the cubemap is compared with the one that `turn` names in the chain.
+/// Mean over a level's texels of |log2 of green / green|, once the faces of `chain` went through `rotation`: texel
+/// (column, row) of a face of the cubemap is compared with the one that `rotation` names in the chain.
 template <class Turn>
-double log_difference(const Cubemap& cubemap, const Cubemap& chain, int level, const Turn& turn) {
+double log_difference(const Cubemap& cubemap, const Cubemap& chain, int level, const Turn& rotation) {
   const int size = cubemap.size();
   double sum = 0.0;
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const auto [other_face, other_column, other_row] = turn(face, column, row);
+        const auto [other_face, other_column, other_row] = rotation(face, column, row);
         const float ours = cubemap.pixels()[static_cast<std::size_t>(((face * size + row) * size + column) * 3 + 1)];
         const float theirs = chain.face(level, other_face)[(other_row * size + other_column) * 3 + 1];
         sum += std::abs(
@@ -391,7 +391,7 @@ TEST_CASE("real .env files show their photographs, right way up and not mirrored
     const int size = chain.size() / 2;  // level 1 is nearly sharp
     const Cubemap cubemap = to_cubemap(picture.lat_long(), size);
     const int end = size - 1;
-    const auto difference = [&](const auto& turn) { return log_difference(cubemap, chain, 1, turn); };
+    const auto difference = [&](const auto& rotation) { return log_difference(cubemap, chain, 1, rotation); };
     const double as_it_is = difference([](int face, int column, int row) { return std::tuple(face, column, row); });
     const double mirrored =
         difference([end](int face, int column, int row) { return std::tuple(face, end - column, row); });

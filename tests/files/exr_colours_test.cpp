@@ -23,9 +23,7 @@ namespace {
 const Imf::Chromaticities kWide({0.708F, 0.292F}, {0.170F, 0.797F}, {0.131F, 0.046F}, {0.3127F, 0.3290F});
 
 ReadOptions as_stored_lat_long() {
-  ReadOptions options;
-  options.layout = Layout::lat_long;
-  options.primaries = Primaries::as_stored;
+  ReadOptions options{.layout = Layout::lat_long, .primaries = Primaries::as_stored};
   return options;
 }
 
@@ -95,8 +93,7 @@ void write_with(const std::filesystem::path& path, const std::function<void(Imf:
 }
 
 ReadOptions as_stored() {
-  ReadOptions options;
-  options.primaries = Primaries::as_stored;
+  ReadOptions options{.primaries = Primaries::as_stored};
   return options;
 }
 

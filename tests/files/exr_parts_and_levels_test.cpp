@@ -36,8 +36,7 @@ std::string name_of_read_part(const std::filesystem::path& path, const std::vect
 }
 
 ReadOptions with_part(const std::string& name) {
-  ReadOptions options;
-  options.part = name;
+  ReadOptions options{.part = name};
   return options;
 }
 
@@ -75,8 +74,7 @@ TEST_CASE("the part that has the layer is read", "[codec]") {
       part("a", rgb_channels(Imf::FLOAT), 1),
       part("b", {{"sun.R", Imf::FLOAT, 1, 0}, {"sun.G", Imf::FLOAT, 1, 1}, {"sun.B", Imf::FLOAT, 1, 2}}, 2)};
   write_exr_parts(path, parts);
-  ReadOptions options;
-  options.layer = "sun";
+  ReadOptions options{.layer = "sun"};
   CHECK(name_of_read_part(path, parts, options) == "b");
 }
 
@@ -123,9 +121,7 @@ TEST_CASE("a part that is not there is an error that names those that are", "[co
 namespace {
 
 ReadOptions at_level(int level) {
-  ReadOptions options;
-  options.level = level;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long, .level = level};
   return options;
 }
 
@@ -230,9 +226,7 @@ EnvironmentInfo chain(Layout layout, int width, int height, int count) {
 }
 
 ProjectionOptions target(std::optional<int> size, Quadrature quadrature = Quadrature::exact) {
-  ProjectionOptions options;
-  options.target_size = size;
-  options.quadrature = quadrature;
+  ProjectionOptions options{.quadrature = quadrature, .target_size = size};
   return options;
 }
 
@@ -308,10 +302,10 @@ TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
     std::vector<char> bytes = read_bytes(path);
     // Tables lie before the first block, of which the lowest offset tells.
     std::size_t table = 0;
-    for (std::size_t place = 8; place + 8 * entries <= bytes.size() && table == 0; ++place) {
+    for (std::size_t index = 8; index + 8 * entries <= bytes.size() && table == 0; ++index) {
       std::uint64_t offset = 0;
-      std::memcpy(&offset, bytes.data() + place, sizeof(offset));
-      table = offset == place + 8 * entries ? place : 0;
+      std::memcpy(&offset, bytes.data() + index, sizeof(offset));
+      table = offset == index + 8 * entries ? index : 0;
     }
     REQUIRE(table != 0);
     std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table), 8 * entries, '\0');
@@ -331,8 +325,7 @@ TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
   const std::vector<char> sound = read_bytes(path);
   for (const char* part : {"sky", "tiles"}) {
     write_bytes(path, sound);
-    ReadOptions options;
-    options.part = part;
+    ReadOptions options{.part = part};
     check(32 + 15, options);
   }
 }
@@ -348,9 +341,7 @@ std::filesystem::path picture(const std::string& name) { return kConformance / (
 
 // None of them is an environment; any ratio can be taken for a lat-long.
 Environment read(const std::string& name, Primaries primaries = Primaries::rec709) {
-  ReadOptions options;
-  options.layout = Layout::lat_long;
-  options.primaries = primaries;
+  ReadOptions options{.layout = Layout::lat_long, .primaries = primaries};
   return read_environment(picture(name), options);
 }
 
@@ -404,8 +395,7 @@ TEST_CASE("all levels of the colour-coded mip map have its colours", "[codec][sh
   if (!shared_pictures_are_here()) {
     return;
   }
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   REQUIRE(inspect_environment(picture("ColorCodedLevels"), options).levels.size() == 10);
   std::vector<float> firsts;
   for (; options.level < 10; ++options.level) {
@@ -421,8 +411,7 @@ TEST_CASE("each view of the stereo picture in parts is read", "[codec][shared]")
   if (!shared_pictures_are_here()) {
     return;
   }
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   const EnvironmentInfo info = inspect_environment(picture("multipart.0001"), options);
   CHECK(info.parts.size() == 10);
   CHECK(info.width == 877);

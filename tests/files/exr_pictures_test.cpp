@@ -38,8 +38,7 @@ std::vector<ExrChannel> together(std::vector<ExrChannel> channels, const std::ve
 }
 
 ReadOptions with_layer(const std::string& name) {
-  ReadOptions options;
-  options.layer = name;
+  ReadOptions options{.layer = name};
   return options;
 }
 
@@ -175,8 +174,7 @@ namespace {
 ExrRecipe random_recipe(std::mt19937& random, int round) {
   const Imf::Compression compressions[] = {Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
                                            Imf::PIZ_COMPRESSION};
-  ExrRecipe recipe;
-  recipe.height = 1 + static_cast<int>(random() % 90);
+  ExrRecipe recipe{.height = 1 + static_cast<int>(random() % 90)};
   recipe.width = 2 * recipe.height;
   recipe.first_column = static_cast<int>(random() % 4000) - 2000;
   recipe.first_row = static_cast<int>(random() % 4000) - 2000;
@@ -337,8 +335,7 @@ TEST_CASE("the data window is the picture where the display window is no frame",
   mipped.tiles = Imf::TileDescription(16, 16, Imf::MIPMAP_LEVELS);
   CHECK(size_read(mipped) == Size{64, 32});
   CHECK(says(inspect_environment(path), "") == false);
-  ReadOptions as_lat_long;
-  as_lat_long.layout = Layout::lat_long;
+  ReadOptions as_lat_long{.layout = Layout::lat_long};
   CHECK(size_read(recipe_of({-5, 0, 60, 45}, {0, 0, 80, 40}), as_lat_long) == Size{80, 40});
   CHECK(size_read(recipe_of({-5, 0, 61, 45}, {0, 0, 80, 60}), as_lat_long) == Size{61, 45});
   CHECK(says(inspect_environment(path, as_lat_long), "the data window of 61 x 45 is the image"));
@@ -472,9 +469,9 @@ TEST_CASE("sizes that multiply past 64 bits are refused", "[codec]") {
     for (const std::int32_t corner : {0x3ffffffe, 0x7ffffffe, 0x7fffffff}) {
       std::vector<char> bytes = small_exr(path, Imf::ZIP_COMPRESSION, Imf::TileDescription(4, 4, mode));
       for (const std::string& window : {"dataWindow\0box2i"s, "displayWindow\0box2i"s}) {
-        const std::size_t place = field(bytes, window);
+        const std::size_t index = field(bytes, window);
         for (const auto& [offset, value] : {std::pair{0, -corner}, {4, -corner}, {8, corner}, {12, corner}}) {
-          std::memcpy(bytes.data() + place + offset, &value, 4);
+          std::memcpy(bytes.data() + index + offset, &value, 4);
         }
       }
       const std::size_t tiles = field(bytes, "tiles\0tiledesc"s);

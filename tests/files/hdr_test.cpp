@@ -134,8 +134,7 @@ class Picture {
     HdrRecipe recipe{16, 8};
     recipe.lines = lines;
     write_bytes(path_, hdr_bytes(recipe, texels_));
-    ReadOptions options;
-    options.primaries = primaries;
+    ReadOptions options{.primaries = primaries};
     return read_environment(path_, options);
   }
 
@@ -360,8 +359,7 @@ TEST_CASE("a picture of columns is refused where decoding it whole takes too muc
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.hdr");
   write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
-  ReadOptions options;
-  options.memory_limit_bytes = 512 * 256 * 4;
+  ReadOptions options{.memory_limit_bytes = 512 * 256 * 4};
   CHECK(inspect_environment(path, options).width == 512);
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
   const ThrownError error = thrown_by([&] { (void)files::open_row_source(path, options)->open_reader(); });

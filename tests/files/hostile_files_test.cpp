@@ -33,8 +33,7 @@ struct Tally {
 void try_to_read(const std::filesystem::path& path, const std::vector<char>& bytes, Tally& tally) {
   std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
   write_bytes(path, bytes);
-  ReadOptions options;
-  options.memory_limit_bytes = std::uint64_t{16} << 20U;
+  ReadOptions options{.memory_limit_bytes = std::uint64_t{16} << 20U};
   try {
     (void)read_environment(path, options);
     (void)measure_environment(path, options);
@@ -65,12 +64,12 @@ void check_damage(Damage damage, const std::string& extension, bool may_load) {
 }  // namespace
 
 TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage][slow]") {
-  for (const char* extension : {".exr", ".pfm", ".hdr"}) check_damage(for_each_truncation, extension, false);
+  for (const char* extension : {".exr", ".pfm", ".hdr", ".jpg"}) check_damage(for_each_truncation, extension, false);
   check_damage(for_each_truncation, ".png", true);  // nothing that is needed follows the last row
 }
 
 TEST_CASE("no changed byte does harm", "[codec][damage][slow]") {
-  for (const char* extension : {".exr", ".pfm", ".hdr", ".png"}) {
+  for (const char* extension : {".exr", ".pfm", ".hdr", ".png", ".jpg"}) {
     check_damage(for_each_changed_byte, extension, true);
   }
 }
@@ -84,7 +83,7 @@ TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage][slow
 }
 
 TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage][slow]") {
-  for (const char* extension : {".pfm", ".hdr", ".png"}) check_damage(for_each_extreme_field, extension, true);
+  for (const char* extension : {".pfm", ".hdr", ".png", ".jpg"}) check_damage(for_each_extreme_field, extension, true);
 }
 
 // Promises: a texture or .env that is cut off anywhere, has any byte changed, or any field set to an extreme, is either
@@ -131,8 +130,7 @@ void try_to_read_texture(const std::filesystem::path& path, const std::vector<ch
   std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
   write_bytes(path, bytes);
   constexpr std::uint64_t limit = std::uint64_t{16} << 20U;
-  ReadOptions options;
-  options.memory_limit_bytes = limit;
+  ReadOptions options{.memory_limit_bytes = limit};
   const auto attempt = [&](const auto& call) {
     try {
       call();
@@ -271,8 +269,8 @@ void patch_attribute(std::vector<char>& bytes, const std::string& name_and_type,
                      std::uint32_t value) {
   const auto found = std::search(bytes.begin(), bytes.end(), name_and_type.begin(), name_and_type.end());
   REQUIRE(found != bytes.end());
-  const auto place = found - bytes.begin() + static_cast<std::ptrdiff_t>(name_and_type.size() + offset);
-  std::memcpy(bytes.data() + place, &value, sizeof(value));
+  const auto index = found - bytes.begin() + static_cast<std::ptrdiff_t>(name_and_type.size() + offset);
+  std::memcpy(bytes.data() + index, &value, sizeof(value));
 }
 
 std::vector<char> tiled_exr(const std::filesystem::path& path) {
@@ -282,11 +280,17 @@ std::vector<char> tiled_exr(const std::filesystem::path& path) {
   return read_bytes(path);
 }
 
-// What the first call of a process sets up (oneTBB, kernels, OpenEXR) is no matter of the picture's size.
+// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the picture's size.
 void call_once_before(const TemporaryDirectory& directory) {
-  const std::filesystem::path path = directory.file("small.exr");
-  static_cast<void>(tiled_exr(path));
-  run_with_threads(1, [&] { static_cast<void>(project_file(path)); });
+  const std::filesystem::path exr = directory.file("small.exr");
+  static_cast<void>(tiled_exr(exr));
+  const std::filesystem::path pfm = directory.file("small.pfm");
+  const std::string header = "PF\n64 32\n-1\n";
+  write_bytes(pfm, {header.begin(), header.end()});
+  std::filesystem::resize_file(pfm, header.size() + std::size_t{64} * 32 * 12);
+  for (const auto& path : {exr, pfm}) {
+    run_with_threads(1, [&] { static_cast<void>(project_file(path)); });
+  }
 }
 
 using namespace std::string_literals;
@@ -328,8 +332,8 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
   check([](auto& bytes) { patch_attribute(bytes, "channels\0chlist\0"s, 0, 0x7fffffff); });
   check([](auto& bytes) {  // a long opaque attribute where a short one was
     const std::string name = "lineOrder\0lineOrder\0"s;
-    const auto place = std::search(bytes.begin(), bytes.end(), name.begin(), name.end());
-    std::copy_n("lineOrder\0something\0", name.size(), place);
+    const auto index = std::search(bytes.begin(), bytes.end(), name.begin(), name.end());
+    std::copy_n("lineOrder\0something\0", name.size(), index);
     patch_attribute(bytes, "lineOrder\0something\0"s, 0, 0x7ffffff0);
   });
 #endif
@@ -341,8 +345,8 @@ TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
   const auto refusal_of = [&](const std::vector<char>& sound, const std::vector<std::uint8_t>& begin,
                               std::size_t payload) {
     std::vector<char> bytes(sound.begin(), sound.begin() + 104);  // the header, and a level index of one level
-    const auto set = [&bytes](std::size_t place, auto value) {
-      std::memcpy(bytes.data() + place, &value, sizeof value);
+    const auto set = [&bytes](std::size_t index, auto value) {
+      std::memcpy(bytes.data() + index, &value, sizeof value);
     };
     constexpr std::uint32_t size = 2048;
     set(20, size);
@@ -388,8 +392,7 @@ TEST_CASE("a streamed picture needs a few blocks of memory", "[codec][slow]") {
   ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
   recipe.channels = rgb_channels(Imf::HALF);
   write_exr(path, recipe, std::vector<float>(std::size_t{3} * width * height, 0.5F));
-  ReadOptions options;
-  options.memory_limit_bytes = 8 * kMebibyte;
+  ReadOptions options{.memory_limit_bytes = 8 * kMebibyte};
   const auto stream = [&] {
     bool success = false;
     run_with_threads(1, [&] {  // a pool's threads do not live on in a child process
@@ -404,7 +407,7 @@ TEST_CASE("a streamed picture needs a few blocks of memory", "[codec][slow]") {
 
 TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming][slow]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
-  WARN("left out: address space cannot be limited under a sanitizer");
+  WARN("left out: a sanitizer's own memory is in the way");
 #else
   // 1.5 GiB of zeros that take no room on the disk, and one row of ones.
   const TemporaryDirectory directory;
@@ -420,18 +423,20 @@ TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming][s
     file.write(reinterpret_cast<const char*>(ones.data()), static_cast<std::streamsize>(row_bytes));
     REQUIRE(file.good());
   }
-  const auto stream = [&] {
-    bool success = false;
-    run_with_threads(1, [&] {
-      const Projection light = project_file(path);
-      const double row = 2.0 * 3.14159265358979 * 3.14159265358979 / 8192.0;  // steradians of one row at the horizon
-      success = light.diagnostics.texels == std::uint64_t{16384} * 8192 &&
-                std::abs(light.diagnostics.total_radiance.g / row - 1.0) < 1e-6;
-    });
-    return success;
-  };
   call_once_before(directory);
-  CHECK(succeeds_within(4 * kMebibyte, stream));
+  // What is in use, not the address space: a huge page's block reserves twice its size to begin at a multiple of it.
+  std::optional<Projection> light;
+  std::optional<std::uint64_t> growth;
+  run_with_threads(1, [&] { growth = peak_growth([&] { light = project_file(path); }); });
+  const double row = 2.0 * 3.14159265358979 * 3.14159265358979 / 8192.0;  // steradians of one row at the horizon
+  CHECK(light->diagnostics.texels == std::uint64_t{16384} * 8192);
+  CHECK(std::abs(light->diagnostics.total_radiance.g / row - 1.0) < 1e-6);
+  if (!growth) {
+    WARN("left out: the system does not tell a process its peak of memory");
+    return;
+  }
+  constexpr std::uint64_t kLag = std::uint64_t{64} << 12U;  // Linux counts a thread's pages 64 at a time
+  CHECK(*growth < 4 * kMebibyte + kLag);
 #endif
 }
 
@@ -444,8 +449,7 @@ TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread
   ExrRecipe recipe{16384, 512, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
   recipe.channels = rgb_channels(Imf::HALF);
   write_exr(path, recipe, std::vector<float>(std::size_t{3} * 16384 * 512, 0.5F));
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   const auto stream = [&] { return project_file(path, options).diagnostics.texels == 16384 * 512; };
   const auto stream_alone = [&] {
     bool success = false;

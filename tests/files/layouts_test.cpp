@@ -32,8 +32,7 @@ std::filesystem::path write_picture(const TemporaryDirectory& directory, int wid
 }
 
 ReadOptions as(Layout layout) {
-  ReadOptions options;
-  options.layout = layout;
+  ReadOptions options{.layout = layout};
   return options;
 }
 
@@ -229,8 +228,7 @@ TEST_CASE("a cross is held as its faces alone and refused by what they take", "[
   const std::filesystem::path path = directory.file("cross.pfm");
   const int size = 64;
   write_pfm(path, cube_picture(Layout::horizontal_cross, size, unlike_texels(size), kNaN));
-  ReadOptions options;
-  options.memory_limit_bytes = 6 * size * size * 12 - 1;
+  ReadOptions options{.memory_limit_bytes = 6 * size * size * 12 - 1};
   const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.message == path.string() +
@@ -398,8 +396,8 @@ TEST_CASE("The labelled map goes into every engine's faces and back without a mo
     if (!engine.faces_from_engine) continue;
     const glm::dmat3 there = *engine.faces_from_engine * engine.from_welkin;
     CAPTURE(engine.name);
-    const Cubemap turned = to_cubemap(map.view(), 32, there);
-    CHECK(same_bits(map.pixels(), to_cubemap(turned.view(), 32, glm::transpose(there)).pixels().data()));
+    const Cubemap rotated = to_cubemap(map.view(), 32, there);
+    CHECK(same_bits(map.pixels(), to_cubemap(rotated.view(), 32, glm::transpose(there)).pixels().data()));
   }
 }
 

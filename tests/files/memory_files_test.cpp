@@ -1,4 +1,5 @@
 // Files in memory: read from bytes and written to them.
+#include "files/row_source.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/damaged_files.h"
@@ -62,7 +63,7 @@ void check_same_outcome(const std::filesystem::path& path, std::span<const std::
 const auto same_results = [](const auto& a, const auto& b) { return same_bits(a, b); };
 
 bool same_words(const EnvironmentInfo& a, const EnvironmentInfo& b) {
-  return a.path == b.path && a.format_words() == b.format_words() && a.compression == b.compression &&
+  return a.path == b.path && a.format_description() == b.format_description() && a.compression == b.compression &&
          a.storage == b.storage && a.layout == b.layout && a.layout_reason == b.layout_reason && a.width == b.width &&
          a.height == b.height && a.channels.size() == b.channels.size() && a.levels.size() == b.levels.size() &&
          a.parts == b.parts && a.layers == b.layers && a.notes == b.notes && a.faces == b.faces;
@@ -163,8 +164,7 @@ TEST_CASE("a bake of bytes is that of the file, whole and planned", "[bake][memo
   std::vector<std::filesystem::path> paths = write_textures(directory);
   paths.push_back(directory.file("sky.hdr"));
   write_environment(paths.back(), LatLongImage{64, 32, some_pixels(64, 32)}.view());
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = 8};
+  BakeOptions options{.specular = PrefilterOptions{.size = 8}};
   options.irradiance->size = 4;
   options.brdf.reset();
   const auto same = [](const BakeResult& a, const BakeResult& b) {
@@ -180,7 +180,7 @@ TEST_CASE("a bake of bytes is that of the file, whole and planned", "[bake][memo
     const auto whole = [&](const FileInput& input) { return bake_file(input, {}, options); };
     check_same_outcome(path, bytes, whole, same);
     const auto planned = [&](const FileInput& input) {
-      const StoredEnvironment stored = probe_environment(input);
+      const StoredEnvironment stored = inspect_stored_environment(input);
       return bake(stored, plan(stored, {}, options));
     };
     check_same_outcome(path, bytes, planned, same);
@@ -198,7 +198,7 @@ struct SixFaces {
   explicit SixFaces(const TemporaryDirectory& directory) {
     const Cubemap chain = noisy_chain(8, 1);
     write_environment(directory.file("sky.pfm"), chain.view(0), {.layout = Layout::six_files});
-    paths = face_files(directory.file("sky_px.pfm"));
+    paths = files::face_files(directory.file("sky_px.pfm"));
     for (std::size_t face = 0; face < 6; ++face) bytes[face] = bytes_of(paths[face]);
   }
 
@@ -227,7 +227,7 @@ TEST_CASE("six faces in memory are read as six files are", "[codec][memory]") {
   CHECK(same_bits(measure_environment(six.input()), measure_environment(six.paths[0])));
   CHECK(
       same_bits(project_file(six.input(), {}, {.target_size = 4}), project_file(six.paths[0], {}, {.target_size = 4})));
-  const StoredEnvironment stored = probe_environment(six.input());
+  const StoredEnvironment stored = inspect_stored_environment(six.input());
   CHECK(stored.shape.cubemap);
   BakeOptions options;
   options.specular.reset();
@@ -278,7 +278,7 @@ TEST_CASE("after an error the bytes that were to be written are as they were", "
   const Cubemap chain = noisy_chain(8, 1);
   const Bytes before(5, std::byte{9});
   Bytes bytes = before;
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   for (const char* name : {"sky.exr", "sky.hdr", "sky.pfm", "sky.png"}) {
     CAPTURE(name);

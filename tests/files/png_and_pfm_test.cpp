@@ -59,9 +59,7 @@ bool notes_say(const EnvironmentInfo& info, const std::string& words) {
 }
 
 ReadOptions as_lat_long(Transfer transfer = Transfer::automatic) {
-  ReadOptions options;
-  options.layout = Layout::lat_long;
-  options.transfer = transfer;
+  ReadOptions options{.layout = Layout::lat_long, .transfer = transfer};
   return options;
 }
 
@@ -178,8 +176,7 @@ TEST_CASE("a PNG's primaries become Rec. 709, or stay as stored", "[codec][png]"
   PngRecipe recipe{2, 1};
   const auto read = [&](Primaries wanted) {
     write_bytes(path, png_bytes(recipe, {255, 0, 0, 255, 255, 255}));
-    ReadOptions options;
-    options.primaries = wanted;
+    ReadOptions options{.primaries = wanted};
     return read_environment(path, options);
   };
   recipe.primaries = rec2020;
@@ -288,8 +285,7 @@ TEST_CASE("what a PNG's header claims costs no memory", "[codec][png]") {
 TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much", "[codec][png]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.png");
-  ReadOptions options;
-  options.memory_limit_bytes = std::uint64_t{512} << 10U;
+  ReadOptions options{.memory_limit_bytes = std::uint64_t{512} << 10U};
   write_bytes(path, sound_png(640, 320, true));
   CHECK(inspect_environment(path, options).width == 640);
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);

@@ -18,10 +18,10 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& path) {
 }
 
 template <class Number>
-Number number_at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+Number number_at(const std::vector<std::uint8_t>& bytes, std::size_t slot) {
   Number number{};
-  REQUIRE(place + sizeof number <= bytes.size());
-  std::memcpy(&number, bytes.data() + place, sizeof number);
+  REQUIRE(slot + sizeof number <= bytes.size());
+  std::memcpy(&number, bytes.data() + slot, sizeof number);
   return number;
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
   const std::vector<ProbeLayout> layouts{ProbeLayout::three, ProbeLayout::unity_l2, ProbeLayout::unity_l1,
                                          ProbeLayout::plain};
   const WriteReport report = write_probes(folder.path() / "level.json", probes, layouts);
-  CHECK(report.files.size() == 1 + 1 + 1 + 7 + 3 + 1);
+  CHECK(report.files.size() == 1 + 1 + 2 + 7 + 3 + 1);
   CHECK(report.values_clamped == 0);
   const std::vector<std::uint8_t> text = bytes_of(folder.path() / "level.json");
   const nlohmann::json description = nlohmann::json::parse(text.begin(), text.end());

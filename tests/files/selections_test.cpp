@@ -71,10 +71,7 @@ TEST_CASE("A part, layer, level or element that a file does not have is refused 
 }
 
 TEST_CASE("Number 0 may be asked for in every format", "[codec]") {
-  ReadOptions options;
-  options.part = "0";
-  options.level = 0;
-  options.element = 0;
+  ReadOptions options{.part = "0", .level = 0, .element = 0};
   for (const File& file : a_file_of_each_format()) {
     INFO(file.name);
     CHECK_NOTHROW(read_environment(FileInput(file.bytes, file.name), options));
@@ -141,11 +138,7 @@ std::vector<Kind> kinds() {
 }
 
 ExrRecipe recipe_of(const Kind& kind, bool tiled) {
-  ExrRecipe recipe;
-  recipe.width = 64;
-  recipe.height = 32;
-  recipe.compression = kind.compression;
-  recipe.channels = rgb_channels(Imf::HALF);
+  ExrRecipe recipe{.width = 64, .height = 32, .compression = kind.compression, .channels = rgb_channels(Imf::HALF)};
   if (tiled) recipe.tiles = Imf::TileDescription(16, 16);
   return recipe;
 }

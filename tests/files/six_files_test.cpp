@@ -1,5 +1,6 @@
 // Promises: six files are found by any one of them or by their directory, under every family of names and no other;
 // they are read as one cube, formats mixed; and what is missing or does not fit is said by name.
+#include "files/row_source.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/cube_pictures.h"
@@ -50,7 +51,7 @@ std::vector<std::filesystem::path> write_six(const TemporaryDirectory& directory
 void touch(const std::filesystem::path& path) { write_bytes(path, {}); }
 
 void check_refusal(const std::filesystem::path& path, ErrorCode code, const std::string& message) {
-  const ThrownError error = thrown_by([&] { (void)face_files(path); });
+  const ThrownError error = thrown_by([&] { (void)files::face_files(path); });
   INFO(error.message);
   CHECK(error.code == code);
   CHECK(error.message.starts_with(path.string() + ": "));
@@ -58,8 +59,7 @@ void check_refusal(const std::filesystem::path& path, ErrorCode code, const std:
 }
 
 ReadOptions as_six_files() {
-  ReadOptions options;
-  options.layout = Layout::six_files;
+  ReadOptions options{.layout = Layout::six_files};
   return options;
 }
 
@@ -72,10 +72,10 @@ TEST_CASE("six files are found under every family of names, by any of them and b
       CAPTURE(names[0], prefix);
       const auto paths = write_six(directory, prefix, names, ".pfm", 1);
       for (const std::filesystem::path& path : paths) {
-        const auto found = face_files(path);
+        const auto found = files::face_files(path);
         CHECK(std::equal(found.begin(), found.end(), paths.begin()));
       }
-      const auto found = face_files(paths[0].parent_path());
+      const auto found = files::face_files(paths[0].parent_path());
       CHECK(std::equal(found.begin(), found.end(), paths.begin()));
     }
   }
@@ -86,10 +86,10 @@ TEST_CASE("names of faces may be written in capitals, and the six may differ in 
   for (const char* name : {"Sky_PX.EXR", "Sky_nx.EXR", "Sky_Py.EXR", "Sky_NY.EXR", "Sky_pz.EXR", "Sky_nz.exr"}) {
     touch(directory.file(name));
   }
-  CHECK(face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
-  CHECK(face_files(directory.file("."))[5].filename() == "Sky_nz.exr");
+  CHECK(files::face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
+  CHECK(files::face_files(directory.file("."))[5].filename() == "Sky_nz.exr");
   touch(directory.file("sky_px.exr"));  // another prefix: not of this set
-  CHECK(face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
+  CHECK(files::face_files(directory.file("Sky_Py.EXR"))[0].filename() == "Sky_PX.EXR");
 }
 
 TEST_CASE("names that only resemble those of faces are none", "[codec][layout]") {
@@ -111,7 +111,7 @@ TEST_CASE("a numbered series of more than six is no cube", "[codec][layout]") {
                 "faces px nx py ny pz nz");
   check_refusal(directory.file("."), ErrorCode::file_access, "is a directory without six faces");
   std::filesystem::remove(directory.file("frame_6.exr"));
-  CHECK(face_files(directory.file("frame_3.exr"))[0].filename() == "frame_0.exr");
+  CHECK(files::face_files(directory.file("frame_3.exr"))[0].filename() == "frame_0.exr");
 }
 
 TEST_CASE("missing faces are named, in the family that is the most complete", "[codec][layout]") {
@@ -155,8 +155,7 @@ TEST_CASE("six files are read as one cube, by any of them or their directory, as
 TEST_CASE("a layout that is asked for keeps a face from being taken for a sixth", "[codec][layout]") {
   const TemporaryDirectory directory;
   const auto paths = write_six(directory, "sky_", kFamilies[0], ".pfm", 4);
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   CHECK(inspect_environment(paths[0], options).layout == Layout::lat_long);
   CHECK(inspect_environment(paths[0], options).faces[0].empty());
   const ThrownError error = thrown_by([&] { (void)inspect_environment(paths[0].parent_path(), options); });

@@ -224,8 +224,8 @@ TEST_CASE("a sequential source is read whole, straight or scattered to faces", "
       run_with_threads(threads, [&] {
         const Environment environment = files::read_whole(source, {}, {});
         const bool cross = layout == Layout::horizontal_cross;
-        const std::size_t place = cross ? std::size_t{4} * 96 * 96 * 3 : (std::size_t{96} * 384 + 96) * 3;
-        CHECK(environment.pixels[place] == value_at(96, 96, 0));  // the first texel of +Z
+        const std::size_t index = cross ? std::size_t{4} * 96 * 96 * 3 : (std::size_t{96} * 384 + 96) * 3;
+        CHECK(environment.pixels[index] == value_at(96, 96, 0));  // the first texel of +Z
       });
       check_order(source);
     }
@@ -320,7 +320,7 @@ TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
     CHECK(std::is_sorted(reports.begin(), reports.end()));
     CHECK(reports.back() == 1.0);
 
-    std::stop_source source;
+    stop_source source;
     control.stop = source.get_token();
     control.progress = [&](double) { source.request_stop(); };
     const ThrownError error = thrown_by([&] { (void)project_file(path, {}, {}, control); });

@@ -21,8 +21,7 @@ namespace welkin::test {
 namespace {
 
 ReadOptions at_level(int level) {
-  ReadOptions options;
-  options.level = level;
+  ReadOptions options{.level = level};
   return options;
 }
 
@@ -86,8 +85,7 @@ TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was ask
     bytes[128] = srgb ? 29 : 28;
     write_bytes(path, bytes);
     for (const Transfer transfer : {Transfer::automatic, Transfer::linear, Transfer::srgb}) {
-      ReadOptions options;
-      options.transfer = transfer;
+      ReadOptions options{.transfer = transfer};
       const bool curved = transfer == Transfer::srgb || (transfer == Transfer::automatic && srgb);
       const double code = 50.0 / 255.0;  // green of the second texel
       const double wanted = curved ? std::pow((code + 0.055) / 1.055, 2.4) : code;
@@ -99,8 +97,7 @@ TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was ask
 TEST_CASE("another layout or a level that is not there is refused", "[codec][textures]") {
   const TemporaryDirectory directory;
   write_texture(directory.file("sky.ktx2"), noisy_chain(4, 3).views(), {});
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   const auto read = [&] { (void)read_environment(directory.file("sky.ktx2"), options); };
   CHECK(thrown_by(read).says("leave --layout out"));
   options = at_level(3);
@@ -113,8 +110,7 @@ TEST_CASE("another layout or a level that is not there is refused", "[codec][tex
 TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[codec][textures]") {
   const TemporaryDirectory directory;
   const Cubemap chain = noisy_chain(16, 5);
-  ProjectionOptions options;
-  options.target_size = 4;
+  ProjectionOptions options{.target_size = 4};
   const TextureOptions blurred{TexelFormat::rgba16f, Supercompression::none, {{"Welkin.Roughness", "0 1"}}};
   for (const char* const file : {"sky.ktx2", "sky.exr", "sky.dds"}) {
     CAPTURE(file);
@@ -144,8 +140,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
   CHECK(relative_error(reused.radiance, radiance) < 1e-14);
   CHECK(pass_named(reused, "project").action == PassAction::reuse);
   CHECK(glm::length(reused.diagnostics.total_radiance - radiance.at(0, 0) * std::sqrt(4.0 * 3.14159265358979)) < 1e-9);
-  ProjectionOptions options;
-  options.bands = 2;
+  ProjectionOptions options{.bands = 2};
   CHECK(project_file(path, {}, options).radiance.bands() == 2);
   CHECK(project_file(path, {}, options).radiance.at(1, -1) == reused.radiance.at(1, -1));
   // More bands than are stored: by the pixels, of the sharp level, whatever the target size.
@@ -191,18 +186,18 @@ namespace {
 
 using Json = nlohmann::json;
 
-void put(std::vector<char>& bytes, std::size_t place, std::uint32_t value) {
-  std::memcpy(bytes.data() + place, &value, sizeof value);
+void put(std::vector<char>& bytes, std::size_t index, std::uint32_t value) {
+  std::memcpy(bytes.data() + index, &value, sizeof value);
 }
 
 /// A sound file of some texture format with one field set, and what the reader says.
-ThrownError refusal_with(const char* file, std::size_t place, std::uint32_t value,
+ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
                          Supercompression packing = Supercompression::none) {
   const TemporaryDirectory directory;
   const Cubemap chain = noisy_chain(4, 3);
   write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
   std::vector<char> bytes = read_bytes(directory.file(file));
-  put(bytes, place, value);
+  put(bytes, index, value);
   write_bytes(directory.file(file), bytes);
   ThrownError error = thrown_by([&] { (void)read_texture(directory.file(file)); });
   CHECK(error.says(file));
@@ -355,8 +350,7 @@ TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
   const TemporaryDirectory directory;
   const Cubemap chain = noisy_chain(2, 1);
   for (const int number : {-1, 9, 99}) {
-    TextureOptions options;
-    options.format = static_cast<TexelFormat>(number);
+    TextureOptions options{.format = static_cast<TexelFormat>(number)};
     for (const char* const file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
       const ThrownError error = thrown_by([&] { write_texture(directory.file(file), chain.views(), options); });
       CHECK(error.code == ErrorCode::invalid_argument);
@@ -498,7 +492,7 @@ TEST_CASE("a texture's or an .env's writing and reading can be cancelled, and it
   std::size_t files = 0;
   for (const std::string file : {"sky.ktx2", "packed.ktx2", "sky.dds", "sky.exr", "sky.env"}) {
     CAPTURE(file);
-    std::stop_source stop;
+    stop_source stop;
     const Control cancelled{stop.get_token(), [&stop](double done) {
                               if (done > 0.3) stop.request_stop();
                             }};

@@ -65,9 +65,9 @@ bool is_rounded(const Cubemap& written, const Cubemap& read, TexelFormat format)
   return true;
 }
 
-std::uint64_t number(const std::vector<char>& bytes, std::size_t place, std::size_t count) {
+std::uint64_t number(const std::vector<char>& bytes, std::size_t index, std::size_t count) {
   std::uint64_t value = 0;
-  std::memcpy(&value, bytes.data() + place, count);
+  std::memcpy(&value, bytes.data() + index, count);
   return value;
 }
 
@@ -162,17 +162,17 @@ TEST_CASE("a DDS file has face after face, with its levels from the largest to t
   CHECK(number(bytes, 112, 4) == 0xFE00);
   CHECK(number(bytes, 128, 4) == 10);
   CHECK(number(bytes, 136, 4) == 4);
-  std::size_t place = 148;
+  std::size_t index = 148;
   bool right = true;
   for (int face = 0; face < 6; ++face) {
     for (int level = 0; level < 3; ++level) {
-      for (std::size_t i = 0; i < face_values(chain, level); i += 3, place += 8) {
+      for (std::size_t i = 0; i < face_values(chain, level); i += 3, index += 8) {
         for (std::size_t c = 0; c < 3; ++c) {
           Imath::half half;
-          half.setBits(static_cast<std::uint16_t>(number(bytes, place + 2 * c, 2)));
+          half.setBits(static_cast<std::uint16_t>(number(bytes, index + 2 * c, 2)));
           right = right && static_cast<float>(half) == chain.face(level, face)[i + c];
         }
-        right = right && number(bytes, place + 6, 2) == 0x3C00;
+        right = right && number(bytes, index + 6, 2) == 0x3C00;
       }
     }
   }
@@ -188,8 +188,7 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
       write_texture(path, chain.views(), {format, Supercompression::none, {{"roughness", "0 0.5 1"}}});
       for (int level = 0; level < levels; ++level) {
         CAPTURE(size, levels, level);
-        ReadOptions options;
-        options.level = level;
+        ReadOptions options{.level = level};
         const Environment read = read_environment(path, options);
         REQUIRE(read.face_size() == chain.level_size(level));
         CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, level)},
@@ -206,8 +205,7 @@ TEST_CASE("levels of an OpenEXR cube that were not given are means of the last o
   const TemporaryDirectory directory;
   const Cubemap chain = half_chain(16, 2);
   write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
-  ReadOptions options;
-  options.level = 3;
+  ReadOptions options{.level = 3};
   const Environment read = read_environment(directory.file("sky.exr"), options);
   REQUIRE(read.face_size() == 2);
   for (int face = 0; face < 6; ++face) {
@@ -270,11 +268,11 @@ TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[
   const float* rgb = chain.face(0, 0);
   for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {2, 16}}) {
     const auto texels = static_cast<std::size_t>(width * height);
-    const auto holds_halves = [&](const std::vector<char>& bytes, std::size_t place) {
-      bool right = bytes.size() == place + 8 * texels;
+    const auto holds_halves = [&](const std::vector<char>& bytes, std::size_t index) {
+      bool right = bytes.size() == index + 8 * texels;
       for (std::size_t i = 0; right && i < 3 * texels; ++i) {
         Imath::half half;
-        half.setBits(static_cast<std::uint16_t>(number(bytes, place + i / 3 * 8 + i % 3 * 2, 2)));
+        half.setBits(static_cast<std::uint16_t>(number(bytes, index + i / 3 * 8 + i % 3 * 2, 2)));
         right = static_cast<float>(half) == rgb[i];
       }
       return right;
@@ -337,8 +335,7 @@ TEST_CASE("Octahedral maps go to KTX2 with all levels, and to OpenEXR a level a 
   const WriteReport pictures = write_octahedral(directory.file("map.exr"), map, {TexelFormat::rgba32f});
   REQUIRE(pictures.files.size() == 3);
   CHECK(pictures.files[2].filename() == "map_m2.exr");
-  ReadOptions plain;
-  plain.layout = Layout::lat_long;
+  ReadOptions plain{.layout = Layout::lat_long};
   const Environment read = read_environment(pictures.files[1], plain);
   REQUIRE(read.info.width == 12);
   REQUIRE(read.info.height == 12);
@@ -398,7 +395,7 @@ ThrownError stopped_while(const Work& work) {
   constexpr int most_attempts = 50;
   ThrownError error;
   for (int attempt = 0; attempt < most_attempts && !error.says("cancelled"); ++attempt) {
-    std::stop_source source;
+    stop_source source;
     std::atomic<bool> begun{false};
     std::thread other([&] {
       while (!begun) std::this_thread::yield();
@@ -458,14 +455,13 @@ TEST_CASE("packing in blocks gives what packing in one go gives", "[codec][textu
 TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textures][slow]") {
   const Bytes bytes = noise(std::size_t{16} << 20U);  // half a second of zlib
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    const ThrownError error =
-        stopped_while([&](const std::stop_token& stop) { (void)files::pack(packing, bytes, stop); });
+    const ThrownError error = stopped_while([&](const stop_token& stop) { (void)files::pack(packing, bytes, stop); });
     CHECK(error.says("cancelled"));
   }
   const Bytes packed = files::pack(Supercompression::zlib, Bytes(std::size_t{128} << 20U));
   Bytes unpacked(std::size_t{128} << 20U);
   const ThrownError error = stopped_while(
-      [&](const std::stop_token& stop) { files::unpack(Supercompression::zlib, packed, "sky.ktx2", unpacked, stop); });
+      [&](const stop_token& stop) { files::unpack(Supercompression::zlib, packed, "sky.ktx2", unpacked, stop); });
   CHECK(error.says("cancelled"));
 }
 

@@ -29,10 +29,10 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-std::uint32_t word(const std::string& bytes, std::size_t place) {
+std::uint32_t word(const std::string& bytes, std::size_t index) {
   std::uint32_t value = 0;
-  REQUIRE(place + sizeof value <= bytes.size());
-  std::memcpy(&value, bytes.data() + place, sizeof value);
+  REQUIRE(index + sizeof value <= bytes.size());
+  std::memcpy(&value, bytes.data() + index, sizeof value);
   return value;
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face be
     header.insert(header.end(), {8, 8, 0, 0, 6, 4, 12});
     for (std::size_t field = 0; field < header.size(); ++field) CHECK(word(bytes, 12 + 4 * field) == header[field]);
     CHECK(bytes.substr(64, 12) == std::string("\6\0\0\0sh\00012\0\0\0", 12));
-    std::size_t place = 76;
+    std::size_t index = 76;
     for (int level = 0; level < 4; ++level) {
       const auto size = static_cast<std::uint32_t>(8 >> level);
       const std::uint32_t blocks = (size + 3) / 4 * ((size + 3) / 4) * 16;
@@ -80,10 +80,10 @@ TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face be
                                         : each.format == TexelFormat::rgba16f ? 8
                                                                               : 4;
       const std::uint32_t face = each.header[0] == 0 ? blocks : size * size * texel_bytes;
-      CHECK(word(bytes, place) == face);
-      place += 4 + 6 * face;
+      CHECK(word(bytes, index) == face);
+      index += 4 + 6 * face;
     }
-    CHECK(place == bytes.size());
+    CHECK(index == bytes.size());
   }
 }
 
@@ -118,8 +118,7 @@ TEST_CASE("what KTX of the first version cannot hold is refused", "[codec][textu
   const Cubemap chain = noisy_chain(4, 1);
   const TextureOptions packed{.supercompression = Supercompression::zlib};
   CHECK(thrown_by([&] { write_texture(directory.file("a.ktx"), chain.views(), packed); }).says("be supercompressed"));
-  TextureOptions large;
-  large.metadata = {{"note", std::string(std::size_t{1} << 20U, 'x')}};
+  TextureOptions large{.metadata = {{"note", std::string(std::size_t{1} << 20U, 'x')}}};
   CHECK(thrown_by([&] { write_texture(directory.file("a.ktx"), chain.views(), large); }).says("1 MiB is the most"));
   CHECK(thrown_by([&] {
           write_texture_2d(directory.file("a.ktx"), 2, 2, chain.face(0, 0));
@@ -159,12 +158,12 @@ Bytes ktx2(const Kind& kind, const std::vector<Bytes>& levels) {
     bytes.push_back(static_cast<std::byte>(value));
   append_all(bytes, {kind.format, kind.type_size, kind.width, kind.height, 0, kind.elements, kind.faces,
                      static_cast<std::uint32_t>(levels.size()), 0, 0, 0, 0, 0, 0, 0, 0, 0});
-  std::uint64_t place = 80 + 24 * levels.size();
+  std::uint64_t index = 80 + 24 * levels.size();
   for (const Bytes& level : levels) {
-    append(bytes, place);
+    append(bytes, index);
     append(bytes, std::uint64_t{level.size()});
     append(bytes, std::uint64_t{level.size()});
-    place += level.size();
+    index += level.size();
   }
   for (const Bytes& level : levels) bytes.insert(bytes.end(), level.begin(), level.end());
   return bytes;
@@ -228,8 +227,7 @@ TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
   CHECK(info.layout == Layout::lat_long);
   CHECK(info.levels.size() == 2);
   CHECK(reds(file) == counting(1, 4, 8));
-  ReadOptions half;
-  half.level = 1;
+  ReadOptions half{.level = 1};
   CHECK(reds(file, half) == counting(1, 4, 2));
   half.level = 2;
   CHECK(refusal(file, half).says("has no level 2"));
@@ -238,8 +236,7 @@ TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
   CHECK(inspect_environment({ktx2({kRgb32f, 4, 1, 6, 0, 1}, {counted_floats(6, 3)}), "texture"}).layout ==
         Layout::vertical_strip);
   CHECK(refusal(ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)})).says("5 x 1"));
-  ReadOptions asked;
-  asked.layout = Layout::lat_long;
+  ReadOptions asked{.layout = Layout::lat_long};
   CHECK(reds(ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)}), asked) == counting(1, 3, 5));
 }
 
@@ -293,8 +290,7 @@ TEST_CASE("KTX cubemaps of the first version are read, with their levels", "[cod
   CHECK(reds(file) == counting(1, 4, 24));
   CHECK(inspect_environment({file, "texture"}).format == FileFormat::ktx1);
   // arrays count all of their bytes, and pictures too
-  ReadOptions second;
-  second.element = 1;
+  ReadOptions second{.element = 1};
   CHECK(reds(ktx1({kFloat, kRgba, 1, 1, 2, 6}, kRgba32fInternal, {counted_floats(12, 4)}), second) ==
         counting(25, 4, 6));
   CHECK(reds(ktx1({kFloat, kRgba, 2, 1, 0, 1}, kRgba32fInternal, {counted_floats(2, 4)})) == counting(1, 4, 2));

@@ -35,7 +35,7 @@ TEST_CASE("A cancelled write leaves what was there", "[writers]") {
     for (const Layout layout : {Layout::automatic, Layout::six_files}) {
       const TemporaryDirectory directory;
       write_bytes(directory.file(file), {'o', 'l', 'd'});
-      std::stop_source stop;
+      stop_source stop;
       const Control control{stop.get_token(), [&](double done) {
                               if (done > 0.6) stop.request_stop();
                             }};
@@ -393,8 +393,7 @@ std::string all_explanations() {
   const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
   SceneNeeds needs;
   needs.glossy = RoughnessRange{0.25, 0.75};
-  BakeOptions options;
-  options.specular = PrefilterOptions{};
+  BakeOptions options{.specular = PrefilterOptions{}};
   options.specular->size = 16;
   std::string all = plan_text(plan(picture.view(), needs, options));
   const auto add_message = [&all](const auto& call) {
@@ -407,10 +406,8 @@ std::string all_explanations() {
   Atmosphere air = earth();
   air.aerosol_asymmetry = -0.9;
   add_message([&] { (void)precompute_sky(air); });
-  add_message([] { (void)turn_about_y(2.5e6); });
-  PrefilterOptions rough;
-  rough.roughness = {0.0, 1.5};
-  rough.mips = 2;
+  add_message([] { (void)rotation_about_y(2.5e6); });
+  PrefilterOptions rough{.mips = 2, .roughness = {0.0, 1.5}};
   add_message([&] { (void)prefilter_specular(make_lat_long(Content::smooth, 16, 8, 3).view(), rough); });
   return all;
 }
@@ -420,11 +417,10 @@ std::string all_texts(const TemporaryDirectory& folder) {
   std::string all;
   const auto add = [&all](double value) { all += std::to_string(static_cast<long long>(value * 1e9)) + ' '; };
 
-  TextureOptions options;
-  options.metadata = {{"welkin.roughness", "0 0.25 0.5 1"}};
+  TextureOptions options{.metadata = {{"welkin.roughness", "0 0.25 0.5 1"}}};
   const std::filesystem::path ktx2 = folder.file("specular.ktx2");
   write_texture(ktx2, Cubemap(8, 4).views(), options);
-  const StoredEnvironment stored = probe_environment(ktx2);
+  const StoredEnvironment stored = inspect_stored_environment(ktx2);
   for (const double roughness : stored.roughness) add(roughness);
   for (const std::string& note : stored.info.notes) all += note;
 
@@ -476,10 +472,9 @@ TEST_CASE("stored roughness that is not used is noted", "[codec][locale]") {
   const TemporaryDirectory folder;
   const std::filesystem::path path = folder.file("specular.ktx2");
   const auto stored_as = [&](const std::string& text, LevelContent content = LevelContent::automatic) {
-    TextureOptions options;
-    options.metadata = {{"welkin.roughness", text}};
+    TextureOptions options{.metadata = {{"welkin.roughness", text}}};
     write_texture(path, Cubemap(8, 4).views(), options);
-    return probe_environment(path, {}, content);
+    return inspect_stored_environment(path, {}, content);
   };
   const auto notes = [](const StoredEnvironment& stored) {
     int count = 0;
@@ -492,7 +487,7 @@ TEST_CASE("stored roughness that is not used is noted", "[codec][locale]") {
     const StoredEnvironment stored = stored_as(text);
     INFO(text);
     CHECK(notes(stored) == 1);
-    CHECK(stored.roughness == roughness_of_mips(RoughnessSchedule::linear, 4, 8));
+    CHECK(stored.roughness == mip_roughness(RoughnessSchedule::linear, 4, 8));
   }
   CHECK(notes(stored_as("0 0.25 0.5 1", LevelContent::radiance)) == 1);
 }

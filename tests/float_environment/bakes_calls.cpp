@@ -19,8 +19,7 @@ namespace welkin::test {
 namespace {
 
 BakeOptions small_bake() {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
+  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}}};
   options.irradiance->size = 3;
   options.brdf = BrdfTableOptions{.width = 5, .height = 3};
   return options;
@@ -46,7 +45,6 @@ void call_plans(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const Plan of_cube = plan(cube.view(), {}, small_bake());
   const std::vector<PassRecord> records = records_of(of_wide.passes);
   calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
-  calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
   calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, wide.view(), small_bake()); });
   calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, cube.view(), small_bake()); });
   const std::vector<CubemapView> probes(3, cube.view());
@@ -74,7 +72,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const CacheOptions cache_options{.folder = folder.file("cache")};
   calls.call("ResultCache::ResultCache(CacheOptions", [&] { return ResultCache(cache_options).statistics().misses; });
   ResultCache cache(cache_options);
-  const LightChange change{.exposure = 1.7, .turn = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
+  const LightTransform change{.exposure = 1.7, .rotation = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
   const Projection projection = project(cube.view());
   calls.call("changed(", [&] { return changed(projection, change); });
   calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(cube.view(), {}, change); });
@@ -90,7 +88,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
              [&] { return cache.bake(cube.view(), small_bake()); });
   calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions",
              [&] { return cache.bake(wide.view(), small_bake()); });
-  const StoredEnvironment stored = probe_environment(file);
+  const StoredEnvironment stored = inspect_stored_environment(file);
   const Plan of_cube = plan(cube.view(), {}, small_bake());
   const Plan of_wide = plan(wide.view(), {}, small_bake());
   const Plan of_stored = plan(stored, {}, small_bake());

@@ -32,7 +32,7 @@ inline void add_bits(BitHash& hash, const HarmonicMinimum& minimum) {
   add_bits(hash, minimum.value);
   for (const glm::dvec3& direction : minimum.direction) add_bits(hash, direction);
 }
-inline void add_bits(BitHash& hash, const Windowed& windowed) {
+inline void add_bits(BitHash& hash, const WindowResult& windowed) {
   add_bits(hash, windowed.radiance);
   add_bits(hash, windowed.parameter);
   add_bits(hash, windowed.minimum_before);

@@ -16,8 +16,7 @@ namespace welkin::test {
 namespace {
 
 BakeOptions small_bake() {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
+  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}}};
   options.irradiance->size = 3;
   options.brdf.reset();
   return options;
@@ -59,7 +58,6 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
     write_environment(folder.file(std::string("faces/") + name + ".pfm"), square.view());
   }
   const std::filesystem::path faces = folder.file("faces");
-  calls.call("face_files(", [&] { return face_files(faces).size(); });
   calls.call("project_file(", [&] { return project_file(faces); });
   calls.call("hash_file(", [&] { return hash_file(hdr); });
 
@@ -114,6 +112,7 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
     write_probes(description, probes, layouts);
     return read_bytes(texture);
   });
+  calls.call("read_probes(", [&] { return read_probes(description); });
 
   const SphericalHarmonics radiance = project(chain.view(0)).radiance;
   calls.call("to_babylon(", [&] { return to_babylon(chain, radiance).polynomial; });
@@ -132,9 +131,9 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
   const std::filesystem::path prefiltered = folder.file("prefiltered.ktx2");
   write_texture(prefiltered, views, {.metadata = {{"welkin.roughness", "0 0.21 0.53 0.87"}}});
   for (const std::filesystem::path& path : {prefiltered, env}) {
-    calls.call("probe_environment(", [&] { return probe_environment(path).roughness; });
-    const StoredEnvironment stored = probe_environment(path);
-    calls.call("StoredEnvironment::words(", [&] { return stored.words(); });
+    calls.call("inspect_stored_environment(", [&] { return inspect_stored_environment(path).roughness; });
+    const StoredEnvironment stored = inspect_stored_environment(path);
+    calls.call("StoredEnvironment::description(", [&] { return stored.description(); });
     calls.call("plan(StoredEnvironment", [&] { return plan(stored, {}, small_bake()).passes; });
     const Plan planned = plan(stored, {}, small_bake());
     calls.call("bake(StoredEnvironment", [&] { return bake(stored, planned); });

@@ -29,13 +29,13 @@ void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmo
   calls.call("lambertian_from_irradiance(", [&] { return lambertian_from_irradiance(a); });
   calls.call("mean_radiance(", [&] { return mean_radiance(a); });
   calls.call("exposure_of(SphericalHarmonics", [&] { return exposure_of(a); });
-  calls.call("turned(SphericalHarmonics const&, Quaternion", [&] { return turned(a, rotation); });
-  calls.call("turned(SphericalHarmonics const&, glm::mat",
-             [&] { return turned(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });
+  calls.call("rotate(SphericalHarmonics const&, Quaternion", [&] { return rotate(a, rotation); });
+  calls.call("rotate(SphericalHarmonics const&, glm::mat",
+             [&] { return rotate(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });
   calls.call("add(", [&] { return add(a, b); });
   calls.call("scale(", [&] { return scale(a, colour); });
   calls.call("lerp(", [&] { return lerp(a, b, 0.3); });
-  calls.call("with_bands(", [&] { return with_bands(a, 7); });
+  calls.call("resized(", [&] { return resized(a, 7); });
   calls.call("product(", [&] { return product(a, b, 6); });
 
   const BabylonPolynomial polynomial = calls.call("babylon_polynomial(", [&] { return babylon_polynomial(a); });
@@ -43,7 +43,7 @@ void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmo
   for (const Convention& convention : conventions()) {
     if (!has_engine_light(convention.engine)) continue;
     calls.call("engine_light(", [&] { return engine_light(a, convention.engine); });
-    calls.call("engine_light_in_place(", [&] { return engine_light_in_place(a, convention.engine); });
+    calls.call("engine_light_unrotated(", [&] { return engine_light_unrotated(a, convention.engine); });
   }
 }
 
@@ -63,8 +63,8 @@ void call_harmonics(Calls& calls) {
     return values;
   });
   calls.call("cosine_lobe(", [&] { return cosine_lobe(8); });
-  calls.call("turn_about_y(", [] { return turn_about_y(33.3); });
-  calls.refused("turned(SphericalHarmonics const&, glm::mat", [&] { static_cast<void>(turned(a, glm::dmat3(0.3))); });
+  calls.call("rotation_about_y(", [] { return rotation_about_y(33.3); });
+  calls.refused("rotate(SphericalHarmonics const&, glm::mat", [&] { static_cast<void>(rotate(a, glm::dmat3(0.3))); });
 
   calls.call("minimum(", [&] { return minimum(a); });
   SphericalHarmonics light = a;

@@ -22,23 +22,24 @@ namespace welkin::test {
 namespace {
 
 void call_image(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
-  const glm::dmat3 turn = turn_about_y(21.0);
-  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(cube.view(), 7, turn); });
+  const glm::dmat3 rotation = rotation_about_y(21.0);
+  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(cube.view(), 7, rotation); });
   calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(wide.view(), 9); });
-  calls.call("to_cubemap(EnvironmentView", [&] { return to_cubemap(wide.view(), 9, turn, ResampleFilter::bilinear); });
-  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(cube.view(), 18, 9, turn); });
+  calls.call("to_cubemap(EnvironmentView",
+             [&] { return to_cubemap(wide.view(), 9, rotation, ResampleFilter::bilinear); });
+  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(cube.view(), 18, 9, rotation); });
   calls.call("to_lat_long(EnvironmentView",
              [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), ResampleFilter::area); });
-  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
+  calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(wide.view(), 18, 9, rotation); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
   calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(cube.view()); });
   calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(wide.view()); });
   Cubemap chain = build_mips(cube.view(), MipFilter::box);
-  calls.call("octahedral_place(", [] {
-    const auto place = octahedral_place({0.1, -0.7, -0.3});
+  calls.call("octahedral_encode(", [] {
+    const auto place = octahedral_encode({0.1, -0.7, -0.3});
     return dvec3(place[0], place[1], 0.0);
   });
-  calls.call("octahedral_direction(", [] { return octahedral_direction(0.91, -0.13); });
+  calls.call("octahedral_decode(", [] { return octahedral_decode(0.91, -0.13); });
   const auto square = [](const OctahedralMap& map) { return map.levels.front(); };
   calls.call("to_octahedral(Cubemap", [&] { return square(to_octahedral(chain, {.size = 9})); });
   calls.call("to_octahedral(SphericalHarmonics",
@@ -48,15 +49,13 @@ void call_image(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
     return std::cref(chain);
   });
   LatLongImage wide_without_sun = wide;
-  calls.call("take_out_sun(LatLongImage", [&] { return take_out_sun(wide_without_sun); });
+  calls.call("extract_sun(LatLongImage", [&] { return extract_sun(wide_without_sun); });
   Cubemap cube_without_sun = cube;
-  calls.call("take_out_sun(Cubemap", [&] { return take_out_sun(cube_without_sun); });
+  calls.call("extract_sun(Cubemap", [&] { return extract_sun(cube_without_sun); });
 }
 
 void call_projection(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
-  ProjectionOptions options;
-  options.bands = 4;
-  options.target_size = 5;
+  ProjectionOptions options{.bands = 4, .target_size = 5};
   options.pixels.clamp = RadianceClamp{123.4F, true};
   const TestCubemap special = make_cubemap(Content::special_values, 9, 3, 5);
   calls.call("project(EnvironmentView", [&] { return project(cube.view(), options); });
@@ -83,13 +82,13 @@ void call_projection(Calls& calls, const LatLongImage& wide, const Cubemap& cube
   });
 
   FaceHarmonics kept = project_faces(cube.view(), {});
-  calls.call("project_faces(", [&] { return total(project_faces(cube.view(), {})); });
+  calls.call("project_faces(", [&] { return combine(project_faces(cube.view(), {})); });
   const std::array<int, 2> faces{1, 4};
   calls.call("update_faces(", [&] {
     update_faces(kept, cube.view(), faces);
-    return total(kept);
+    return combine(kept);
   });
-  calls.call("total(", [&] { return total(kept); });
+  calls.call("combine(FaceHarmonics", [&] { return combine(kept); });
 }
 
 void call_probes(Calls& calls, const Cubemap& cube) {
@@ -126,6 +125,8 @@ void call_probes(Calls& calls, const Cubemap& cube) {
   });
   calls.call("probe_irradiance(", [&] { return probe_irradiance(probes, {0.3, 0.3, 0.3}, {0.0, 0.6, 0.8}); });
   calls.call("pack_probes(", [&] { return pack_probes(probes, ProbeLayout::unity_l2); });
+  calls.call("pack_probes(", [&] { return pack_probes(probes, ProbeLayout::rtxgi); });
+  calls.call("relocate_probes(", [&] { return relocate_probes(grid, depths, {.farthest = 0.5}); });
 }
 
 void call_importance(Calls& calls, const LatLongImage& wide) {
@@ -175,35 +176,33 @@ void call_irradiance(Calls& calls, const LatLongImage& wide, const Cubemap& cube
 
 void call_kernels(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const std::vector<dvec3> directions{{0.1, 0.7, -0.3}};
-  calls.call("ZonalKernel::charlie(", [] { return ZonalKernel::charlie(0.4).spectrum(40); });
-  calls.call("ZonalKernel::lambert(", [] { return ZonalKernel::lambert().spectrum(9); });
-  calls.call("ZonalKernel::phong(", [] { return ZonalKernel::phong(17.0).spectrum(40); });
-  calls.call("ZonalKernel::blinn(", [] { return ZonalKernel::blinn(17.0).value(0.4); });
-  calls.call("ZonalKernel::from_function(",
-             [] { return ZonalKernel::from_function([](double c) { return c > 0.0 ? c : 0.0; }).spectrum(9); });
-  calls.call("ZonalKernel::from_spectrum(", [] { return ZonalKernel::from_spectrum({3.0, 0.7}).spectrum(3); });
-  const ZonalKernel sheen = ZonalKernel::charlie(0.7);
-  calls.call("ZonalKernel::value(", [&] { return sheen.value(0.21); });
-  calls.call("ZonalKernel::spectrum(", [&] { return sheen.spectrum(17); });
-  calls.call("charlie_roughness_of_mips(", [] { return charlie_roughness_of_mips(5, 200); });
-  const KernelChainOptions options{.size = 8, .kernels = {sheen, ZonalKernel::lambert()}};
-  calls.call("prefilter_by_kernels(EnvironmentView", [&] { return prefilter_by_kernels(wide.view(), options); });
-  calls.call("prefilter_by_kernels(EnvironmentView", [&] { return prefilter_by_kernels(cube.view(), options); });
-  calls.call("reference_by_kernel(EnvironmentView",
-             [&] { return reference_by_kernel(wide.view(), sheen, directions); });
-  calls.call("reference_by_kernel(EnvironmentView",
-             [&] { return reference_by_kernel(cube.view(), sheen, directions); });
+  calls.call("ZonalLobe::charlie(", [] { return ZonalLobe::charlie(0.4).spectrum(40); });
+  calls.call("ZonalLobe::lambert(", [] { return ZonalLobe::lambert().spectrum(9); });
+  calls.call("ZonalLobe::phong(", [] { return ZonalLobe::phong(17.0).spectrum(40); });
+  calls.call("ZonalLobe::blinn(", [] { return ZonalLobe::blinn(17.0).value(0.4); });
+  calls.call("ZonalLobe::from_function(",
+             [] { return ZonalLobe::from_function([](double c) { return c > 0.0 ? c : 0.0; }).spectrum(9); });
+  calls.call("ZonalLobe::from_spectrum(", [] { return ZonalLobe::from_spectrum({3.0, 0.7}).spectrum(3); });
+  const ZonalLobe sheen = ZonalLobe::charlie(0.7);
+  calls.call("ZonalLobe::value(", [&] { return sheen.value(0.21); });
+  calls.call("ZonalLobe::spectrum(", [&] { return sheen.spectrum(17); });
+  calls.call("charlie_mip_roughness(", [] { return charlie_mip_roughness(5, 200); });
+  const LobeChainOptions options{.size = 8, .lobes = {sheen, ZonalLobe::lambert()}};
+  calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(wide.view(), options); });
+  calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(cube.view(), options); });
+  calls.call("reference_by_lobe(EnvironmentView", [&] { return reference_by_lobe(wide.view(), sheen, directions); });
+  calls.call("reference_by_lobe(EnvironmentView", [&] { return reference_by_lobe(cube.view(), sheen, directions); });
 }
 
 void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   for (const RoughnessSchedule schedule :
        {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
         RoughnessSchedule::unreal}) {
-    calls.call("roughness_of_mips(", [&] { return roughness_of_mips(schedule, 6, 32); });
-    calls.call("fitted_roughness_of_mips(", [&] { return fitted_roughness_of_mips(schedule, 6, 32); });
+    calls.call("mip_roughness(", [&] { return mip_roughness(schedule, 6, 32); });
+    calls.call("fitted_mip_roughness(", [&] { return fitted_mip_roughness(schedule, 6, 32); });
   }
-  const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 32);
-  calls.call("mip_of_roughness(", [&] { return mip_of_roughness(table, 0.37); });
+  const std::vector<double> table = mip_roughness(RoughnessSchedule::filament, 6, 32);
+  calls.call("mip_for_roughness(", [&] { return mip_for_roughness(table, 0.37); });
 
   const PrefilterOptions spectral{.size = 8, .roughness = {0.0, 0.3, 0.9}, .method = PrefilterMethod::spectral};
   PrefilterOptions reference = spectral;

@@ -31,14 +31,16 @@ void call_atmospheres(Calls& calls) {
     check(air);
     return 0;
   });
-  calls.call("srgb_weights(", [] { return srgb_weights({400.0, 481.3, 555.5, 633.3, 700.0}); });
   calls.call("sun_direction(", [] { return sun_direction(12.34, 56.78); });
+  calls.call("unix_seconds(", [] { return unix_seconds("2031-05-17T03:21:09.7Z"); });
+  const SunObserver observer{.latitude_degrees = 47.3, .longitude_degrees = -11.9, .refraction = true};
+  calls.call("sun_position(double", [&] { return sun_position(1.9e9, observer).direction; });
+  calls.call("sun_position(basic_string_view", [&] { return sun_position("1987-11-05T07:21Z", observer).direction; });
 }
 
 void call_tables(Calls& calls, const Atmosphere& air) {
   SkyTableOptions options = tiny_tables();
   options.orders = 2;
-  calls.call("sky_table_bytes(", [&] { return sky_table_bytes(air, options); });
   const SkyTables tables = calls.call("precompute_sky(", [&] { return precompute_sky(air, options); });
   calls.call("interpolate_sky(", [&] {
     const std::vector<SkyTables> both{tables, tables};
@@ -72,7 +74,7 @@ void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
     view.radiance(directions, sun, rgb);
     return std::cref(rgb);
   });
-  calls.call("SkyView::sun(", [&] { return view.sun(sun); });
+  calls.call("SkyView::sun_light(", [&] { return view.sun_light(sun); });
   calls.call("SkyView::irradiance(", [&] { return view.irradiance(sun); });
   calls.call("sky_cubemap(", [&] { return sky_cubemap(view, sun, 5, {.sun_disc = true}); });
   calls.call("sky_lat_long(", [&] { return sky_lat_long(view, sun, 6, {.sun_disc = true}); });
@@ -100,11 +102,10 @@ void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
 }
 
 void call_bakes(Calls& calls, const Atmosphere& air) {
-  SkyBakeOptions options;
-  options.tables = tiny_tables();
-  options.curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}};
-  options.specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}};
-  options.background_size = 4;
+  SkyBakeOptions options{.tables = tiny_tables(),
+                         .curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}},
+                         .specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}},
+                         .background_size = 4};
   options.brdf.reset();
   const SceneNeeds needs{.brdf_table = false};
   calls.call("plan(Atmosphere", [&] { return plan(air, needs, options).passes; });

@@ -17,8 +17,7 @@ namespace welkin::test {
 namespace {
 
 BakeOptions small_bake() {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}};
+  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}}};
   options.irradiance->size = 3;
   options.brdf.reset();
   return options;
@@ -27,16 +26,16 @@ BakeOptions small_bake() {
 void call_requests(Calls& calls) {
   const Cubemap cube = small_cubemap();
   const LatLongImage wide = small_lat_long();
-  const glm::dmat3 turn = turn_about_y(21.0);
+  const glm::dmat3 rotation = rotation_about_y(21.0);
   const Project project_cubemap{cube, {.target_size = 5}};
   calls.call("Project::operator()(", [&] { return project_cubemap({}); });
   const Project project_lat_long{wide, {.target_size = 5}};
   calls.call("Project::operator()(", [&] { return project_lat_long({}); });
-  const ToCubemap to_cube{wide, 5, turn};
+  const ToCubemap to_cube{wide, 5, rotation};
   calls.call("ToCubemap::operator()(", [&] { return to_cube({}); });
-  const ToCubemap to_other_cube{cube, 5, turn};
+  const ToCubemap to_other_cube{cube, 5, rotation};
   calls.call("ToCubemap::operator()(", [&] { return to_other_cube({}); });
-  const ToLatLong to_wide{cube, 8, 4, turn};
+  const ToLatLong to_wide{cube, 8, 4, rotation};
   calls.call("ToLatLong::operator()(", [&] { return to_wide({}); });
   const Bake bake_request{EnvironmentSource(wide), small_bake()};
   calls.call("Bake::operator()(", [&] { return bake_request({}); });
@@ -81,17 +80,16 @@ Settled settle(SkyLight& sky, Worker& worker) {
   const SkyLightFrame& frame = sky.light();
   Settled light{frame.radiance, frame.sun, {}, {}};
   for (const SkyReflections& reflections : frame.reflections) {
-    light.rotations.push_back(reflections.turn);
+    light.rotations.push_back(reflections.rotation);
     light.weights.push_back(reflections.weight);
   }
   return light;
 }
 
 void call_sky_light(Calls& calls) {
-  SkyLightOptions options;
-  options.tables = tiny_tables();
-  options.curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}};
-  options.specular = {.size = 8, .roughness = {0.3, 0.9}};
+  SkyLightOptions options{.tables = tiny_tables(),
+                          .curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}},
+                          .specular = {.size = 8, .roughness = {0.3, 0.9}}};
   const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), options.tables));
   Worker worker({.threads = 1, .thread_priority = ThreadPriority::normal});
   calls.call("SkyLight::SkyLight(Worker&, Atmosphere", [&] {

@@ -13,11 +13,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t 
   constexpr std::array<std::uint8_t, 4> signature{0x89, 'P', 'N', 'G'};
   const std::size_t changed = LLVMFuzzerMutate(bytes, count, most);
   if (seed % 8 == 0) return changed;
-  for (std::uint8_t* place = bytes; place != bytes + changed;) {
-    place = std::search(place, bytes + changed, signature.begin(), signature.end());
-    if (place == bytes + changed) break;
-    welkin::fuzz::mend_png_checksums(place, static_cast<std::size_t>(bytes + changed - place));
-    ++place;
+  for (std::uint8_t* index = bytes; index != bytes + changed;) {
+    index = std::search(index, bytes + changed, signature.begin(), signature.end());
+    if (index == bytes + changed) break;
+    welkin::fuzz::mend_png_checksums(index, static_cast<std::size_t>(bytes + changed - index));
+    ++index;
   }
   return changed;
 }

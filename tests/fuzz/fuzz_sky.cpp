@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "sky/table_sizes.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/sky.h"
@@ -35,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* first, std::size_t cou
       if (!(value >= 0.0F) || !std::isfinite(value)) std::abort();
     }
     welkin::check(tables.atmosphere);
-    static_cast<void>(welkin::sky_table_bytes(tables.atmosphere, tables.options));
+    static_cast<void>(welkin::sky::sky_table_bytes(tables.atmosphere, tables.options));
   } catch (const welkin::Error&) {
   }
   return 0;

@@ -30,10 +30,8 @@ void use_as_file(const std::uint8_t* bytes, std::size_t count) {
   expect_result_or_error([&] { (void)read_texture(file, kMemoryLimit); });
   expect_result_or_error([&] { (void)read_babylon_environment(file, kMemoryLimit); });
   for (const Layout layout : {Layout::automatic, Layout::lat_long}) {
-    ReadOptions options;
-    options.layout = layout;
-    options.element = count > 0 ? bytes[count - 1] % 2 : 0;
-    options.memory_limit_bytes = kMemoryLimit;
+    ReadOptions options{
+        .layout = layout, .element = count > 0 ? bytes[count - 1] % 2 : 0, .memory_limit_bytes = kMemoryLimit};
     EnvironmentInfo info;
     const auto inspect = [&] { info = inspect_environment(file, options); };
     expect_result_or_error(inspect);

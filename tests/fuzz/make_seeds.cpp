@@ -1,4 +1,5 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx1|ktx2|dds|env|sky|entry DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|jpeg|pfm|png|ktx1|ktx2|dds|env|sky|probes|entry
+// DIRECTORY
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
@@ -15,12 +16,14 @@
 #include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
+#include "support/jpeg_files.h"
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
 #include "support/webp_env.h"
 #include "welkin/bake_file.h"
 #include "welkin/image.h"
+#include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
@@ -127,6 +130,27 @@ void make_hdr_seeds(const std::filesystem::path& directory) {
   }
 }
 
+void make_jpeg_seeds(const std::filesystem::path& directory) {
+  int count = 0;
+  const std::string profile =
+      test::profile_segment({{{0.5151, 0.2412, -0.0011}, {0.2920, 0.6922, 0.0419}, {0.1571, 0.0666, 0.7841}}});
+  test::GainNumbers coloured;
+  coloured.maximum = {3.0, 4.0, 2.5};
+  for (const bool progressive : {false, true}) {
+    for (const auto& gains : {std::pair{1, test::gain_xmp({})},
+                              {1, test::gain_xmp(coloured)},
+                              {2, test::gain_iso(coloured, true)},
+                              {2, test::gain_iso({}, false)}}) {
+      const int components = count % 2 == 0 ? 3 : 1;
+      const std::vector<char> base =
+          test::jpeg_bytes({12, 6, components, progressive, {{2, profile}}}, test::smooth_samples(12, 6, components));
+      const std::vector<char> map =
+          test::jpeg_bytes({4, 3, components, progressive, {gains}}, test::smooth_samples(4, 3, components));
+      test::write_bytes(directory / ("seed" + std::to_string(count++) + ".jpg"), test::gain_map_file(base, map));
+    }
+  }
+}
+
 void make_png_seeds(const std::filesystem::path& directory) {
   int count = 0;
   for (const int colour_type : {SPNG_COLOR_TYPE_GRAYSCALE, SPNG_COLOR_TYPE_TRUECOLOR, SPNG_COLOR_TYPE_INDEXED,
@@ -174,8 +198,10 @@ void make_astc_seeds(const std::filesystem::path& directory) {
 
 void make_texture_seeds(const std::filesystem::path& directory, const std::string& extension) {
   int count = 0;
-  for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11,
-                                   TexelFormat::e5b9g9r9, TexelFormat::bc6h_ufloat, TexelFormat::bc6h_sfloat}) {
+  for (const TexelFormat format :
+       {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11, TexelFormat::e5b9g9r9,
+        TexelFormat::bc6h_ufloat, TexelFormat::bc6h_sfloat, TexelFormat::uastc_hdr_4x4}) {
+    if (extension == ".dds" && format == TexelFormat::uastc_hdr_4x4) continue;
     for (const Supercompression packing : {Supercompression::none, Supercompression::zlib, Supercompression::zstd}) {
       if (extension == ".dds" && packing != Supercompression::none) continue;
       for (const int size : {1, 4, 5}) {
@@ -279,6 +305,28 @@ void make_entry_seeds(const std::filesystem::path& directory) {
   write_entry(directory / "faces", Kind::face_sums, cache::encode(*project_faces(image.view()).face(0)));
 }
 
+/// A description, a zero byte, the arrays.
+void make_probe_seeds(const std::filesystem::path& directory) {
+  const test::TemporaryDirectory folder;
+  const std::vector<float> pixels(6 * 3, 0.5F);
+  const Cubemap image{1, pixels};
+  const std::vector<float> distance(6, 0.5F);
+  DepthView depth{{}, 1, 0};
+  for (std::size_t face = 0; face < 6; ++face) depth.faces[face] = &distance[face];
+  for (const bool with_depths : {false, true}) {
+    const std::vector<CubemapView> cubes(2, image.view());
+    const std::vector<DepthView> depths(with_depths ? 2 : 0, depth);
+    BakedProbes probes =
+        bake_probes({.counts = {2, 1, 1}}, cubes, depths,
+                    {.projection = {.bands = 1}, .distance_size = 1, .environment_bands = with_depths ? 1 : 0});
+    if (with_depths) probes.offsets.assign(2, dvec3(0.1));
+    write_probes(folder.file("probes.json"), probes);
+    std::ofstream seed(directory / (with_depths ? "depths" : "plain"), std::ios::binary);
+    seed << std::ifstream(folder.file("probes.json"), std::ios::binary).rdbuf() << '\0'
+         << std::ifstream(folder.file("probes.bin"), std::ios::binary).rdbuf();
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -290,6 +338,8 @@ int main(int argument_count, char** arguments) {
     make_hdr_seeds(arguments[2]);
   } else if (format == "pfm") {
     make_pfm_seeds(arguments[2]);
+  } else if (format == "jpeg") {
+    make_jpeg_seeds(arguments[2]);
   } else if (format == "png") {
     make_png_seeds(arguments[2]);
   } else if (format == "ktx1") {
@@ -301,10 +351,12 @@ int main(int argument_count, char** arguments) {
     make_env_seeds(arguments[2]);
   } else if (format == "sky") {
     make_sky_seeds(arguments[2]);
+  } else if (format == "probes") {
+    make_probe_seeds(arguments[2]);
   } else if (format == "entry") {
     make_entry_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx1|ktx2|dds|env|sky|entry DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|jpeg|pfm|png|ktx1|ktx2|dds|env|sky|probes|entry DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

@@ -23,16 +23,16 @@ std::uint32_t checksum(const std::uint8_t* bytes, std::size_t count) {
 void mend_png_checksums(std::uint8_t* bytes, std::size_t count) {
   constexpr std::size_t kSignature = 8;
   constexpr std::size_t kAroundData = 12;  // length, type, checksum
-  for (std::size_t place = kSignature; count >= kAroundData && place <= count - kAroundData;) {
-    const std::size_t length = big_endian(bytes + place);
-    if (length > count - place - kAroundData) {
+  for (std::size_t index = kSignature; count >= kAroundData && index <= count - kAroundData;) {
+    const std::size_t length = big_endian(bytes + index);
+    if (length > count - index - kAroundData) {
       return;
     }
-    const std::uint32_t sum = checksum(bytes + place + 4, 4 + length);
+    const std::uint32_t sum = checksum(bytes + index + 4, 4 + length);
     for (unsigned i = 0; i < 4; ++i) {
-      bytes[place + 8 + length + i] = static_cast<std::uint8_t>(sum >> (24U - 8U * i));
+      bytes[index + 8 + length + i] = static_cast<std::uint8_t>(sum >> (24U - 8U * i));
     }
-    place += length + kAroundData;
+    index += length + kAroundData;
   }
 }
 

@@ -83,6 +83,11 @@ glm::dvec2 unreal_face(int face, double u, double v) {
   return wrapped((1.0 + std::atan2(d.x, -d.z) / kPi) / 2.0, std::acos(d.y) / kPi);
 }
 
+// PlayCanvas: calcReflection, which negates x, and toSphericalUv.
+glm::dvec2 playcanvas_picture(const glm::dvec3& d) {
+  return wrapped(std::atan2(-d.x, d.z) / (2.0 * kPi) + 0.5, 0.5 - std::asin(d.y) / kPi);
+}
+
 struct Case {
   Engine engine;
   ToPicture picture;
@@ -91,12 +96,13 @@ struct Case {
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
-      {Engine::welkin, welkin_picture, true},     {Engine::openexr, welkin_picture, true},
-      {Engine::babylon, babylon_picture, false},  {Engine::three, three_picture, true},
-      {Engine::filament, filament_picture, true}, {Engine::gltf, gltf_picture, true},
-      {Engine::unity, unity_picture, false},      {Engine::unreal, unreal_picture, false},
-      {Engine::blender, blender_picture, true},   {Engine::godot, godot_picture, true},
-      {Engine::bevy, welkin_picture, true},       {Engine::usd, welkin_picture, true}};
+      {Engine::welkin, welkin_picture, true},         {Engine::openexr, welkin_picture, true},
+      {Engine::babylon, babylon_picture, false},      {Engine::three, three_picture, true},
+      {Engine::filament, filament_picture, true},     {Engine::gltf, gltf_picture, true},
+      {Engine::unity, unity_picture, false},          {Engine::unreal, unreal_picture, false},
+      {Engine::blender, blender_picture, true},       {Engine::godot, godot_picture, true},
+      {Engine::bevy, welkin_picture, true},           {Engine::usd, welkin_picture, true},
+      {Engine::playcanvas, playcanvas_picture, true}, {Engine::qt, three_picture, true}};
   return all;
 }
 
@@ -155,7 +161,8 @@ TEST_CASE("axes are signed permutations, mirrored for left-handed engines alone"
   }
 }
 
-TEST_CASE("cube faces are looked up by the world's direction, but for three.js's x and Bevy's z", "[engine]") {
+TEST_CASE("cube faces are looked up by the world's direction, but for x in three.js and PlayCanvas and Bevy's z",
+          "[engine]") {
   for (const Convention& engine : conventions()) {
     INFO(engine.name);
     if (engine.engine == Engine::blender || engine.engine == Engine::usd) {
@@ -164,7 +171,8 @@ TEST_CASE("cube faces are looked up by the world's direction, but for three.js's
     }
     REQUIRE(engine.faces_from_engine.has_value());
     const glm::dvec3 x = *engine.faces_from_engine * glm::dvec3(1, 0, 0);
-    CHECK(x == glm::dvec3(engine.engine == Engine::three ? -1 : 1, 0, 0));
+    const bool is_x_mirrored = engine.engine == Engine::three || engine.engine == Engine::playcanvas;
+    CHECK(x == glm::dvec3(is_x_mirrored ? -1 : 1, 0, 0));
     CHECK(*engine.faces_from_engine * glm::dvec3(0, 1, 0) == glm::dvec3(0, 1, 0));
     const glm::dvec3 z = *engine.faces_from_engine * glm::dvec3(0, 0, 1);
     CHECK(z == glm::dvec3(0, 0, engine.engine == Engine::bevy ? -1 : 1));
@@ -412,7 +420,7 @@ TEST_CASE("an engine's shader gets the irradiance of the light in the engine's a
       INFO(convention(each.engine).name << ", " << bands << " bands");
       const SphericalHarmonics light = some_light(bands, 3U + static_cast<unsigned>(bands));
       const SphericalHarmonics irradiance =
-          irradiance_from_radiance(with_bands(turned(light, convention(each.engine).from_welkin), std::min(bands, 3)));
+          irradiance_from_radiance(resized(rotate(light, convention(each.engine).from_welkin), std::min(bands, 3)));
       const EngineLight form = engine_light(light, each.engine);
       for (const glm::dvec3& normal : normals()) {
         const glm::dvec3 expected = each.times * evaluate(irradiance, normal);
@@ -442,7 +450,7 @@ TEST_CASE("the same surroundings light the same side in every engine", "[engine]
 
 TEST_CASE("Unity's and Unreal's vectors are named and packed as their shaders declare them", "[engine]") {
   const SphericalHarmonics light = some_light(3, 7);
-  const EngineLight unity = engine_light_in_place(light, Engine::unity);
+  const EngineLight unity = engine_light_unrotated(light, Engine::unity);
   const char* const names[] = {"unity_SHAr", "unity_SHAg", "unity_SHAb", "unity_SHBr",
                                "unity_SHBg", "unity_SHBb", "unity_SHC"};
   REQUIRE(unity.vectors.size() == 7);
@@ -451,19 +459,20 @@ TEST_CASE("Unity's and Unreal's vectors are named and packed as their shaders de
   CHECK(unity.vectors[1].value == glm::dvec4(sh[3].y, sh[1].y, sh[2].y, sh[0].y - sh[6].y));
   CHECK(unity.vectors[5].value == glm::dvec4(sh[4].z, sh[5].z, 3.0 * sh[6].z, sh[7].z));
   CHECK(unity.vectors[6].value == glm::dvec4(sh[8], 1.0));
-  const EngineLight unreal = engine_light_in_place(light, Engine::unreal);
+  const EngineLight unreal = engine_light_unrotated(light, Engine::unreal);
   REQUIRE(unreal.vectors.size() == 7);
   for (std::size_t i = 0; i < 7; ++i) {
     CHECK(unreal.vectors[i].name == "SkyIrradianceEnvironmentMap[" + std::to_string(i) + "]");
     CHECK(unreal.vectors[i].value == unity.vectors[i].value);
   }
   for (const Engine engine : {Engine::babylon, Engine::three, Engine::filament, Engine::gltf, Engine::godot}) {
-    CHECK(engine_light_in_place(light, engine).vectors.empty());
+    CHECK(engine_light_unrotated(light, engine).vectors.empty());
   }
 }
 
 TEST_CASE("engines without a form are refused, and those with one named", "[engine]") {
-  for (const Engine engine : {Engine::openexr, Engine::blender, Engine::bevy, Engine::usd}) {
+  for (const Engine engine :
+       {Engine::openexr, Engine::blender, Engine::bevy, Engine::usd, Engine::playcanvas, Engine::qt}) {
     CHECK_FALSE(has_engine_light(engine));
     const ThrownError error = thrown_by([&] { (void)engine_light(SphericalHarmonics(3), engine); });
     CHECK(error.code == ErrorCode::invalid_argument);

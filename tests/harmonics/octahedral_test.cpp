@@ -66,31 +66,29 @@ Cubemap chain_of(Content content, int size) { return build_mips(make_cubemap(con
 
 TEST_CASE("Directions go to octahedral places and back", "[octahedral]") {
   for (const dvec3& direction : many_directions()) {
-    const auto place = octahedral_place(3.7 * direction);
+    const auto place = octahedral_encode(3.7 * direction);
     CAPTURE(direction.x, direction.y, direction.z, place[0], place[1]);
     CHECK((place[0] >= 0.0 && place[0] <= 1.0 && place[1] >= 0.0 && place[1] <= 1.0));
-    CHECK(glm::length(octahedral_direction(place[0], place[1]) - direction) < 1e-14);
+    CHECK(glm::length(octahedral_decode(place[0], place[1]) - direction) < 1e-14);
   }
   const auto same = [](const std::array<double, 2>& place, double column, double row) {
     return std::abs(place[0] - column) + std::abs(place[1] - row) < 1e-15;
   };
-  CHECK(same(octahedral_place({0, 0, 1}), 0.5, 0.5));
-  CHECK(same(octahedral_place({1, 0, 0}), 1.0, 0.5));
-  CHECK(same(octahedral_place({0, -1, 0}), 0.5, 0.0));
-  CHECK(same(octahedral_place({1, 1, -2}), 0.875, 0.875));
+  CHECK(same(octahedral_encode({0, 0, 1}), 0.5, 0.5));
+  CHECK(same(octahedral_encode({1, 0, 0}), 1.0, 0.5));
+  CHECK(same(octahedral_encode({0, -1, 0}), 0.5, 0.0));
+  CHECK(same(octahedral_encode({1, 1, -2}), 0.875, 0.875));
 }
 
 TEST_CASE("Beyond an edge of the octahedral square the sphere goes on", "[octahedral]") {
   for (const double along : {0.03, 0.4, 0.71, 0.98}) {
     for (const double beyond : {1e-9, 0.1, 0.8}) {
-      CHECK(glm::length(octahedral_direction(-beyond, along) - octahedral_direction(beyond, 1.0 - along)) < 1e-14);
-      CHECK(glm::length(octahedral_direction(1.0 + beyond, along) - octahedral_direction(1.0 - beyond, 1.0 - along)) <
-            1e-14);
-      CHECK(glm::length(octahedral_direction(along, -beyond) - octahedral_direction(1.0 - along, beyond)) < 1e-14);
-      CHECK(glm::length(octahedral_direction(along, 1.0 + beyond) - octahedral_direction(1.0 - along, 1.0 - beyond)) <
-            1e-14);
+      CHECK(glm::length(octahedral_decode(-beyond, along) - octahedral_decode(beyond, 1.0 - along)) < 1e-14);
+      CHECK(glm::length(octahedral_decode(1.0 + beyond, along) - octahedral_decode(1.0 - beyond, 1.0 - along)) < 1e-14);
+      CHECK(glm::length(octahedral_decode(along, -beyond) - octahedral_decode(1.0 - along, beyond)) < 1e-14);
+      CHECK(glm::length(octahedral_decode(along, 1.0 + beyond) - octahedral_decode(1.0 - along, 1.0 - beyond)) < 1e-14);
     }
-    CHECK(glm::length(octahedral_direction(along, -1e-9) - octahedral_direction(along, 1e-9)) < 1e-7);
+    CHECK(glm::length(octahedral_decode(along, -1e-9) - octahedral_decode(along, 1e-9)) < 1e-7);
   }
 }
 
@@ -111,11 +109,11 @@ TEST_CASE("Border texels of octahedral maps are those beyond the edge", "[octahe
       for (int row = 0; row < edge; ++row) {
         for (int column = 0; column < edge; ++column) {
           // the texel inside whose centre is the same direction
-          const dvec3 direction = octahedral_direction((column - own + 0.5) / inner, (row - own + 0.5) / inner);
+          const dvec3 direction = octahedral_decode((column - own + 0.5) / inner, (row - own + 0.5) / inner);
           const bool folded_twice =
               column - own < -inner || column - own >= 2 * inner || row - own < -inner || row - own >= 2 * inner;
           if (folded_twice) continue;
-          const auto place = octahedral_place(direction);
+          const auto place = octahedral_encode(direction);
           const int at_column = std::clamp(static_cast<int>(place[0] * inner), 0, inner - 1) + own;
           const int at_row = std::clamp(static_cast<int>(place[1] * inner), 0, inner - 1) + own;
           REQUIRE(texel(column, row) == texel(at_column, at_row));
@@ -149,7 +147,7 @@ TEST_CASE("Octahedral maps show what the cubemap shows", "[octahedral]") {
     for (const dvec3& direction : many_directions()) {
       dvec3 expected(0.0);
       cube.add(direction, 1.0, expected);
-      const dvec3 got = looked_up(map, level, octahedral_place(direction));
+      const dvec3 got = looked_up(map, level, octahedral_encode(direction));
       squares += glm::dot(got - expected, got - expected);
       whole += glm::dot(expected, expected);
     }
@@ -197,7 +195,7 @@ TEST_CASE("A texel of an octahedral map is the mean of bilinear interpolation ov
       for (int part = 0; part < parts * parts; ++part) {
         const double column = k % inner + (part % parts + 0.5) / parts;
         const double row = k / inner + (part / parts + 0.5) / parts;
-        const dvec3 direction = octahedral_direction(column / inner, row / inner);
+        const dvec3 direction = octahedral_decode(column / inner, row / inner);
         const double size_of = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
         cube.add(direction, size_of * size_of * size_of, sum);
         steradians += size_of * size_of * size_of;
@@ -217,7 +215,7 @@ TEST_CASE("Coefficients are at an octahedral map's centres", "[octahedral]") {
   const OctahedralMap map = to_octahedral(harmonics, {.size = 9});
   for (int row = 0; row < 9; ++row) {
     for (int column = 0; column < 9; ++column) {
-      const dvec3 expected = evaluate(harmonics, octahedral_direction((column - 0.5) / 7.0, (row - 0.5) / 7.0));
+      const dvec3 expected = evaluate(harmonics, octahedral_decode((column - 0.5) / 7.0, (row - 0.5) / 7.0));
       const float* const rgb = map.levels[0].data() + 3 * (row * 9 + column);
       CHECK(glm::length(dvec3(rgb[0], rgb[1], rgb[2]) - expected) < 1e-6);
     }

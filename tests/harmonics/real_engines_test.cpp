@@ -83,14 +83,14 @@ double deviation(const std::vector<EngineTerm>& terms, const json& expected) {
 }  // namespace
 
 TEST_CASE("Babylon.js makes the same polynomial of the same coefficients", "[engine]") {
-  const EngineLight light = engine_light_in_place(coefficients(), Engine::babylon);
+  const EngineLight light = engine_light_unrotated(coefficients(), Engine::babylon);
   CHECK(deviation(light.terms, recorded().at("babylon").at("of_coefficients").at("terms")) < 1e-14);
 }
 
 TEST_CASE("what Babylon.js hands its shader is Filament's and Unity's form, to its own digits", "[engine]") {
   const json& expected = recorded().at("babylon").at("of_coefficients").at("pre_scaled");
-  CHECK(deviation(engine_light_in_place(coefficients(), Engine::filament).terms, expected) < 1e-4);
-  CHECK(deviation(engine_light_in_place(coefficients(), Engine::unity).terms, expected) < 1e-4);
+  CHECK(deviation(engine_light_unrotated(coefficients(), Engine::filament).terms, expected) < 1e-4);
+  CHECK(deviation(engine_light_unrotated(coefficients(), Engine::unity).terms, expected) < 1e-4);
 }
 
 TEST_CASE("a panorama that Babylon.js loads has the polynomial that is made for it", "[engine]") {
@@ -101,14 +101,14 @@ TEST_CASE("a panorama that Babylon.js loads has the polynomial that is made for 
   CHECK(deviation(engine_light(light, Engine::babylon).terms, panorama.at("terms")) < 0.015);
   // Mirrored or turned by a quarter it would be far off.
   CHECK(deviation(engine_light(light, Engine::three).terms, panorama.at("terms")) > 0.2);
-  CHECK(deviation(engine_light_in_place(light, Engine::babylon).terms, panorama.at("terms")) > 0.2);
+  CHECK(deviation(engine_light_unrotated(light, Engine::babylon).terms, panorama.at("terms")) > 0.2);
 }
 
 TEST_CASE("three.js gets radiance and irradiance of its light probe's coefficients", "[engine]") {
   const SphericalHarmonics light = coefficients();
   const SphericalHarmonics irradiance = irradiance_from_radiance(light);
   const json& three = recorded().at("three").at("of_coefficients");
-  const EngineLight probe = engine_light_in_place(light, Engine::three);
+  const EngineLight probe = engine_light_unrotated(light, Engine::three);
   for (std::size_t i = 0; i < 9; ++i) CHECK(probe.terms.at(i).rgb == light.coefficients()[i]);
   for (std::size_t i = 0; i < recorded().at("normals").size(); ++i) {
     const glm::dvec3 normal = triple(recorded().at("normals").at(i));
@@ -125,8 +125,8 @@ TEST_CASE("a panorama that three.js loads gives its light probe what is made for
   CHECK(deviation(engine_light(light, Engine::three).terms, panorama.at("coefficients")) < 3e-4);
   // Mirrored or turned by a quarter it would be far off.
   for (const Engine other : {Engine::welkin, Engine::babylon, Engine::unity}) {
-    const SphericalHarmonics wrong = turned(light, convention(other).from_welkin);
-    CHECK(deviation(engine_light_in_place(wrong, Engine::three).terms, panorama.at("coefficients")) > 0.1);
+    const SphericalHarmonics wrong = rotate(light, convention(other).from_welkin);
+    CHECK(deviation(engine_light_unrotated(wrong, Engine::three).terms, panorama.at("coefficients")) > 0.1);
   }
 }
 
@@ -137,8 +137,8 @@ TEST_CASE("three.js's own generator reads a cube texture as the convention says"
   midpoint.quadrature = Quadrature::midpoint;
   const SphericalHarmonics faces = project(cubemap(texture.at("size").get<int>()).view(), midpoint).radiance;
   // From the faces' frames to three.js's world.
-  const SphericalHarmonics light = turned(faces, glm::transpose(*three.faces_from_engine));
-  CHECK(deviation(engine_light_in_place(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
+  const SphericalHarmonics light = rotate(faces, glm::transpose(*three.faces_from_engine));
+  CHECK(deviation(engine_light_unrotated(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
 }
 
 // Promises: for the cubemaps that ../shared/oracles/web asked the real Babylon.js and three.js about, their numbers are
@@ -180,7 +180,7 @@ Cubemap cubemap(const Case& of) {
 // As the command turns light: out of the frames of CubemapView in which the engine's faces lie, into its axes.
 EngineLight light_of_faces(const SphericalHarmonics& faces, Engine engine) {
   const Convention& of = convention(engine);
-  return engine_light(turned(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);
+  return engine_light(rotate(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);
 }
 
 double deviation(const EngineLight& light, const std::vector<json>& expected) {
@@ -223,7 +223,7 @@ TEST_CASE("Babylon.js's and three.js's numbers for shared cubemaps are those of 
     const json& three = expected.at("three");
     CHECK(deviation(light_of_faces(faces, Engine::three), three.at("cubeTexture").at("coefficients")) < tolerance);
     // What three.js reads back from a render target is not mirrored: the frames of CubemapView are its own axes.
-    CHECK(deviation(engine_light_in_place(faces, Engine::three), three.at("webgl").at("coefficients")) < tolerance);
+    CHECK(deviation(engine_light_unrotated(faces, Engine::three), three.at("webgl").at("coefficients")) < tolerance);
   }
 }
 
@@ -289,7 +289,7 @@ TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their ph
     // It goes through cube faces of 64 to 256 texels, each the nearest pixel's: up to 3 % off.
     CHECK(deviation(engine_light(light, Engine::babylon), stored.at(baked)) < 0.04);
     const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-    CHECK(deviation(engine_light(turned(light, mirror), Engine::babylon), stored.at(baked)) > 0.05);
+    CHECK(deviation(engine_light(rotate(light, mirror), Engine::babylon), stored.at(baked)) > 0.05);
   }
 }
 

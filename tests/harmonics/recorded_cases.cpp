@@ -49,8 +49,7 @@ ProjectionOptions babylon_options(const json& recorded, const char* maximum_name
   if (const auto given = recorded.find(maximum_name); given != recorded.end()) {
     maximum = given->is_string() ? std::numeric_limits<float>::infinity() : given->get<float>();
   }
-  ProjectionOptions options;
-  options.quadrature = Quadrature::midpoint;
+  ProjectionOptions options{.quadrature = Quadrature::midpoint};
   if (const int target = recorded.value("target", 0); target != 0) options.target_size = target;
   options.pixels.gamma = recorded.value("gamma", false);
   if (std::isinf(maximum)) {

@@ -19,13 +19,13 @@ namespace welkin::test {
 
 namespace {
 
-/// Largest difference between `turned` at map * d and `original` at d.
-double worst_difference(const SphericalHarmonics& turned, const SphericalHarmonics& original, const glm::dmat3& map) {
+/// Largest difference between `rotate` at map * d and `original` at d.
+double worst_difference(const SphericalHarmonics& rotated, const SphericalHarmonics& original, const glm::dmat3& map) {
   RandomLight light(7);
   double worst = 0.0;
   for (int k = 0; k < 50; ++k) {
     const glm::dvec3 d = light.direction();
-    const glm::dvec3 off = evaluate(turned, glm::normalize(map * d)) - evaluate(original, d);
+    const glm::dvec3 off = evaluate(rotated, glm::normalize(map * d)) - evaluate(original, d);
     worst = std::max(worst, glm::length(off));
   }
   return worst;
@@ -52,9 +52,9 @@ TEST_CASE("Turned coefficients are those of the turned function, in every number
   for (int bands = 1; bands <= kMaximumBands; ++bands) {
     for (int k = 0; k < 10; ++k) {
       const SphericalHarmonics original = light.harmonics(bands);
-      const glm::dquat turn = light.turn();
+      const glm::dquat rotation = light.rotation();
       CAPTURE(bands, k);
-      CHECK(worst_difference(turned(original, turn), original, glm::mat3_cast(turn)) < 1e-12 * norm(original));
+      CHECK(worst_difference(rotate(original, rotation), original, glm::mat3_cast(rotation)) < 1e-12 * norm(original));
     }
   }
 }
@@ -63,9 +63,9 @@ TEST_CASE("A light is where it was turned to, to 1e-13", "[sh][turn]") {
   RandomLight light(2);
   for (int k = 0; k < 50; ++k) {
     const glm::dvec3 direction = light.direction();
-    const glm::dquat turn = light.turn();
-    const SphericalHarmonics found = turned(point_light(direction, {1, 2, 3}, kMaximumBands), turn);
-    CHECK(relative_error(found, point_light(glm::normalize(turn * direction), {1, 2, 3}, kMaximumBands)) < 1e-13);
+    const glm::dquat rotation = light.rotation();
+    const SphericalHarmonics found = rotate(point_light(direction, {1, 2, 3}, kMaximumBands), rotation);
+    CHECK(relative_error(found, point_light(glm::normalize(rotation * direction), {1, 2, 3}, kMaximumBands)) < 1e-13);
   }
 }
 
@@ -73,13 +73,13 @@ TEST_CASE("One turn after another is their product, and the inverse undoes", "[s
   RandomLight light(3);
   for (const int bands : {1, 2, 3, 5, 9, 16}) {
     const SphericalHarmonics original = light.harmonics(bands);
-    const glm::dquat first = light.turn();
-    const glm::dquat second = light.turn();
-    CHECK(relative_error(turned(turned(original, first), second), turned(original, second * first)) < 1e-13);
-    CHECK(relative_error(turned(turned(original, first), glm::conjugate(first)), original) < 1e-13);
-    CHECK(relative_error(turned(original, -first), turned(original, first)) < 1e-15);
-    CHECK(same_bits(turned(original, glm::dquat(1, 0, 0, 0)), turned(original, glm::dquat(-3, 0, 0, 0))));
-    CHECK(relative_error(turned(original, glm::dquat(1, 0, 0, 0)), original) < 1e-15);
+    const glm::dquat first = light.rotation();
+    const glm::dquat second = light.rotation();
+    CHECK(relative_error(rotate(rotate(original, first), second), rotate(original, second * first)) < 1e-13);
+    CHECK(relative_error(rotate(rotate(original, first), glm::conjugate(first)), original) < 1e-13);
+    CHECK(relative_error(rotate(original, -first), rotate(original, first)) < 1e-15);
+    CHECK(same_bits(rotate(original, glm::dquat(1, 0, 0, 0)), rotate(original, glm::dquat(-3, 0, 0, 0))));
+    CHECK(relative_error(rotate(original, glm::dquat(1, 0, 0, 0)), original) < 1e-15);
   }
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("The 48 symmetries of the cube permute bands 0 and 1 with signs", "[sh
   RandomLight light(6);
   const SphericalHarmonics original = light.harmonics(kMaximumBands);
   for (const glm::dmat3& map : cube_symmetries()) {
-    const SphericalHarmonics found = turned(original, map);
+    const SphericalHarmonics found = rotate(original, map);
     CHECK(found.at(0, 0) == original.at(0, 0));
     for (int c = 0; c < 3; ++c) {
       const glm::dvec3 before(original.at(1, 1)[c], original.at(1, -1)[c], original.at(1, 0)[c]);
@@ -116,13 +116,13 @@ TEST_CASE("A cube face's transform is the turn from its frame, for all bands", "
     for (std::size_t k = 0; k < count; ++k) {
       expected.coefficients()[k] = {canonical[k], canonical[count + k], canonical[2 * count + k]};
     }
-    CHECK(relative_error(turned(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
+    CHECK(relative_error(rotate(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
   }
 }
 
 TEST_CASE("Every band's matrix is orthogonal to 1e-13", "[sh][turn]") {
   RandomLight light(10);
-  harmonics::BandRotation matrix(glm::mat3_cast(light.turn()));
+  harmonics::BandRotation matrix(glm::mat3_cast(light.rotation()));
   for (int l = 1; l < kMaximumBands; ++l) {
     matrix.advance();
     double worst = 0.0;
@@ -141,27 +141,27 @@ TEST_CASE("Every band's matrix is orthogonal to 1e-13", "[sh][turn]") {
 TEST_CASE("A quaternion's length does not matter, however small or large", "[sh][turn]") {
   RandomLight light(11);
   const SphericalHarmonics original = light.harmonics(4);
-  const glm::dquat turn = light.turn();
-  const SphericalHarmonics expected = turned(original, turn);
+  const glm::dquat rotation = light.rotation();
+  const SphericalHarmonics expected = rotate(original, rotation);
   for (const double length : {0.5, 3.0, 1e-200, 1e-300, 1e200, 1e300}) {
-    const glm::dquat stretched(turn.w * length, turn.x * length, turn.y * length, turn.z * length);
-    CHECK(relative_error(turned(original, stretched), expected) < 1e-14);
+    const glm::dquat stretched(rotation.w * length, rotation.x * length, rotation.y * length, rotation.z * length);
+    CHECK(relative_error(rotate(original, stretched), expected) < 1e-14);
   }
 }
 
 TEST_CASE("A matrix slightly off is taken for the nearest turn; one far off is refused", "[sh][turn]") {
   RandomLight light(13);
   const SphericalHarmonics original = light.harmonics(kMaximumBands);
-  const glm::dmat3 map = glm::mat3_cast(light.turn());
+  const glm::dmat3 map = glm::mat3_cast(light.rotation());
   glm::dmat3 off = map;
   for (int k = 0; k < 3; ++k) off[k] += 2e-7 * light.colour();
-  const SphericalHarmonics found = turned(original, off);
+  const SphericalHarmonics found = rotate(original, off);
   CHECK(norm(found) == Approx(norm(original)).epsilon(1e-12));
-  CHECK(relative_error(found, turned(original, map)) < 2e-5);
+  CHECK(relative_error(found, rotate(original, map)) < 2e-5);
 
   for (const glm::dmat3& bad : {glm::dmat3(0.0), 1.001 * map, glm::dmat3(std::numeric_limits<double>::quiet_NaN()),
                                 glm::dmat3({1, 0, 0}, {0.01, 1, 0}, {0, 0, 1})}) {
-    const ThrownError error = thrown_by([&] { (void)turned(original, bad); });
+    const ThrownError error = thrown_by([&] { (void)rotate(original, bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("not orthogonal"));
     CHECK(error.says("1e-6"));
@@ -173,7 +173,7 @@ TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const glm::dquat& bad : {glm::dquat(0, 0, 0, 0), glm::dquat(nan, 0, 0, 1), glm::dquat(1, 0, nan, 0),
                                 glm::dquat(infinity, 0, 0, 0), glm::dquat(1, 0, 0, -infinity)}) {
-    const ThrownError error = thrown_by([&] { (void)turned(SphericalHarmonics(3), bad); });
+    const ThrownError error = thrown_by([&] { (void)rotate(SphericalHarmonics(3), bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("quaternion"));
     CHECK(error.says("(1 0 0 0) is the identity"));
@@ -225,12 +225,12 @@ TEST_CASE("The dominant light turns with its environment", "[sh][dominant]") {
   RandomLight light(63);
   for (int k = 0; k < 20; ++k) {
     const SphericalHarmonics radiance = add(light.harmonics(4), constant_radiance({5, 5, 5}, 4));
-    const glm::dquat turn = light.turn();
+    const glm::dquat rotation = light.rotation();
     const auto before = dominant_light(radiance);
-    const auto after = dominant_light(turned(radiance, turn));
+    const auto after = dominant_light(rotate(radiance, rotation));
     REQUIRE(before);
     REQUIRE(after);
-    CHECK(glm::length(after->direction - turn * before->direction) < 1e-13);
+    CHECK(glm::length(after->direction - rotation * before->direction) < 1e-13);
     CHECK(glm::length(after->irradiance - before->irradiance) < 1e-13);
     for (int c = 0; c < 3; ++c) CHECK(before->irradiance[c] >= 0.0);
   }
@@ -297,8 +297,9 @@ TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[s
     RandomLight light(71);
     const glm::dvec3 direction = light.direction();
     const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // half a turn about it takes z there
-    const glm::dquat turn(0.0, half.x, half.y, half.z);
-    CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), turned(found, turn)) < 1e-13);
+    const glm::dquat rotation(0.0, half.x, half.y, half.z);
+    CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), rotate(found, rotation)) <
+          1e-13);
   }
 }
 
@@ -335,10 +336,9 @@ constexpr int kBands = 6;
 template <class Image>
 void check_coefficients(Image image, const glm::dvec3& place, double radius) {
   paint_disc(image, glm::normalize(place), radius, {2e5, 1.5e5, 5e4});
-  ProjectionOptions options;
-  options.bands = kBands;
+  ProjectionOptions options{.bands = kBands};
   const SphericalHarmonics before = project(image.view(), options).radiance;
-  const auto sun = take_out_sun(image);
+  const auto sun = extract_sun(image);
   REQUIRE(sun);
   const SphericalHarmonics after = project(image.view(), options).radiance;
   std::vector<double> basis(kBands * kBands);

@@ -267,7 +267,7 @@ TEST_CASE("Sums, multiples and mixtures act on the functions, with missing bands
   CHECK(add(a, b).bands() == 7);
   CHECK(same_bits(add(a, b), add(b, a)));
   CHECK(lerp(a, b, 0.3).bands() == 7);
-  CHECK(same_bits(lerp(a, b, 0.0), with_bands(a, 7)));
+  CHECK(same_bits(lerp(a, b, 0.0), resized(a, 7)));
   CHECK(same_bits(lerp(a, b, 1.0), b));
   CHECK(relative_error(lerp(a, b, 2.0), add(scale(b, glm::dvec3(2.0)), scale(a, glm::dvec3(-1.0)))) < 1e-15);
   for (int k = 0; k < 20; ++k) {
@@ -315,10 +315,10 @@ TEST_CASE("A product that is cut off has the first bands of the whole one", "[sh
   const SphericalHarmonics b = light.harmonics(7);
   const SphericalHarmonics whole = product(a, b);
   for (const int bands : {1, 2, 3, 8, 12}) {
-    CHECK(relative_error(product(a, b, bands), with_bands(whole, bands)) < 1e-14 * norm(whole));
+    CHECK(relative_error(product(a, b, bands), resized(whole, bands)) < 1e-14 * norm(whole));
   }
   const SphericalHarmonics longer = product(a, b, 14);  // band limit 12: what lies above is zero
-  CHECK(same_bits(with_bands(longer, 12), whole));
+  CHECK(same_bits(resized(longer, 12), whole));
   CHECK(norm(longer) == norm(whole));
   // 16 bands times 16 bands have 31, of which 16 can be held; exact all the same.
   const SphericalHarmonics c = light.harmonics(16);

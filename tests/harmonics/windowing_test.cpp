@@ -59,11 +59,11 @@ TEST_CASE("The minimum turns with the light and does not change", "[sh][minimum]
     const SphericalHarmonics harmonics = light.harmonics(bands);
     const HarmonicMinimum before = minimum(harmonics);
     for (int k = 0; k < 5; ++k) {
-      const glm::dquat turn = light.turn();
-      const HarmonicMinimum after = minimum(turned(harmonics, turn));
+      const glm::dquat rotation = light.rotation();
+      const HarmonicMinimum after = minimum(rotate(harmonics, rotation));
       for (int c = 0; c < 3; ++c) {
         CHECK(std::abs(after.value[c] - before.value[c]) < 1e-12);
-        CHECK(glm::length(after.direction[c] - turn * before.direction[c]) < 1e-6);
+        CHECK(glm::length(after.direction[c] - rotation * before.direction[c]) < 1e-6);
       }
     }
   }
@@ -72,16 +72,16 @@ TEST_CASE("The minimum turns with the light and does not change", "[sh][minimum]
 TEST_CASE("Minima known in closed form are found, on rings and at poles too", "[sh][minimum]") {
   RandomLight light(33);
   for (int k = 0; k < 20; ++k) {
-    const glm::dquat turn = k == 0 ? glm::dquat(1, 0, 0, 0) : light.turn();
+    const glm::dquat rotation = k == 0 ? glm::dquat(1, 0, 0, 0) : light.rotation();
     SphericalHarmonics linear(2);
     linear.at(1, 0) = {1.0, -2.0, 0.0};
-    linear = turned(linear, turn);
+    linear = rotate(linear, rotation);
     const double y1 = std::sqrt(3.0 / (4.0 * kPi));
     CHECK(glm::length(minimum(linear).value - glm::dvec3(-y1, -2.0 * y1, 0.0)) < 1e-14);
 
     SphericalHarmonics zonal(3);  // sqrt(5 / 16 pi) (3 z^2 - 1): a ring of minima, or two poles if negative
     zonal.at(2, 0) = {1.0, -1.0, 1e-30};
-    zonal = turned(zonal, turn);
+    zonal = rotate(zonal, rotation);
     const double y2 = std::sqrt(5.0 / (16.0 * kPi));
     const glm::dvec3 found = minimum(zonal).value;
     CHECK(std::abs(found.x + y2) < 1e-14);
@@ -177,8 +177,8 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
   const SphericalHarmonics light = sunny({0, 1, 0}, {100, 90, 80}, 6);
   for (const double width : {0.0, 0.5, 2.0, 3.7, 6.0, 20.0}) {
     const double w = width > 0.0 ? width : 6.0;
-    const Windowed hanning = apply_window(light, Window::hanning, width);
-    const Windowed lanczos = apply_window(light, Window::lanczos, width);
+    const WindowResult hanning = apply_window(light, Window::hanning, width);
+    const WindowResult lanczos = apply_window(light, Window::lanczos, width);
     CHECK(hanning.parameter == w);
     CHECK(lanczos.parameter == w);
     for (int l = 0; l < 6; ++l) {
@@ -193,12 +193,12 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
       }
     }
   }
-  const Windowed none = apply_window(light, Window::none);
+  const WindowResult none = apply_window(light, Window::none);
   CHECK(same_bits(none.radiance, light));
   CHECK(none.parameter == 0.0);
   CHECK(none.factors == std::vector<double>(6, 1.0));
   CHECK(none.minimum_before == none.minimum_after);
-  const Windowed least = apply_window(light, Window::min_laplacian);
+  const WindowResult least = apply_window(light, Window::min_laplacian);
   for (int l = 0; l < 6; ++l) {
     CHECK(least.factors[static_cast<std::size_t>(l)] ==
           Approx(1.0 / (1.0 + least.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
@@ -232,7 +232,7 @@ TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser on
       const SphericalHarmonics radiance =
           add(sunny(light.direction(), strength * glm::dvec3(1.0, 0.8, 0.6), bands),
               scale(point_light(light.direction(), glm::dvec3(0.3, 0.5, 0.4), bands), glm::dvec3(strength)));
-      const Windowed found = apply_window(radiance, Window::min_laplacian);
+      const WindowResult found = apply_window(radiance, Window::min_laplacian);
       const glm::dvec3 mean = kPi * mean_radiance(radiance);
       CAPTURE(bands, strength, found.parameter);
       for (int c = 0; c < 3; ++c) CHECK(found.minimum_after[c] >= -1e-9 * mean[c]);

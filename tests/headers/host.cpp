@@ -93,14 +93,14 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
   const glm::dquat quaternion(0.4, 0.2, -0.4, 0.8);
   const glm::dmat3 matrix(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6);
   print("evaluate", glm::dvec3(welkin::evaluate(light, direction)));
-  print("turned by a quaternion", welkin::turned(light, quaternion));
-  print("turned by a matrix", welkin::turned(light, matrix));
+  print("turned by a quaternion", welkin::rotate(light, quaternion));
+  print("turned by a matrix", welkin::rotate(light, matrix));
   print("scale", welkin::scale(light, glm::dvec3(0.5, 1.0, 2.0)));
   print("mean", glm::dvec3(welkin::mean_radiance(light)));
   const welkin::HarmonicMinimum minimum = welkin::minimum(light);
   print("minimum", glm::dvec3(minimum.value));
-  for (const glm::dvec3 place : minimum.direction) print("minimum at", place);
-  const welkin::Windowed windowed = welkin::apply_window(light, welkin::Window::min_laplacian);
+  for (const glm::dvec3 position : minimum.direction) print("minimum at", position);
+  const welkin::WindowResult windowed = welkin::apply_window(light, welkin::Window::min_laplacian);
   print("window", windowed.radiance);
   print("window", windowed.parameter);
   print("window", glm::dvec3(windowed.minimum_before));
@@ -126,8 +126,8 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
 }
 
 void call_pictures(const welkin::LatLongImage& image, const std::string& folder) {
-  const glm::dmat3 turn = welkin::turn_about_y(35.0);
-  const welkin::Cubemap cubemap = welkin::to_cubemap(image.view(), 16, turn);
+  const glm::dmat3 rotation = welkin::rotation_about_y(35.0);
+  const welkin::Cubemap cubemap = welkin::to_cubemap(image.view(), 16, rotation);
   print("to_cubemap", std::span<const float>(cubemap.pixels()));
   const std::vector<welkin::dvec3> normals{glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.6, 0.0, 0.8)};
   for (const glm::dvec3 value : welkin::direct_irradiance(cubemap.view(), normals)) print("direct irradiance", value);
@@ -165,9 +165,9 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   print("file", glm::dvec3(statistics.brightest_direction));
 
   welkin::ResultCache cache;
-  print("cache", cache.project(cubemap.view(), {}, {.exposure = 2.0, .turn = turn}).radiance);
+  print("cache", cache.project(cubemap.view(), {}, {.exposure = 2.0, .rotation = rotation}).radiance);
   welkin::Worker worker;
-  auto job = worker.post(welkin::ToCubemap{image, 4, turn});
+  auto job = worker.post(welkin::ToCubemap{image, 4, rotation});
   print("job", job.get().pixels());
 }
 
@@ -187,7 +187,7 @@ void call_sky() {
   const welkin::SkyView view(tables, 100.0);
   print("sky", glm::dvec3(view.radiance(glm::dvec3(0.0, 0.6, 0.8), sun)));
   print("sky", glm::dvec3(view.irradiance(sun)));
-  print("sky's sun", view.sun(sun));
+  print("sky's sun", view.sun_light(sun));
   const std::vector<welkin::vec3> directions{glm::vec3(0.0F, 1.0F, 0.0F), glm::vec3(0.6F, 0.8F, 0.0F)};
   std::vector<welkin::vec3> radiances(directions.size());
   view.radiance(directions, sun, radiances);
@@ -199,8 +199,7 @@ void call_sky() {
   const welkin::SkyCurve curve(view, {.nodes = 16});
   print("curve", curve.at(sun));
   print("curve", glm::dvec3(curve.sun_irradiance(sun)));
-  print("sun's light", welkin::sun_harmonics(view.sun(sun), 3));
-  for (const glm::dvec3 weight : welkin::srgb_weights({680.0, 550.0, 440.0})) print("weights", weight);
+  print("sun's light", welkin::sun_harmonics(view.sun_light(sun), 3));
 
   welkin::SkyLightOptions light_options;
   light_options.curve.nodes = 16;
@@ -219,7 +218,7 @@ void call_sky() {
   print("frame", static_cast<double>(frame.settled));
   print("frame", frame.radiance);
   print("frame", frame.sun);
-  print("frame", glm::dmat3(frame.reflections[0].turn));
+  print("frame", glm::dmat3(frame.reflections[0].rotation));
   print("frame", frame.reflections[0].weight);
 }
 
@@ -232,7 +231,7 @@ int main(int argc, char** argv) {
   }
   std::filesystem::create_directories(argv[1]);
   welkin::LatLongImage image = panorama();
-  if (const auto sun = welkin::take_out_sun(image)) print("sun of a panorama", *sun);
+  if (const auto sun = welkin::extract_sun(image)) print("sun of a panorama", *sun);
   const welkin::Projection light = welkin::project(image.view(), {.bands = 4});
   print("projection", light.radiance);
   print("projection", light.diagnostics);

@@ -115,8 +115,8 @@ TEST_CASE("rows of BC6H blocks are cut where they are asked for", "[image][bc6h]
     }
     std::array<std::uint16_t, 3 * kBlockTexels> last{};
     image::decode_bc6h(blocks.data() + blocks.size() - kBlockBytes, Bc6hRange::positive, last.data());
-    const int place = (width - 1) % 4;
-    CHECK(whole.back() == image::float_from_half(last[static_cast<std::size_t>(3 * (4 * place + place) + 2)]));
+    const int slot = (width - 1) % 4;
+    CHECK(whole.back() == image::float_from_half(last[static_cast<std::size_t>(3 * (4 * slot + slot) + 2)]));
   }
 }
 
@@ -315,7 +315,7 @@ TEST_CASE("BC6H clamps what halves cannot hold, and counts texels once", "[image
   }
 }
 
-TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image][bc6h]") {
+TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image][bc6h][slow]") {
   const Cubemap chain = prefilter_specular(sky(256).view(0), {.size = 128, .mips = 8}).cubemap;
   double last = 0.15;  // the picture is noise, of which 14 % is lost with one line
   for (const Bc6hEffort effort : kEfforts) {
@@ -355,9 +355,7 @@ TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bou
   for (const char* const file : names) {
     CAPTURE(file);
     const Environment picture = read_environment(kPictures / "env" / file);
-    PrefilterOptions options;
-    options.size = 256;
-    options.mips = 9;
+    PrefilterOptions options{.size = 256, .mips = 9};
     const Cubemap chain = prefilter_specular(picture.lat_long(), options).cubemap;
     for (std::size_t effort = 0; effort < kEfforts.size(); ++effort) {
       const Bc6hCubemap blocks = encode_bc6h(chain.views(), {kEfforts[effort]});

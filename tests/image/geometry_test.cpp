@@ -27,14 +27,14 @@ TEST_CASE("A cube's sixteen images are all different, and lead back", "[symmetry
 }
 
 TEST_CASE("A turn is a cube's symmetry if it is within 1e-9 of one", "[symmetry]") {
-  glm::dmat3 turn(0.0);
-  turn[0][1] = 1.0;
-  turn[1][0] = -1.0;
-  turn[2][2] = 1.0 - 0.9e-9;
-  REQUIRE(image::cube_symmetry_of(turn));
-  CHECK((*image::cube_symmetry_of(turn))[1][0] == -1);
-  turn[2][2] = 1.0 - 1.1e-9;
-  CHECK_FALSE(image::cube_symmetry_of(turn));
+  glm::dmat3 rotation(0.0);
+  rotation[0][1] = 1.0;
+  rotation[1][0] = -1.0;
+  rotation[2][2] = 1.0 - 0.9e-9;
+  REQUIRE(image::cube_symmetry_of(rotation));
+  CHECK((*image::cube_symmetry_of(rotation))[1][0] == -1);
+  rotation[2][2] = 1.0 - 1.1e-9;
+  CHECK_FALSE(image::cube_symmetry_of(rotation));
 }
 
 // A lat-long that is turned about y by a share of a texel: sharp, within its range, every row's sum kept.
@@ -84,16 +84,16 @@ TEST_CASE("A lat-long that is turned by a share of a texel stays sharp and keeps
   const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
   for (const double texels : {0.1, 0.25, 0.5, 0.75, 33.4}) {
     for (const bool mirrored : {false, true}) {
-      const glm::dmat3 turn = turn_about_y(360.0 * texels / kWidth) * (mirrored ? mirror : glm::dmat3(1.0));
-      const LatLongImage turned = to_lat_long(picture.view(), kWidth, picture.height, turn);
-      INFO(texels << (mirrored ? " mirrored" : "") << ": " << sharpness(turned.view()) / before);
-      CHECK(sharpness(turned.view()) >= 0.9 * before);
-      CHECK(sharpness(turned.view()) <= before);
+      const glm::dmat3 rotation = rotation_about_y(360.0 * texels / kWidth) * (mirrored ? mirror : glm::dmat3(1.0));
+      const LatLongImage rotated = to_lat_long(picture.view(), kWidth, picture.height, rotation);
+      INFO(texels << (mirrored ? " mirrored" : "") << ": " << sharpness(rotated.view()) / before);
+      CHECK(sharpness(rotated.view()) >= 0.9 * before);
+      CHECK(sharpness(rotated.view()) <= before);
       for (int row = 0; row < picture.height; ++row) {
-        for (int c = 0; c < 3; ++c) CHECK(row_sum(turned, row, c) == Approx(row_sum(picture, row, c)).epsilon(1e-6));
+        for (int c = 0; c < 3; ++c) CHECK(row_sum(rotated, row, c) == Approx(row_sum(picture, row, c)).epsilon(1e-6));
       }
       const auto [least, largest] = std::minmax_element(picture.pixels.begin(), picture.pixels.end());
-      for (const float value : turned.pixels) REQUIRE((value >= *least && value <= *largest));
+      for (const float value : rotated.pixels) REQUIRE((value >= *least && value <= *largest));
     }
   }
 }
@@ -110,32 +110,32 @@ TEST_CASE("A smooth lat-long that is turned by a share of a texel is closer than
     }
     return picture;
   };
-  const LatLongImage turned = to_lat_long(wave(0.0).view(), kWidth, 4, turn_about_y(360.0 * 0.3 / kWidth));
+  const LatLongImage rotated = to_lat_long(wave(0.0).view(), kWidth, 4, rotation_about_y(360.0 * 0.3 / kWidth));
   const LatLongImage wanted = wave(0.3);
   for (std::size_t i = 0; i < wanted.pixels.size(); ++i)
-    REQUIRE(std::abs(turned.pixels[i] - wanted.pixels[i]) < 2.7e-3F);  // as linear: crests are not exceeded
+    REQUIRE(std::abs(rotated.pixels[i] - wanted.pixels[i]) < 2.7e-3F);  // as linear: crests are not exceeded
   double square = 0.0;
   for (std::size_t i = 0; i < wanted.pixels.size(); ++i)
-    square += std::pow(static_cast<double>(turned.pixels[i] - wanted.pixels[i]), 2.0);
+    square += std::pow(static_cast<double>(rotated.pixels[i] - wanted.pixels[i]), 2.0);
   CHECK(std::sqrt(square / static_cast<double>(wanted.pixels.size())) < 8e-4);  // linear: 1.8e-3
 }
 
 TEST_CASE("Narrow rows, uniform ones, NaN and infinity are turned by a share of a texel", "[image][resampling]") {
   for (const int width : {1, 2, 3, 5}) {
     const LatLongImage grey{width, 2, std::vector<float>(std::size_t{6} * static_cast<std::size_t>(width), 0.1F)};
-    const LatLongImage turned = to_lat_long(grey.view(), width, 2, turn_about_y(360.0 * 0.37 / width));
-    for (const float value : turned.pixels) CHECK(value == 0.1F);
+    const LatLongImage rotated = to_lat_long(grey.view(), width, 2, rotation_about_y(360.0 * 0.37 / width));
+    for (const float value : rotated.pixels) CHECK(value == 0.1F);
   }
   LatLongImage picture{16, 2, std::vector<float>(96, 0.5F)};
   picture.pixels[3 * 4] = std::numeric_limits<float>::quiet_NaN();
   picture.pixels[3 * 4 + 1] = std::numeric_limits<float>::infinity();
-  const LatLongImage turned = to_lat_long(picture.view(), 16, 2, turn_about_y(360.0 * 0.25 / 16));
+  const LatLongImage rotated = to_lat_long(picture.view(), 16, 2, rotation_about_y(360.0 * 0.25 / 16));
   for (std::size_t column = 0; column < 16; ++column) {
     const bool touched = column == 3 || column == 4;
     INFO(column);
-    CHECK(std::isnan(turned.pixels[3 * column]) == touched);
-    CHECK(std::isinf(turned.pixels[3 * column + 1]) == touched);
-    CHECK(turned.pixels[3 * column + 2] == 0.5F);
+    CHECK(std::isnan(rotated.pixels[3 * column]) == touched);
+    CHECK(std::isinf(rotated.pixels[3 * column + 1]) == touched);
+    CHECK(rotated.pixels[3 * column + 2] == 0.5F);
   }
 }
 

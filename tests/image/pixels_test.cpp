@@ -266,7 +266,7 @@ TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
           fill_mips(none, MipFilter::box);
           return 0;
         }).says("no levels"));
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] {
           return build_mips(map.view(), MipFilter::box, std::nullopt, {stop.get_token(), {}});
@@ -323,14 +323,14 @@ TEST_CASE("All 48 symmetries of a cube move texels to where they turn directions
   REQUIRE(cube_symmetries().size() == 48);
   for (const int size : {1, 2, 3}) {
     const Cubemap map = some_cubemap(size);
-    for (const glm::dmat3& turn : cube_symmetries()) {
-      const Cubemap turned = to_cubemap(map.view(), size, turn);
+    for (const glm::dmat3& rotation : cube_symmetries()) {
+      const Cubemap rotated = to_cubemap(map.view(), size, rotation);
       for (int row = 0; row < 6 * size; ++row) {
         for (int column = 0; column < size; ++column) {
           const glm::dvec3 from = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-          const float* place = nearest(turned, turn * from);
-          REQUIRE(place != nullptr);
-          REQUIRE(std::equal(place, place + 3, map.face(0) + 3 * (row * size + column)));
+          const float* position = nearest(rotated, rotation * from);
+          REQUIRE(position != nullptr);
+          REQUIRE(std::equal(position, position + 3, map.face(0) + 3 * (row * size + column)));
         }
       }
     }
@@ -347,8 +347,8 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
         glm::dmat3 mirror(1.0);
         if ((mirrors & 1) != 0) mirror[0][0] = -1.0;
         if ((mirrors & 2) != 0) mirror[1][1] = -1.0;
-        const glm::dmat3 turn = turn_about_y(360.0 * shift / width) * mirror;
-        const LatLongImage turned = to_lat_long(map.view(), width, height, turn);
+        const glm::dmat3 rotation = rotation_about_y(360.0 * shift / width) * mirror;
+        const LatLongImage rotated = to_lat_long(map.view(), width, height, rotation);
         int wrong = 0;
         for (int row = 0; row < height; ++row) {
           for (int column = 0; column < width; ++column) {
@@ -357,11 +357,11 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
             const int to_column = ((mirrored - shift) % width + width) % width;
             const int to_row = (mirrors & 2) != 0 ? height - 1 - row : row;
             const float* from = map.pixels.data() + 3 * (row * width + column);
-            if (!std::equal(from, from + 3, turned.pixels.data() + 3 * (to_row * width + to_column))) ++wrong;
+            if (!std::equal(from, from + 3, rotated.pixels.data() + 3 * (to_row * width + to_column))) ++wrong;
           }
         }
         CHECK(wrong == 0);
-        REQUIRE(same_bits(to_lat_long(turned.view(), width, height, glm::transpose(turn)).pixels, map.pixels));
+        REQUIRE(same_bits(to_lat_long(rotated.view(), width, height, glm::transpose(rotation)).pixels, map.pixels));
       }
     }
   }
@@ -370,8 +370,8 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
 TEST_CASE("Exact turns read every pixel format, and rows from the bottom up", "[resampling]") {
   const TestCubemapHalf half = make_cubemap_half(Content::random, 5, 4, 3);
   const TestCubemap whole = make_cubemap(Content::random, 5, 3, 3);
-  const Cubemap of_half = to_cubemap(half.view(), 5, turn_about_y(90.0));
-  const Cubemap of_float = to_cubemap(whole.view(), 5, turn_about_y(90.0));
+  const Cubemap of_half = to_cubemap(half.view(), 5, rotation_about_y(90.0));
+  const Cubemap of_float = to_cubemap(whole.view(), 5, rotation_about_y(90.0));
   for (std::size_t i = 0; i < of_half.pixels().size(); ++i)
     REQUIRE(of_half.pixels()[i] == as_half(of_float.pixels()[i]));
 

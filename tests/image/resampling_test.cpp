@@ -28,23 +28,23 @@ void put(std::span<float> pixels, std::size_t texel, const glm::dvec3& value) {
   for (int c = 0; c < 3; ++c) pixels[3 * texel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
 }
 
-Cubemap smooth_cubemap(int size, const glm::dmat3& turn = glm::dmat3(1.0)) {
+Cubemap smooth_cubemap(int size, const glm::dmat3& rotation = glm::dmat3(1.0)) {
   Cubemap map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
   for (int row = 0; row < 6 * size; ++row) {
     for (int column = 0; column < size; ++column) {
       const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      put(map.pixels(), static_cast<std::size_t>(row * size + column), radiance(glm::transpose(turn) * to));
+      put(map.pixels(), static_cast<std::size_t>(row * size + column), radiance(glm::transpose(rotation) * to));
     }
   }
   return map;
 }
 
-LatLongImage smooth_lat_long(int width, int height, const glm::dmat3& turn = glm::dmat3(1.0)) {
+LatLongImage smooth_lat_long(int width, int height, const glm::dmat3& rotation = glm::dmat3(1.0)) {
   LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
       const glm::dvec3 to = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
-      put(map.pixels, static_cast<std::size_t>(row * width + column), radiance(glm::transpose(turn) * to));
+      put(map.pixels, static_cast<std::size_t>(row * width + column), radiance(glm::transpose(rotation) * to));
     }
   }
   return map;
@@ -65,19 +65,22 @@ double worst_difference_off_poles(const LatLongImage& a, const LatLongImage& b) 
   return worst_difference(inner(a), inner(b));
 }
 
-const glm::dmat3 kAskew = turn_about_y(37.0) * glm::dmat3(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1);
+const glm::dmat3 kAskew = rotation_about_y(37.0) * glm::dmat3(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1);
 
 }  // namespace
 
 TEST_CASE("A smooth environment is resampled to itself in every shape, askew too", "[resampling]") {
   const Cubemap cube = smooth_cubemap(64);
   const LatLongImage lat_long = smooth_lat_long(256, 128);
-  for (const glm::dmat3& turn : {glm::dmat3(1.0), kAskew, kAskew * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
-    CHECK(worst_difference(to_cubemap(cube.view(), 48, turn).pixels(), smooth_cubemap(48, turn).pixels()) < 2e-3);
-    CHECK(worst_difference(to_cubemap(lat_long.view(), 48, turn).pixels(), smooth_cubemap(48, turn).pixels()) < 2e-3);
-    CHECK(worst_difference_off_poles(to_lat_long(cube.view(), 160, 80, turn), smooth_lat_long(160, 80, turn)) < 2e-3);
-    CHECK(worst_difference_off_poles(to_lat_long(lat_long.view(), 160, 80, turn), smooth_lat_long(160, 80, turn)) <
+  for (const glm::dmat3& rotation : {glm::dmat3(1.0), kAskew, kAskew * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
+    CHECK(worst_difference(to_cubemap(cube.view(), 48, rotation).pixels(), smooth_cubemap(48, rotation).pixels()) <
           2e-3);
+    CHECK(worst_difference(to_cubemap(lat_long.view(), 48, rotation).pixels(), smooth_cubemap(48, rotation).pixels()) <
+          2e-3);
+    CHECK(worst_difference_off_poles(to_lat_long(cube.view(), 160, 80, rotation), smooth_lat_long(160, 80, rotation)) <
+          2e-3);
+    CHECK(worst_difference_off_poles(to_lat_long(lat_long.view(), 160, 80, rotation),
+                                     smooth_lat_long(160, 80, rotation)) < 2e-3);
   }
 }
 
@@ -129,7 +132,7 @@ TEST_CASE("Resampling refuses what it cannot do", "[resampling]") {
   CHECK(thrown_by([&] { return to_cubemap(map.view(), 0); }).says("from 1 to 16384"));
   CHECK(thrown_by([&] { return to_lat_long(map.view(), 70000, 4); }).says("from 1 to 65536"));
   CHECK(thrown_by([&] { return to_lat_long(CubemapView{}, 4, 2); }).code == ErrorCode::invalid_argument);
-  CHECK(thrown_by([] { return turn_about_y(std::numeric_limits<double>::infinity()); }).code ==
+  CHECK(thrown_by([] { return rotation_about_y(std::numeric_limits<double>::infinity()); }).code ==
         ErrorCode::invalid_argument);
 }
 
@@ -141,7 +144,9 @@ LatLongImage black(int width, int height) {
   return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
 }
 
-glm::dvec3 total_radiance(const Cubemap& map) {
+/// The integral of `value`, of a texel's radiance and direction.
+template <class Value>
+glm::dvec3 integral(const Cubemap& map, const Value& value) {
   std::vector<double> angles(static_cast<std::size_t>(map.size()));
   glm::dvec3 sum(0.0);
   for (int row = 0; row < map.size(); ++row) {
@@ -149,29 +154,22 @@ glm::dvec3 total_radiance(const Cubemap& map) {
     for (int face = 0; face < 6; ++face) {
       for (int column = 0; column < map.size(); ++column) {
         const float* const rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
-        sum += angles[static_cast<std::size_t>(column)] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
+        sum +=
+            angles[static_cast<std::size_t>(column)] *
+            value(glm::dvec3(rgb[0], rgb[1], rgb[2]), image::face_direction(map.size(), face, column + 0.5, row + 0.5));
       }
     }
   }
   return sum;
 }
 
-/// Where the light lies: the integral of direction times radiance, over that of radiance.
+glm::dvec3 total_radiance(const Cubemap& map) {
+  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3&) { return rgb; });
+}
+
+/// Where the light lies: the integral of direction times red.
 glm::dvec3 middle_of_light(const Cubemap& map) {
-  std::vector<double> angles(static_cast<std::size_t>(map.size()));
-  glm::dvec3 sum(0.0);
-  for (int row = 0; row < map.size(); ++row) {
-    image::cubemap_row_solid_angles(row, angles);
-    for (int face = 0; face < 6; ++face) {
-      for (int column = 0; column < map.size(); ++column) {
-        const float value =
-            map.pixels()[static_cast<std::size_t>(3 * ((face * map.size() + row) * map.size() + column))];
-        sum += angles[static_cast<std::size_t>(column)] * static_cast<double>(value) *
-               image::face_direction(map.size(), face, column + 0.5, row + 0.5);
-      }
-    }
-  }
-  return sum;
+  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3& direction) { return rgb.r * direction; });
 }
 
 /// The relative error of a lone texel's total radiance.
@@ -240,11 +238,12 @@ TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels"
   const TestLatLong noise = make_lat_long(Content::random, width, height, 5);
   LatLongImage map{width, height, noise.pixels};
   for (const int size : {2, 7, 16}) {
-    for (const glm::dmat3& turn : {turn_about_y(90.0), turn_about_y(180.0), glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, 1),
-                                   glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
-      const LatLongImage turned = to_lat_long(map.view(), width, height, turn);
-      const Cubemap before = to_cubemap(to_cubemap(map.view(), size).view(), size, turn);
-      const Cubemap after = to_cubemap(turned.view(), size);
+    for (const glm::dmat3& rotation :
+         {rotation_about_y(90.0), rotation_about_y(180.0), glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, 1),
+          glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
+      const LatLongImage rotated = to_lat_long(map.view(), width, height, rotation);
+      const Cubemap before = to_cubemap(to_cubemap(map.view(), size).view(), size, rotation);
+      const Cubemap after = to_cubemap(rotated.view(), size);
       for (std::size_t i = 0; i < after.pixels().size(); ++i) {
         REQUIRE(after.pixels()[i] == Approx(before.pixels()[i]).epsilon(3e-6));
       }
@@ -337,8 +336,8 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
 TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in tiles", "[area]") {
   for (const int size : {1, 2, 3, 7, 64}) {
     const Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
-    for (const glm::dmat3& turn : {glm::dmat3(1.0), turn_about_y(90.0)}) {
-      const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, ResampleFilter::area);
+    for (const glm::dmat3& rotation : {glm::dmat3(1.0), rotation_about_y(90.0)}) {
+      const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, rotation, ResampleFilter::area);
       for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
     }
     const auto resample = [&] {
@@ -353,14 +352,15 @@ TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in 
 
 TEST_CASE("Resampling by area can be stopped, and reports", "[area]") {
   const TestLatLong map = make_lat_long(Content::random, 64, 32, 4);
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     CHECK(thrown_by([&] {
             return to_cubemap(map.view(), 8, glm::dmat3(1.0), filter, {stop.get_token(), {}});
           }).code == ErrorCode::cancelled);
     std::vector<double> shares;
-    (void)to_cubemap(map.view(), 8, turn_about_y(90.0), filter, {{}, [&](double share) { shares.push_back(share); }});
+    (void)to_cubemap(map.view(), 8, rotation_about_y(90.0), filter,
+                     {{}, [&](double share) { shares.push_back(share); }});
     CHECK(std::is_sorted(shares.begin(), shares.end()));
     CHECK(shares.back() == 1.0);
   }

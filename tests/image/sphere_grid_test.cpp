@@ -282,16 +282,16 @@ TEST_CASE("Equal texels give equal faces, to four units in the last place", "[fa
 TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
   for (const int size : {1, 2, 7, 12}) {
     const SphereGrid grid = noise_grid(40, 80, GridContent::spline_coefficients, 7);
-    SphereGrid turned(40, 80, GridContent::spline_coefficients);
+    SphereGrid rotated(40, 80, GridContent::spline_coefficients);
     for (int ring = 0; ring < 40; ++ring) {
       for (int column = 0; column < 80; ++column) {
-        std::copy_n(grid.texel((column + 20) % 80, ring), 4, turned.texel(column, ring));
+        std::copy_n(grid.texel((column + 20) % 80, ring), 4, rotated.texel(column, ring));
       }
     }
-    turned.fill_sides(0, 40);
-    turned.fill_poles();
+    rotated.fill_sides(0, 40);
+    rotated.fill_poles();
     const Cubemap before = sampled(grid, size);
-    const Cubemap after = sampled(turned, size);
+    const Cubemap after = sampled(rotated, size);
     const auto find = [&](const glm::dvec3& to, int& face, int& column, int& row) {
       double best = -2.0;
       for_each_texel(size, [&](int f, int c, int r) {
@@ -340,7 +340,7 @@ TEST_CASE("Neighbours across a face's edge agree as those inside one do", "[face
 
 TEST_CASE("Sampling a grid can be stopped", "[faces]") {
   const SphereGrid grid = noise_grid(8, 16, GridContent::samples, 1);
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] { return sampled(grid, 8, {}, {stop.get_token(), {}}); }).code == ErrorCode::cancelled);
 }

@@ -1,6 +1,7 @@
 // Texels as graphics APIs hold them: halves, b10g11r11 and e5b9g9r9, value by value.
 #include <Imath/half.h>
 
+#include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 
@@ -50,51 +51,59 @@ std::size_t nearest(const std::vector<double>& values, double value) {
 
 bool is_a_number(std::uint16_t half) { return (half & 0x7C00U) != 0x7C00U; }
 
-}  // namespace
-
-TEST_CASE("every half comes back from its float, and floats go where Imath has them", "[codec][texels]") {
-  bool all = true;
+/// All halves, infinities and NaNs too; the floats half way between two of them, and next to those; random bits.
+std::vector<float> values_around_halves() {
+  std::vector<float> values;
   for (unsigned bits = 0; bits < 65536; ++bits) {
     const auto half = static_cast<std::uint16_t>(bits);
-    Imath::half value;
-    value.setBits(half);
-    if (is_a_number(half)) all = all && image::half_from_float(value) == half;
-  }
-  CHECK(all);
-  for (const float value : values_up_to(image::kLargestHalf, 1)) {
-    if (image::half_from_float(value) != Imath::half(value).bits() ||
-        image::half_from_float(-value) != Imath::half(-value).bits()) {
-      FAIL(value << " becomes " << image::half_from_float(value));
-    }
-  }
-}
-
-TEST_CASE("Half values are rounded as Imath rounds them", "[codec][texels]") {
-  std::vector<float> values;
-  for (unsigned bits = 0; bits < 0x7C00U; ++bits) {  // all finite ones, what lies half way to the next, and beside it
-    const auto here = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits));
-    const auto next = Imath::half(Imath::half::FromBits, static_cast<std::uint16_t>(bits + 1));
-    if (!next.isFinite()) break;
-    const float middle = 0.5F * (static_cast<float>(here) + static_cast<float>(next));
-    for (const float v :
-         {static_cast<float>(here), middle, std::nextafter(middle, 0.0F), std::nextafter(middle, 1e9F)}) {
-      values.push_back(v);
-      values.push_back(-v);
-    }
+    const float here = image::float_from_half(half);
+    values.push_back(here);
+    if (!is_a_number(half) || (half & 0x7FFFU) == 0x7BFFU) continue;
+    const float middle = 0.5F * (here + image::float_from_half(static_cast<std::uint16_t>(bits + 1)));
+    values.insert(values.end(), {middle, std::nextafter(middle, 0.0F), std::nextafter(middle, 2.0F * middle)});
   }
   std::mt19937 random(5);
-  for (int k = 0; k < 100'000; ++k) {
-    const float v = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
-    if (std::abs(v) <= 65504.0F) values.push_back(v);
-  }
+  for (int k = 0; k < 100'000; ++k) values.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("Half values are rounded as Imath rounds them", "[codec][texels]") {
   std::size_t wrong = 0;
-  for (const float v : values) {
-    if (image::half_from_float(v) != Imath::half(v).bits()) ++wrong;
+  for (const float v : values_around_halves()) {
+    if (std::abs(v) <= 65504.0F && image::half_from_float(v) != Imath::half(v).bits()) ++wrong;
   }
   CHECK(wrong == 0);
   for (const float v : {65504.0F, 65519.0F, 65520.0F, 1e30F}) {
     CHECK(image::half_from_float(v) == 0x7BFF);
     CHECK(image::half_from_float(-v) == 0xFBFF);
+  }
+}
+
+TEST_CASE("Half values in rows are converted as one by one, on each instruction set", "[codec][texels]") {
+  const std::vector<float> values = values_around_halves();
+  std::vector<std::uint16_t> one_by_one(values.size());
+  int changed = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    one_by_one[k] = std::isnan(values[k]) ? std::uint16_t{0} : image::half_from_float(values[k]);
+    changed += std::abs(values[k]) <= image::kLargestHalf ? 0 : 1;  // NaN counts as well
+  }
+  std::vector<std::uint16_t> every(65536);
+  std::iota(every.begin(), every.end(), std::uint16_t{0});
+  for (const InstructionSet set : available_instruction_sets()) {
+    CAPTURE(name(set));
+    for (const std::size_t skipped : {0U, 1U, 13U}) {  // rows that begin and end within a register
+      std::vector<std::uint16_t> halves(values.size() - skipped);
+      CHECK(image::half_kernels(set).halves_of_floats(values.data() + skipped, static_cast<int>(halves.size()),
+                                                      halves.data()) == changed);
+      CHECK(std::equal(halves.begin(), halves.end(), one_by_one.begin() + static_cast<std::ptrdiff_t>(skipped)));
+    }
+    std::vector<float> floats(every.size());
+    image::half_kernels(set).floats_of_halves(every.data(), static_cast<int>(every.size()), floats.data());
+    CHECK(std::equal(floats.begin(), floats.end(), every.begin(), [](float value, std::uint16_t half) {
+      return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(image::float_from_half(half));
+    }));
   }
 }
 

@@ -143,7 +143,7 @@ TEST_CASE("upload: what does not fit is refused before anything is written") {
     CHECK(thrown_by([&] { static_cast<void>(upload_bytes(wrong)); }).code == ErrorCode::invalid_argument);
   }
   Control control;
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   control.stop = stop.get_token();
   CHECK(thrown_by([&] { store_texels(chain, upload_targets(layout, memory), control); }).code == ErrorCode::cancelled);

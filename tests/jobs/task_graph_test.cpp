@@ -144,7 +144,7 @@ TEST_CASE("A graph says 1 when its last pass has ended, and not before", "[bake]
 
 TEST_CASE("Stopping a graph stops all passes and begins no other", "[bake][jobs]") {
   run_with_threads(2, [] {
-    std::stop_source source;
+    stop_source source;
     std::atomic<int> done{0};
     bool later = false;
     TaskGraph graph;

@@ -85,7 +85,7 @@ TEST_CASE("Progress rises to one and never falls", "[jobs]") {
 TEST_CASE("A stop request ends a job between tiles", "[jobs]") {
   for (const Placement placement : kBoth) {
     for (const double share : {0.0, 0.1, 0.5}) {
-      std::stop_source source;
+      stop_source source;
       Control control{source.get_token(), {}};
       std::atomic<int> tiles{0};
       if (share == 0.0) source.request_stop();
@@ -361,8 +361,7 @@ TEST_CASE("Projection allocates nothing while it runs", "[jobs][allocation][slow
       for (const int size : {64, 1024}) {
         const TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
         for (const int bands : {3, 10}) {
-          ProjectionOptions options;
-          options.bands = bands;
+          ProjectionOptions options{.bands = bands};
           CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
           options.target_size = 100;
           CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);

@@ -39,7 +39,7 @@ SphericalHarmonics made_up() {
 BakedProbes lit_probe() {
   BakedProbes probes;
   probes.bands = 3;
-  const SphericalHarmonics light = with_bands(made_up(), 3);
+  const SphericalHarmonics light = resized(made_up(), 3);
   probes.coefficients.assign(light.coefficients().begin(), light.coefficients().end());
   probes.coefficients[0] = dvec3(20.0);
   probes.validity = {1.0F};
@@ -62,9 +62,9 @@ std::vector<Taking> calls_about_light() {
        [](const dvec3& d) {
          return numbers(sun_harmonics({.direction = d, .irradiance = dvec3(1, 2, 3)}, 3).coefficients()[7]);
        }},
-      {"octahedral_place",
+      {"octahedral_encode",
        [](const dvec3& d) {
-         const std::array<double, 2> place = octahedral_place(d);
+         const std::array<double, 2> place = octahedral_encode(d);
          return std::vector<double>{place[0], place[1]};
        }},
       {"probe_irradiance", [](const dvec3& d) { return numbers(probe_irradiance(lit_probe(), {}, d)); }},
@@ -79,8 +79,8 @@ std::vector<Taking> calls_about_pictures() {
   return {
       {"direct_irradiance", [=](const dvec3& d) { return numbers(direct_irradiance(picture->view(), d)); }},
       {"reference_specular", [=](const dvec3& d) { return numbers(reference_specular(picture->view(), 0.5, {d})[0]); }},
-      {"reference_by_kernel",
-       [=](const dvec3& d) { return numbers(reference_by_kernel(picture->view(), ZonalKernel::lambert(), {d})[0]); }},
+      {"reference_by_lobe",
+       [=](const dvec3& d) { return numbers(reference_by_lobe(picture->view(), ZonalLobe::lambert(), {d})[0]); }},
       {"ImportanceTable::density", [=](const dvec3& d) { return std::vector<double>{table->density(d)}; }},
   };
 }
@@ -95,7 +95,7 @@ std::vector<Taking> calls_about_skies() {
        [=](const dvec3& d) {
          return numbers(view->radiance({0, 1, 0}, d));
        }},
-      {"SkyView::sun", [=](const dvec3& d) { return numbers(view->sun(d).irradiance); }},
+      {"SkyView::sun", [=](const dvec3& d) { return numbers(view->sun_light(d).irradiance); }},
       {"SkyView::irradiance", [=](const dvec3& d) { return numbers(view->irradiance(d)); }},
       {"SkyCurve::at", [=](const dvec3& d) { return numbers(curve->at(d).at(1, 1)); }},
       {"SkyCurve::sun_irradiance", [=](const dvec3& d) { return numbers(curve->sun_irradiance(d)); }},

@@ -8,7 +8,7 @@ namespace welkin::test {
 
 // Promise: our own exponential is right to four units of the last place, and meets its ends.
 
-TEST_CASE("Exponentials agree with long double ones", "[tables][exponential]") {
+TEST_CASE("Exponentials agree with long double ones", "[tables][exponential][slow]") {
   std::mt19937_64 generator(11);
   std::uniform_real_distribution<double> wide(-708.0, 709.0);
   std::uniform_real_distribution<double> narrow(-2.0, 2.0);

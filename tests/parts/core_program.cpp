@@ -46,8 +46,7 @@ void pixels_to_light() {
   const welkin::Cubemap diffuse = welkin::irradiance_cubemap(irradiance, 4);
   require(diffuse.size() == 4, "the irradiance cubemap has another size");
 
-  welkin::PrefilterOptions options;
-  options.size = kSize;
+  welkin::PrefilterOptions options{.size = kSize};
   const welkin::PrefilteredSpecular specular = welkin::prefilter_specular(faces.view(), options);
   require(near(specular.mips.back().mean.x, 2.0), "a prefiltered mip has another mean than its source");
   const auto brdf = welkin::brdf_table({16, 16});
@@ -55,16 +54,15 @@ void pixels_to_light() {
 }
 
 void sky_to_light() {
-  welkin::SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 16;
-  options.sun_zeniths = 8;
-  options.sun_angles = 4;
-  options.transmittance_heights = 16;
-  options.transmittance_zeniths = 64;
-  options.irradiance_heights = 4;
-  options.irradiance_sun_zeniths = 16;
-  options.orders = 2;
+  welkin::SkyTableOptions options{.heights = 4,
+                                  .view_zeniths = 16,
+                                  .sun_zeniths = 8,
+                                  .sun_angles = 4,
+                                  .transmittance_heights = 16,
+                                  .transmittance_zeniths = 64,
+                                  .irradiance_heights = 4,
+                                  .irradiance_sun_zeniths = 16,
+                                  .orders = 2};
   const auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth(), options));
   const welkin::SkyView view(tables, 0.0);
   const glm::dvec3 sun = welkin::sun_direction(30.0, 0.0);

@@ -61,8 +61,7 @@ welkin::Cubemap grey(float value) { return {4, std::vector<float>(std::size_t{6}
 
 int main() {
   const auto own_thread = std::make_shared<OwnThread>();
-  welkin::WorkerOptions options;
-  options.executor = own_thread;
+  welkin::WorkerOptions options{.executor = own_thread};
   welkin::Worker worker(std::move(options));
 
   auto light = worker.post(welkin::Project{grey(2.0F)});

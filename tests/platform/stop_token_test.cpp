@@ -15,6 +15,9 @@ struct Own {
   using Callback = own::stop_callback<Function>;
   static Source without_state() { return Source(own::nostopstate); }
 };
+#ifdef __MINGW32__
+using Standard = Own;  // the library's, whose callbacks may hang there
+#else
 struct Standard {
   using Source = std::stop_source;
   using Token = std::stop_token;
@@ -22,6 +25,7 @@ struct Standard {
   using Callback = std::stop_callback<Function>;
   static Source without_state() { return Source(std::nostopstate); }
 };
+#endif
 
 }  // namespace
 

@@ -98,22 +98,22 @@ TEST_CASE("Memory that no call uses is freed when asked for", "[platform][memory
 
 TEST_CASE("Small blocks stay with the heap, and many blocks are bounded", "[platform][memory]") {
   const KeptMemory kept(1024 * kMebi);
-  give_working_memory(take_working_memory(platform::kLeastKeptBlock - 1));
+  give_working_memory(take_working_memory(platform::kMinKeptBlock - 1));
   CHECK(kept_working_memory() == 0);
   constexpr std::size_t most = 256;
   std::vector<WorkingMemory> blocks(most + 20);
-  for (WorkingMemory& block : blocks) block = take_working_memory(platform::kLeastOwnBlock);
+  for (WorkingMemory& block : blocks) block = take_working_memory(platform::kMinOwnBlock);
   for (const WorkingMemory& block : blocks) give_working_memory(block);
   CHECK(kept_working_memory() == most * blocks.front().bytes);
 }
 
 TEST_CASE("Blocks below a mebibyte share huge pages, which are kept when none is in use", "[platform][memory]") {
   const KeptMemory kept(8 * kMebi);
-  constexpr std::size_t large = platform::kLeastOwnBlock - 1;
+  constexpr std::size_t large = platform::kMinOwnBlock - 1;
   std::vector<WorkingMemory> others;  // fill the pages that tables of earlier tests use
-  for (;; others.push_back(take_working_memory(platform::kLeastKeptBlock))) {
+  for (;; others.push_back(take_working_memory(platform::kMinKeptBlock))) {
     REQUIRE(others.size() < 2000);
-    give_working_memory(take_working_memory(platform::kLeastKeptBlock));
+    give_working_memory(take_working_memory(platform::kMinKeptBlock));
     if (kept_working_memory() > 0) break;
   }
   REQUIRE(kept_working_memory() == 2 * kMebi);
@@ -121,7 +121,7 @@ TEST_CASE("Blocks below a mebibyte share huge pages, which are kept when none is
   const WorkingMemory first = take_working_memory(large);
   CHECK(kept_working_memory() == 0);
   const WorkingMemory second = take_working_memory(100'000);
-  const WorkingMemory third = take_working_memory(platform::kLeastKeptBlock);
+  const WorkingMemory third = take_working_memory(platform::kMinKeptBlock);
   for (const WorkingMemory& block : {second, third}) {
     CHECK(block.page == first.page);
     CHECK(reinterpret_cast<std::uintptr_t>(block.data) % platform::kCacheLine == 0);
@@ -173,7 +173,7 @@ TEST_CASE("A block belongs to one thread at a time", "[platform][memory][threads
   for (std::size_t k = 0; k < mixed.size(); ++k) {
     threads.emplace_back([k, &mixed] {
       for (std::size_t turn = 0; turn < 400; ++turn) {
-        const std::size_t bytes = turn % 8 == 7 ? platform::kLeastOwnBlock : (1 + turn % 7) * platform::kLeastKeptBlock;
+        const std::size_t bytes = turn % 8 == 7 ? platform::kMinOwnBlock : (1 + turn % 7) * platform::kMinKeptBlock;
         platform::AlignedBuffer<std::size_t> buffer(bytes / sizeof(std::size_t));
         std::fill_n(buffer.data(), buffer.size(), k);
         if (std::any_of(buffer.data(), buffer.data() + buffer.size(), [&](std::size_t value) { return value != k; }))

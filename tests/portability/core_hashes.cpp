@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "portability/hashing.h"
+#include "welkin/core.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -40,7 +41,7 @@ void projections() {
 
 void harmonics() {
   const SphericalHarmonics light = project(cubemap(64, 4).view(), {.bands = 6}).radiance;
-  print("harmonics/turned", turned(light, Quaternion{0.3, -0.2, 0.9, 0.1}));
+  print("harmonics/turned", rotate(light, Quaternion{0.3, -0.2, 0.9, 0.1}));
   print("harmonics/product", product(light, light));
   print("harmonics/window", apply_window(light, Window::min_laplacian).radiance);
   for (const Engine engine : {Engine::babylon, Engine::three, Engine::unity, Engine::unreal, Engine::filament}) {
@@ -52,7 +53,7 @@ void harmonics() {
   print("harmonics/irradiance_cubemap", irradiance_cubemap(irradiance_from_radiance(light), 17).pixels());
   LatLongImage sunny = lat_long(64, 5);
   for (int c = 0; c < 3; ++c) sunny.pixels[static_cast<std::size_t>(3 * (20 * 128 + 30) + c)] = 60000.0F;
-  const auto sun = take_out_sun(sunny);
+  const auto sun = extract_sun(sunny);
   print("harmonics/sun", sun ? sun->direction : dvec3(0.0), sun ? sun->irradiance : dvec3(0.0), sunny.pixels);
 }
 
@@ -61,7 +62,7 @@ void resampling() {
     print(sized("resample/to_cubemap", size), to_cubemap(lat_long(size, 6).view(), size).pixels());
     print(sized("resample/mips", size), build_mips(cubemap(size, 7).view()));
   }
-  print("resample/turned", to_cubemap(cubemap(31, 8).view(), 16, turn_about_y(33.0)).pixels());
+  print("resample/turned", to_cubemap(cubemap(31, 8).view(), 16, rotation_about_y(33.0)).pixels());
   print("resample/to_lat_long", to_lat_long(cubemap(31, 9).view(), 40, 20).pixels);
 }
 
@@ -104,7 +105,8 @@ void skies() {
     const dvec3 sun = sun_direction(elevation, 120.0);
     const std::string ending = "_" + std::to_string(static_cast<int>(elevation));
     print("sky/cubemap" + ending, sky_cubemap(view, sun, 33, {.sun_disc = true}).pixels());
-    print("sky/harmonics" + ending, SkyProjector(view).project(sun), view.irradiance(sun), view.sun(sun).irradiance);
+    print("sky/harmonics" + ending, SkyProjector(view).project(sun), view.irradiance(sun),
+          view.sun_light(sun).irradiance);
   }
   const SkyCurve curve(view, {.nodes = 32});
   print("sky/curve", curve.at(sun_direction(10.0, 30.0)), curve.sun_irradiance(sun_direction(10.0, 30.0)));
@@ -114,9 +116,11 @@ void skies() {
 }  // namespace welkin::portability
 
 int main() {
-  welkin::portability::projections();
-  welkin::portability::harmonics();
-  welkin::portability::resampling();
-  welkin::portability::reflections();
-  welkin::portability::skies();
+  welkin::run_with_threads(3, [] {  // where a build has threads
+    welkin::portability::projections();
+    welkin::portability::harmonics();
+    welkin::portability::resampling();
+    welkin::portability::reflections();
+    welkin::portability::skies();
+  });
 }

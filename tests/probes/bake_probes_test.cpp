@@ -140,7 +140,7 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
         for (int column = 0; column < 7; ++column) {
           CAPTURE(power, probe, row, column);
           const glm::dvec2 wanted = moments_of(captures.distances[probe], size,
-                                               octahedral_direction((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
+                                               octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
           const float* found = texel_of(probes, probe, column, row);
           // Blocks of 3 x 3 texels stand for their middles: an eighth of a lobe's width for power 50.
           CHECK(found[0] == Approx(wanted.x).epsilon(0.004));
@@ -159,10 +159,10 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
     const ProbeGrid grid{.counts = {5, 3, 4}, .origin = dvec3(margin), .spacing = (room - 2 * margin) / dvec3(4, 2, 3)};
     constexpr int size = 48;
     const Captures captures(grid.size(), 1, grey, size, [&](std::size_t probe, const dvec3& d) {
-      const dvec3 place = grid.position(probe);
+      const dvec3 point = grid.position(probe);
       double nearest = 1e9;
       for (int axis = 0; axis < 3; ++axis) {
-        nearest = std::min(nearest, ((d[axis] > 0.0 ? room[axis] : 0.0) - place[axis]) / d[axis]);
+        nearest = std::min(nearest, ((d[axis] > 0.0 ? room[axis] : 0.0) - point[axis]) / d[axis]);
       }
       return static_cast<float>(nearest);
     });
@@ -172,7 +172,7 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
     double count = 0.0;
     for (std::size_t probe = 0; probe < grid.size(); probe += 3) {
       for (int texel = 0; texel < 64; ++texel) {
-        const dvec3 axis = octahedral_direction((texel % 8 + 0.5) / 8, (texel / 8 + 0.5) / 8);
+        const dvec3 axis = octahedral_decode((texel % 8 + 0.5) / 8, (texel / 8 + 0.5) / 8);
         const glm::dvec2 wanted = moments_of(captures.distances[probe], size, axis, 50, probes.distance_limit);
         const float* found = texel_of(probes, probe, texel % 8, texel / 8);
         const glm::dvec2 off = glm::abs(glm::dvec2(found[0], found[1]) / wanted - 1.0);
@@ -392,7 +392,7 @@ TEST_CASE("probes: a window takes ringing away, and takes each probe alone", "[p
   CHECK(same_bytes<dvec3>(std::span(probes.coefficients).first(9), std::span(calm.coefficients).first(9)));
   SphericalHarmonics sun(3);
   std::copy_n(probes.coefficients.begin() + 9, 9, sun.coefficients().begin());
-  const Windowed wanted = apply_window(sun, Window::min_laplacian);
+  const WindowResult wanted = apply_window(sun, Window::min_laplacian);
   CHECK(wanted.minimum_before.x < -1.0);
   CHECK(same_bytes<dvec3>(wanted.radiance.coefficients(), std::span(calm.coefficients).subspan(9, 9)));
   CHECK(thrown_by([&] { static_cast<void>(windowed(probes, Window::hanning, -1.0)); }).says("probe 0"));

@@ -58,12 +58,12 @@ struct Captures {
 };
 
 /// From a place inside a box with corners `low` and `high` to its walls.
-inline double distance_to_walls(const dvec3& place, const dvec3& direction, const dvec3& low, const dvec3& high) {
+inline double distance_to_walls(const dvec3& position, const dvec3& direction, const dvec3& low, const dvec3& high) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0.0) continue;
     const double wall = direction[axis] > 0.0 ? high[axis] : low[axis];
-    nearest = std::min(nearest, (wall - place[axis]) / direction[axis]);
+    nearest = std::min(nearest, (wall - position[axis]) / direction[axis]);
   }
   return nearest;
 }

@@ -34,12 +34,12 @@ BakedProbes made_up(std::array<int, 3> counts, int bands) {
 }
 
 double value(const ProbeTexture& texture, int x, int y, int z, int channel) {
-  const auto place =
+  const auto slot =
       (static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.size[1]) + static_cast<std::size_t>(y)) *
           static_cast<std::size_t>(texture.size[0]) +
       static_cast<std::size_t>(x);
   Imath::half half;
-  half.setBits(texture.halves[4 * place + static_cast<std::size_t>(channel)]);
+  half.setBits(texture.halves[4 * slot + static_cast<std::size_t>(channel)]);
   return static_cast<double>(static_cast<float>(half));
 }
 
@@ -145,8 +145,8 @@ TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its br
               double found = mean;
               for (int axis = 0; axis < 3; ++axis) found += (axis_value(axis) - 0.5) * 4.0 * mean * n[axis];
               if (second) {
-                const auto part = [&](std::size_t texture, int place) {
-                  return (read(texture, place) - 0.5) * 3.5777088 * mean;
+                const auto part = [&](std::size_t texture, int slot) {
+                  return (read(texture, slot) - 0.5) * 3.5777088 * mean;
                 };
                 const double zz = part(3 + channel, 2);
                 found += -zz + part(3 + channel, 0) * n.x * n.y + part(3 + channel, 1) * n.y * n.z +
@@ -211,8 +211,8 @@ const ProbeGrid kGrid{.counts = {3, 2, 2}, .spacing = {1, 1, 1}};
 
 /// What a probe sees through a window in front of it; walls are lit from elsewhere.
 bool sees_sky(std::size_t probe, const dvec3& d) {
-  const double turn = 0.5 * static_cast<double>(probe);
-  return d.y > 0.1 && std::sin(turn) * d.x + std::cos(turn) * d.z > -0.6;
+  const double rotation = 0.5 * static_cast<double>(probe);
+  return d.y > 0.1 && std::sin(rotation) * d.x + std::cos(rotation) * d.z > -0.6;
 }
 
 Captures captured(const SphericalHarmonics& environment) {
@@ -240,7 +240,7 @@ const ProbeOptions kOptions{.projection = {.bands = 3}, .environment_bands = 4};
 TEST_CASE("relight: gives what capturing again gives, of any new, turned or brighter environment", "[probes]") {
   const SphericalHarmonics from = made_up(4, 0.3);
   const std::vector<SphericalHarmonics> others{made_up(4, 2.1),
-                                               turned(from, Quaternion{.w = 0.6, .x = 0.3, .y = 0.7, .z = -0.2}),
+                                               rotate(from, Quaternion{.w = 0.6, .x = 0.3, .y = 0.7, .z = -0.2}),
                                                scale(from, dvec3(3, 2, 0.1))};
   const Captures before = captured(from);
   const BakedProbes baked = bake_probes(kGrid, before.cubes, before.depths, kOptions);

@@ -8,7 +8,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAway = 1e-6;  // from a surface
-constexpr int kMostBounces = 5;
+constexpr int kMaxBounces = 5;
 
 // The light is a rectangle just under the ceiling.
 const dvec3 kLightLow{-1.5, 1.995, -0.35};
@@ -107,7 +107,7 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   dvec3 share(1.0);
   dvec3 place = from;
   dvec3 way = direction;
-  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+  for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
     const Hit hit = trace(place, way);
     if (hit.is_light) {
       if (bounce == 0 && followed != Followed::reflected) sum += kLightRadiance;  // later each surface looks for it

@@ -110,7 +110,7 @@ TEST_CASE("Irradiance cubemaps are refused, stopped and reported upon", "[irradi
   CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 4097); }).code == ErrorCode::invalid_argument);
   const TestCubemap source = make_cubemap(Content::random, 4, 3, 2);
   CHECK(thrown_by([&] { return direct_irradiance_cubemap(source.view(), 5000); }).code == ErrorCode::invalid_argument);
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] {
           return irradiance_cubemap(harmonics, 64, {stop.get_token(), {}});
@@ -226,7 +226,7 @@ TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[s
     CHECK(error.says("normal 0"));
   }
   CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), std::span<const glm::dvec3>()); }).says("1 to 100000"));
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   const Control control{stop.get_token(), {}};
   const glm::dvec3 up(0, 1, 0);
@@ -373,7 +373,7 @@ TEST_CASE("The minimum-Laplacian window repairs the real environments that ring,
     if (entry.path().extension() != ".exr") continue;
     if (inspect_environment(entry.path()).layout != Layout::lat_long) continue;
     const SphericalHarmonics radiance = project_file(entry.path()).radiance;
-    const Windowed windowed = apply_window(radiance, Window::min_laplacian);
+    const WindowResult windowed = apply_window(radiance, Window::min_laplacian);
     const glm::dvec3 mean = std::numbers::pi * mean_radiance(radiance);
     CAPTURE(entry.path().filename().string(), windowed.parameter);
     double before = 1.0;

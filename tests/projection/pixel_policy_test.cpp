@@ -45,8 +45,7 @@ TEST_CASE("Views that cannot be read are refused", "[sh]") {
 
 TEST_CASE("Options out of range are refused", "[sh]") {
   const TestCubemap cubemap = make_cubemap(Content::uniform, 8, 3, 1);
-  ProjectionOptions options;
-  options.bands = 0;
+  ProjectionOptions options{.bands = 0};
   require_refused(cubemap.view(), options, "bands is 0; it must be from 1 to 16");
   options.bands = 17;
   require_refused(cubemap.view(), options, "bands is 17");
@@ -63,7 +62,7 @@ TEST_CASE("Options out of range are refused", "[sh]") {
 
 TEST_CASE("A stop request cancels a projection, and the next one works", "[sh]") {
   const TestCubemap cubemap = make_cubemap(Content::random, 300, 3, 1);
-  std::stop_source source;
+  stop_source source;
   source.request_stop();
   Control control;
   control.stop = source.get_token();

@@ -166,7 +166,7 @@ TEST_CASE("Probes and room are looked at before anything is written", "[projecti
 TEST_CASE("Many probes are stopped, and tell how far they are", "[projection][many]") {
   const Probes probes(257);
   std::vector<dvec3> found(9 * probes.views.size());
-  std::stop_source stop;
+  stop_source stop;
   std::atomic<int> calls{0};
   double last = 0.0;
   project_many(probes.views, found, {}, {.progress = [&](double done) {

@@ -99,7 +99,7 @@ TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estim
        {ProjectionOptions{.target_size = 7}, ProjectionOptions{.bands = 5, .quadrature = Quadrature::midpoint}}) {
     const double estimate = project(cubemap.view(), options).diagnostics.error_estimate;
     CHECK(estimate > 1e-6);
-    CHECK(same_bits(total(project_faces(cubemap.view(), options)).diagnostics.error_estimate, estimate));
+    CHECK(same_bits(combine(project_faces(cubemap.view(), options)).diagnostics.error_estimate, estimate));
     std::vector<dvec3> many(static_cast<std::size_t>(options.bands * options.bands));
     CHECK(same_bits(project_many(views, many, options).error_estimate, estimate));
   }
@@ -139,7 +139,7 @@ void check_cosines(const EnvironmentView& view) {
   const std::vector<glm::dvec3> axes = some_axes();
   const std::vector<glm::dvec3> irradiance = direct_irradiance(view, axes);
   CHECK(worst_ratio(reference_specular(view, 1.0, axes), irradiance, std::numbers::pi) < 2e-5);
-  CHECK(worst_ratio(reference_by_kernel(view, ZonalKernel::lambert(), axes), irradiance, std::numbers::pi) < 1e-5);
+  CHECK(worst_ratio(reference_by_lobe(view, ZonalLobe::lambert(), axes), irradiance, std::numbers::pi) < 1e-5);
 }
 
 }  // namespace

@@ -43,6 +43,8 @@ double polynomial(int k, int row) {
 
 float as_float(float value) { return value; }
 float as_float(std::uint16_t value) { return image::float_from_half(value); }
+float as_float(std::uint8_t value) { return static_cast<float>(value) / 255.0F; }
+float as_float(projection::SrgbByte byte) { return static_cast<float>(image::linear_from_srgb(byte.value / 255.0)); }
 
 std::vector<float> noise(std::size_t count, std::uint32_t seed) {
   std::mt19937 generator(seed);
@@ -53,11 +55,13 @@ std::vector<float> noise(std::size_t count, std::uint32_t seed) {
 
 /// Noise as four pieces of a strip, times weights, by each instruction set.
 template <class Channel>
-void require_strip_summed(projection::StripFormat format, int channels, int row_values, int texels) {
+void require_strip_summed(projection::FoldFormat format, int channels, int row_values, int texels) {
   std::mt19937 generator(7);
   std::vector<Channel> pixels(static_cast<std::size_t>(2 * kStripRows * row_values));
   for (Channel& value : pixels) {
-    if constexpr (sizeof(Channel) == 2) {
+    if constexpr (sizeof(Channel) == 1) {
+      value = Channel{static_cast<std::uint8_t>(generator())};
+    } else if constexpr (sizeof(Channel) == 2) {
       value = static_cast<std::uint16_t>(0x3000U + generator() % 0x0C00U);
     } else {
       value = static_cast<float>(generator() % 4096U) / 1024.0F - 1.0F;
@@ -74,13 +78,14 @@ void require_strip_summed(projection::StripFormat format, int channels, int row_
                                  bottom ? -stride : stride};
   };
   const projection::StripPieces pieces{piece(false, false), piece(false, true), piece(true, false), piece(true, true)};
-  for (int moments = projection::kFewestMoments; moments <= projection::kMostMoments; ++moments) {
+  for (int moments = projection::kMinMoments; moments <= projection::kMaxMoments; ++moments) {
     constexpr int floats = kStripFunctions * 3 * kLanes;
     const std::vector<float> values = noise(static_cast<std::size_t>(texels / kLanes * moments * floats), 2);
     platform::AlignedBuffer<float> weights(values.size());
     std::copy(values.begin(), values.end(), weights.data());
     std::vector<double> expected(27);
     std::vector<double> largest(27);
+    std::vector<double> expected_planes(static_cast<std::size_t>(moments * projection::kStripPlaneFloats));
     for (int t = 0; t < texels; ++t) {
       for (int k = 0; k < moments; ++k) {
         for (int c = 0; c < 3; ++c) {
@@ -94,6 +99,10 @@ void require_strip_summed(projection::StripFormat format, int channels, int row_
           const double classes[4] = {
               moment[0] + moment[1] + moment[2] + moment[3], moment[1] + moment[3] - moment[0] - moment[2],
               moment[2] + moment[3] - moment[0] - moment[1], moment[0] + moment[3] - moment[1] - moment[2]};
+          for (int symmetry = 0; symmetry < 4 && texels <= projection::kChunk; ++symmetry) {
+            expected_planes[static_cast<std::size_t>(((k * 3 + c) * 4 + symmetry) * projection::kChunk + t)] =
+                classes[symmetry];
+          }
           constexpr int class_of[kStripFunctions] = {0, 0, 0, 0, 1, 1, 2, 2, 3};
           for (int f = 0; f < kStripFunctions; ++f) {
             const auto weight = static_cast<double>(values[static_cast<std::size_t>(
@@ -105,11 +114,12 @@ void require_strip_summed(projection::StripFormat format, int channels, int row_
       }
     }
     std::vector<double> first_set;
+    std::vector<float> first_planes;
     for (const InstructionSet set : available_instruction_sets()) {
-      platform::AlignedBuffer<float> room(static_cast<std::size_t>(projection::strip_room(moments)));
+      platform::AlignedBuffer<float> room(static_cast<std::size_t>(projection::strip_scratch(moments)));
       platform::AlignedBuffer<double> sums(27 * projection::kSumLanes);
       std::fill_n(sums.data(), sums.size(), 0.0);
-      projection::strip_kernels(set).sum_strips[format][moments - projection::kFewestMoments](
+      projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].sum(
           pieces, texels, weights.data(), room.data(), sums.data());
       std::vector<double> folded(27);
       projection::projection_kernels(set).fold_sum_lanes(sums.data(), 27, folded.data());
@@ -119,6 +129,17 @@ void require_strip_summed(projection::StripFormat format, int channels, int row_
       }
       if (first_set.empty()) first_set = folded;
       REQUIRE(std::memcmp(folded.data(), first_set.data(), folded.size() * sizeof(double)) == 0);
+      if (texels > projection::kChunk) continue;
+      platform::AlignedBuffer<float> planes(expected_planes.size());
+      std::fill_n(planes.data(), planes.size(), 0.0F);
+      projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].fold(
+          pieces, texels, room.data(), planes.data());
+      for (std::size_t k = 0; k < planes.size(); ++k) {
+        CAPTURE(name(set), channels, texels, moments, k);
+        REQUIRE(std::abs(static_cast<double>(planes.data()[k]) - expected_planes[k]) < 2e-3);
+      }
+      if (first_planes.empty()) first_planes.assign(planes.data(), planes.data() + planes.size());
+      REQUIRE(std::memcmp(planes.data(), first_planes.data(), planes.size() * sizeof(float)) == 0);
     }
   }
 }
@@ -126,48 +147,76 @@ void require_strip_summed(projection::StripFormat format, int channels, int row_
 }  // namespace
 
 TEST_CASE("Strips are summed with their weights on every instruction set", "[simd][projection][strip]") {
-  require_strip_summed<float>(projection::strip_rgb32f, 3, 500, 80);
-  require_strip_summed<float>(projection::strip_rgb32f, 3, 2048, 272);  // more than a block of any number of moments
-  require_strip_summed<float>(projection::strip_rgba32f, 4, 660, 80);
-  require_strip_summed<float>(projection::strip_rgba32f, 4, 1024, 128);
-  require_strip_summed<std::uint16_t>(projection::strip_rgba16f, 4, 680, 80);
-  require_strip_summed<std::uint16_t>(projection::strip_rgba16f, 4, 1024, 128);
+  require_strip_summed<float>(projection::fold_rgb32f, 3, 500, 80);
+  require_strip_summed<float>(projection::fold_rgb32f, 3, 2048, 272);  // more than a block of any number of moments
+  require_strip_summed<float>(projection::fold_rgba32f, 4, 660, 80);
+  require_strip_summed<float>(projection::fold_rgba32f, 4, 1024, 128);
+  require_strip_summed<std::uint16_t>(projection::fold_rgba16f, 4, 680, 80);
+  require_strip_summed<std::uint16_t>(projection::fold_rgba16f, 4, 1024, 128);
+  require_strip_summed<std::uint16_t>(projection::fold_rgb16f, 3, 680, 80);
+  require_strip_summed<std::uint8_t>(projection::fold_rgb8, 3, 680, 80);
+  require_strip_summed<std::uint8_t>(projection::fold_rgba8, 4, 1024, 128);
+  require_strip_summed<projection::SrgbByte>(projection::fold_srgb8, 3, 680, 80);
+  require_strip_summed<projection::SrgbByte>(projection::fold_srgba8, 4, 1024, 128);
 }
+
+namespace {
+
+/// Compares the weights of a strip's moments in a texel of each row with a finer rule's integral over it.
+void require_moments_weighed(int size, int bands, bool midpoint, int strip, int column, double bound) {
+  constexpr int positions = 16;
+  const auto weight_rows = projection::TexelWeights::get({size, bands, midpoint, size})->weight_rows();
+  const projection::StripWeights strips(size, bands, midpoint, weight_rows.data());
+  const int functions = bands * bands;
+  platform::AlignedBuffer<float> weights(strips.size(positions));
+  platform::AlignedBuffer<float> scratch(strips.scratch_size(positions));
+  strips.fill(strip, column, positions, weights.data(), scratch.data());
+  std::vector<float> truth(static_cast<std::size_t>(functions * positions));
+  for (int row = 0; row < kStripRows; ++row) {
+    const image::TexelRun run{size, strip * kStripRows + row, column, positions, bands, midpoint};
+    image::texel_kernels().integrate_texels(run, math::basis_constants(), math::gauss_legendre(3), weight_rows.data(),
+                                            truth.data(), positions);
+    for (int f = 0; f < functions; ++f) {
+      for (int t = 0; t < positions; ++t) {
+        for (int c = 0; c < (strips.packed() ? 3 : 1); ++c) {
+          double weight = 0.0;
+          for (int k = 0; k < strips.moments(); ++k) {
+            const int at =
+                strips.packed() ? (k * functions + f) * 48 + 3 * t + c : (k * functions + f) * projection::kChunk + t;
+            weight += polynomial(k, row) * static_cast<double>(weights.data()[at]);
+          }
+          CAPTURE(size, bands, midpoint, strip, column, row, f, t);
+          // Row 0 is the solid angle times Y(0, 0).
+          const double solid_angle = static_cast<double>(truth[static_cast<std::size_t>(t)]) / 0.28209479177387814;
+          REQUIRE(std::abs(weight - static_cast<double>(truth[static_cast<std::size_t>(f * positions + t)])) <
+                  bound * solid_angle);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
 
 TEST_CASE("What moments weigh gives every texel its integral", "[projection][strip][truth]") {
   for (const bool midpoint : {false, true}) {
-    for (const int size : {256, 288, 512, 1024, 2048}) {
-      const auto weight_rows = projection::TexelWeights::get({size, 3, midpoint, size})->weight_rows();
-      const projection::StripWeights strips(size, midpoint, weight_rows.data());
-      constexpr int positions = 16;
-      platform::AlignedBuffer<float> weights(strips.size(positions));
-      platform::AlignedBuffer<float> scratch(strips.scratch_size(positions));
+    for (const auto& [size, bands] : {std::pair{256, 3},
+                                      {288, 3},
+                                      {512, 3},
+                                      {1024, 3},
+                                      {2048, 3},
+                                      {256, 4},
+                                      {512, 6},
+                                      {1024, 4},
+                                      {544, 10},
+                                      {1024, 16}}) {
+      REQUIRE(projection::StripWeights::serve(size, bands));
       // Rows at the edge, between and at the middle; columns likewise.
       for (const int strip : {0, size / 80, size / 2 / kStripRows - 1}) {
-        for (const int column : {0, size / 64 * 16, size / 2 - positions}) {
-          strips.fill(strip, column, positions, weights.data(), scratch.data());
-          for (int row = 0; row < kStripRows; ++row) {
-            double truth[9 * positions];
-            std::vector<float> exact(9 * positions);
-            const image::TexelRun run{size, strip * kStripRows + row, column, positions, 3, midpoint};
-            image::texel_kernels().integrate_texels(run, math::basis_constants(), math::gauss_legendre(3),
-                                                    weight_rows.data(), exact.data(), positions);
-            std::copy(exact.begin(), exact.end(), truth);
-            for (int f = 0; f < kStripFunctions; ++f) {
-              for (int t = 0; t < positions; ++t) {
-                for (int c = 0; c < 3; ++c) {
-                  double weight = 0.0;
-                  for (int k = 0; k < strips.moments(); ++k) {
-                    weight += polynomial(k, row) *
-                              static_cast<double>(weights.data()[(k * kStripFunctions + f) * 48 + 3 * t + c]);
-                  }
-                  CAPTURE(size, midpoint, strip, column, row, f, t);
-                  // Row 0 is the solid angle times Y(0, 0).
-                  REQUIRE(std::abs(weight - truth[f * positions + t]) < 7e-7 * truth[t] / 0.28209479177387814);
-                }
-              }
-            }
-          }
+        for (const int column : {0, size / 64 * 16, size / 2 - 16}) {
+          // A harmonic of l bands is at most (2 l - 1) / 4 pi squared: sqrt(5), or more, times as large as Y(0, 0).
+          require_moments_weighed(size, bands, midpoint, strip, column,
+                                  bands == 3 ? 7e-7 : 3.1e-7 * std::sqrt(2.0 * bands - 1.0));
         }
       }
     }

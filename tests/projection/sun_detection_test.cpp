@@ -25,20 +25,20 @@ const glm::dvec3 kRadiance{2e5, 1.5e5, 5e4};
 std::vector<glm::dvec3> places() {
   std::vector<glm::dvec3> result{{0, 1, 0},  {0, -1, 0}, {0, 0, -1}, {1, 1, 1},        {-1, 1, -1},
                                  {1, 0, -1}, {-3, 2, 5}, {5, 1, 2},  {0.01, 1, 0.004}, {0.003, -0.2, -1}};
-  for (glm::dvec3& place : result) place = glm::normalize(place);
+  for (glm::dvec3& position : result) position = glm::normalize(position);
   return result;
 }
 
 template <class Image>
-void check_disc(Image image, const glm::dvec3& place, double radius, double texel_degrees) {
-  paint_disc(image, place, radius, kRadiance);
-  const auto sun = take_out_sun(image);
-  CAPTURE(place.x, place.y, place.z, radius, texel_degrees);
+void check_disc(Image image, const glm::dvec3& position, double radius, double texel_degrees) {
+  paint_disc(image, position, radius, kRadiance);
+  const auto sun = extract_sun(image);
+  CAPTURE(position.x, position.y, position.z, radius, texel_degrees);
   REQUIRE(sun);
   for (int c = 0; c < 3; ++c) {
     CHECK(sun->irradiance[c] == Approx((kRadiance[c] - 1.0) * disc_solid_angle(radius)).epsilon(0.005));
   }
-  CHECK(degrees_between(sun->direction, place) < 0.1 * texel_degrees);
+  CHECK(degrees_between(sun->direction, position) < 0.1 * texel_degrees);
   CHECK(glm::length(sun->direction) == Approx(1.0).epsilon(1e-14));
   // Texels that it covers in part are changed whole.
   CHECK(sun->angular_radius_degrees > radius - 0.1 * texel_degrees);
@@ -50,9 +50,9 @@ void check_disc(Image image, const glm::dvec3& place, double radius, double texe
 }  // namespace
 
 TEST_CASE("A disc's light, place and size do not depend on the resolution", "[image][sun][truth]") {
-  for (const glm::dvec3& place : places()) {
-    check_disc(grey_lat_long(256, 128, 1.0F), place, 0.9, 360.0 / 256);
-    check_disc(grey_cubemap(64, 1.0F), place, 1.9, 115.0 / 64);  // a texel at a face's middle, the widest
+  for (const glm::dvec3& position : places()) {
+    check_disc(grey_lat_long(256, 128, 1.0F), position, 0.9, 360.0 / 256);
+    check_disc(grey_cubemap(64, 1.0F), position, 1.9, 115.0 / 64);  // a texel at a face's middle, the widest
   }
   for (const std::size_t i : {0U, 3U, 6U}) {
     check_disc(grey_lat_long(512, 256, 1.0F), places()[i], 1.9, 360.0 / 512);
@@ -68,25 +68,25 @@ TEST_CASE("A lat-long's sun turns with its columns and is mirrored with its rows
   paint_disc(image, glm::normalize(glm::dvec3(1, 2, -3)), 4.0, kRadiance);
   LatLongImage taken = image;
   const SunOptions options{0.02, 9.0, 20.0, 0.01};
-  const auto expected = take_out_sun(taken, options);
+  const auto expected = extract_sun(taken, options);
   REQUIRE(expected);
   for (const int shift : {1, 30, 48, 95}) {
-    LatLongImage turned = image;
+    LatLongImage rotated = image;
     for (int texel = 0; texel < width * height; ++texel) {
       const int to = (height - 1 - texel / width) * width + (texel + shift) % width;
       for (int c = 0; c < 3; ++c) {
-        turned.pixels[static_cast<std::size_t>(3 * to + c)] = image.pixels[static_cast<std::size_t>(3 * texel + c)];
+        rotated.pixels[static_cast<std::size_t>(3 * to + c)] = image.pixels[static_cast<std::size_t>(3 * texel + c)];
       }
     }
-    const auto sun = take_out_sun(turned, options);
+    const auto sun = extract_sun(rotated, options);
     REQUIRE(sun);
     CHECK(sun->texels == expected->texels);
     CHECK(glm::length(sun->irradiance - expected->irradiance) < 1e-12 * glm::length(expected->irradiance));
     const double longitude = -2.0 * std::numbers::pi * shift / width;
     const glm::dvec3 d = expected->direction;
-    const glm::dvec3 place{d.x * std::cos(longitude) + d.z * std::sin(longitude), -d.y,
-                           d.z * std::cos(longitude) - d.x * std::sin(longitude)};
-    CHECK(glm::length(sun->direction - place) < 1e-12);
+    const glm::dvec3 position{d.x * std::cos(longitude) + d.z * std::sin(longitude), -d.y,
+                              d.z * std::cos(longitude) - d.x * std::sin(longitude)};
+    CHECK(glm::length(sun->direction - position) < 1e-12);
   }
 }
 
@@ -98,21 +98,21 @@ TEST_CASE("A cubemap's sun follows all 48 symmetries of the cube", "[image][sun]
     image.pixels()[i] *= 1.0F + static_cast<float>(i * i % 97) / 400.0F;
   const SunOptions options{0.02, 12.0, 20.0, 0.01};
   Cubemap taken = image;
-  const auto expected = take_out_sun(taken, options);
+  const auto expected = extract_sun(taken, options);
   REQUIRE(expected);
   const auto grid = grid_of(image);
   std::array<int, 3> axes{0, 1, 2};
   do {
     for (int signs = 0; signs < 8; ++signs) {
-      const auto turn = [&](const glm::dvec3& d) {
-        glm::dvec3 turned{};
+      const auto rotate = [&](const glm::dvec3& d) {
+        glm::dvec3 rotated{};
         for (int k = 0; k < 3; ++k)
-          turned[k] = d[axes[static_cast<std::size_t>(k)]] * ((signs >> k & 1) != 0 ? -1.0 : 1.0);
-        return turned;
+          rotated[k] = d[axes[static_cast<std::size_t>(k)]] * ((signs >> k & 1) != 0 ? -1.0 : 1.0);
+        return rotated;
       };
       // Where each texel goes: to the one of the face that looks that way with the same place on it.
       const auto target = [&](std::int64_t texel) {
-        const glm::dvec3 d = turn(grid.direction(texel));
+        const glm::dvec3 d = rotate(grid.direction(texel));
         const glm::dvec3 magnitude = glm::abs(d);
         const double largest = std::max({magnitude.x, magnitude.y, magnitude.z});
         int face = 0;
@@ -122,20 +122,20 @@ TEST_CASE("A cubemap's sun follows all 48 symmetries of the cube", "[image][sun]
         };
         return (face * size + index(image::face_frame(face).v)) * size + index(image::face_frame(face).u);
       };
-      Cubemap turned = image;
-      Cubemap turned_rest = image;
+      Cubemap rotated = image;
+      Cubemap rotated_rest = image;
       for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
         const auto from = static_cast<std::size_t>(3 * texel);
         const auto to = static_cast<std::size_t>(3 * target(texel));
-        for (std::size_t c = 0; c < 3; ++c) turned.pixels()[to + c] = image.pixels()[from + c];
-        for (std::size_t c = 0; c < 3; ++c) turned_rest.pixels()[to + c] = taken.pixels()[from + c];
+        for (std::size_t c = 0; c < 3; ++c) rotated.pixels()[to + c] = image.pixels()[from + c];
+        for (std::size_t c = 0; c < 3; ++c) rotated_rest.pixels()[to + c] = taken.pixels()[from + c];
       }
-      const auto sun = take_out_sun(turned, options);
+      const auto sun = extract_sun(rotated, options);
       REQUIRE(sun);
-      CHECK(glm::length(sun->direction - turn(expected->direction)) < 1e-12);
+      CHECK(glm::length(sun->direction - rotate(expected->direction)) < 1e-12);
       CHECK(glm::length(sun->irradiance - expected->irradiance) < 1e-12 * glm::length(expected->irradiance));
       CHECK(sun->solid_angle == Approx(expected->solid_angle).epsilon(1e-12));
-      CHECK(std::ranges::equal(turned.pixels(), turned_rest.pixels()));
+      CHECK(std::ranges::equal(rotated.pixels(), rotated_rest.pixels()));
     }
   } while (std::next_permutation(axes.begin(), axes.end()));
 }
@@ -150,7 +150,7 @@ const glm::dvec3 kThere = glm::normalize(glm::dvec3(-2, 1, 1));
 template <class Image>
 void check_untouched(Image image, const SunOptions& options = {}) {
   const Image before = image;
-  CHECK_FALSE(take_out_sun(image, options));
+  CHECK_FALSE(extract_sun(image, options));
   CHECK(same_bits(image, before));
 }
 
@@ -178,17 +178,17 @@ TEST_CASE("Black, even, noisy and empty maps have no sun", "[image][sun]") {
 
 TEST_CASE("A source that is too large, too weak or too small a share is no sun", "[image][sun]") {
   check_untouched(with_disc(4.0, 1e4));
-  CHECK(take_out_sun(*std::make_unique<LatLongImage>(with_disc(4.0, 1e4)), {0.02, 9.0, 20.0, 0.01}));
+  CHECK(extract_sun(*std::make_unique<LatLongImage>(with_disc(4.0, 1e4)), {0.02, 9.0, 20.0, 0.01}));
   check_untouched(with_disc(2.0, 15.0));
   check_untouched(with_disc(0.9, 100.0));  // 7.7e-4 steradians of 100: 0.6 % of the light
   LatLongImage weak = with_disc(0.9, 100.0);
-  CHECK(take_out_sun(weak, {0.02, 3.0, 20.0, 0.005}));
+  CHECK(extract_sun(weak, {0.02, 3.0, 20.0, 0.005}));
 }
 
 TEST_CASE("Glow below the threshold stays in the map", "[image][sun]") {
   LatLongImage image = with_disc(6.0, 100.0);
   paint_disc(image, kHere, 1.0, glm::dvec3(1e5));
-  const auto sun = take_out_sun(image);
+  const auto sun = extract_sun(image);
   REQUIRE(sun);
   CHECK(sun->irradiance.g == Approx((1e5 - 100.0) * disc_solid_angle(1.0)).epsilon(0.01));
   const auto middle = static_cast<std::size_t>(3 * nearest_texel(grid_of(image), kHere));
@@ -198,13 +198,13 @@ TEST_CASE("Glow below the threshold stays in the map", "[image][sun]") {
 TEST_CASE("Of two suns the brighter is taken, then the other", "[image][sun]") {
   LatLongImage image = with_disc(1.0, 1e5);
   paint_disc(image, kThere, 1.0, glm::dvec3(2e5));
-  const auto first = take_out_sun(image);
-  const auto second = take_out_sun(image);
+  const auto first = extract_sun(image);
+  const auto second = extract_sun(image);
   REQUIRE((first && second));
   CHECK(degrees_between(first->direction, kThere) < 0.1);
   CHECK(degrees_between(second->direction, kHere) < 0.1);
   CHECK(first->total_radiance_after == second->total_radiance_before);
-  CHECK_FALSE(take_out_sun(image));
+  CHECK_FALSE(extract_sun(image));
 }
 
 TEST_CASE("Texels without a value are passed over", "[image][sun]") {
@@ -212,7 +212,7 @@ TEST_CASE("Texels without a value are passed over", "[image][sun]") {
   const auto grid = grid_of(image);
   const std::int64_t middle = nearest_texel(grid, kHere);
   image.pixels[static_cast<std::size_t>(3 * middle)] = std::numeric_limits<float>::infinity();
-  const auto sun = take_out_sun(image);
+  const auto sun = extract_sun(image);
   REQUIRE(sun);
   CHECK(std::isinf(image.pixels[static_cast<std::size_t>(3 * middle)]));
   CHECK(image.pixels[static_cast<std::size_t>(3 * middle + 1)] == 1e5F);
@@ -229,7 +229,7 @@ TEST_CASE("Texels without a value are passed over", "[image][sun]") {
 TEST_CASE("Suns are refused in words when options or sizes are wrong", "[image][sun]") {
   LatLongImage image = grey_lat_long(4, 2, 1.0F);
   const auto message = [&](const SunOptions& options) {
-    const ThrownError error = thrown_by([&] { static_cast<void>(take_out_sun(image, options)); });
+    const ThrownError error = thrown_by([&] { static_cast<void>(extract_sun(image, options)); });
     CHECK(error.code == ErrorCode::invalid_argument);
     return error.message;
   };
@@ -248,7 +248,7 @@ TEST_CASE("Suns are refused in words when options or sizes are wrong", "[image][
   image.pixels.pop_back();
   CHECK(message({}).find("a lat-long of 4 x 2 texels takes 24 floats, not 23") == 0);
   Cubemap empty;
-  CHECK(thrown_by([&] { static_cast<void>(take_out_sun(empty)); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { static_cast<void>(extract_sun(empty)); }).code == ErrorCode::invalid_argument);
 }
 
 // Promises: what the map loses is what the sun has, to 1e-6 and far better; no texel is made brighter, and none
@@ -282,7 +282,7 @@ void add_sun(Image& image, const glm::dvec3& direction, const glm::dvec3& radian
 template <class Image>
 void check_energy(Image image, bool expect_sun) {
   const Image before = image;
-  const auto sun = take_out_sun(image);
+  const auto sun = extract_sun(image);
   CHECK(sun.has_value() == expect_sun);
   std::uint64_t changed = 0;
   std::uint64_t brighter = 0;
@@ -315,16 +315,16 @@ void check_energy(Image image, bool expect_sun) {
 
 TEST_CASE("Map plus sun is the map that was, at every size and place", "[image][sun][truth]") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
-    for (const glm::dvec3& place : kPlaces) {
-      CAPTURE(size, place.x, place.y, place.z);
+    for (const glm::dvec3& position : kPlaces) {
+      CAPTURE(size, position.x, position.y, position.z);
       LatLongImage lat_long = grey_lat_long(2 * size, size, 1.0F);
       make_noisy(lat_long, 7);
-      add_sun(lat_long, place, {2e5, 1.5e5, 5e4});
+      add_sun(lat_long, position, {2e5, 1.5e5, 5e4});
       // A texel cannot be twenty times the mean if it is more than a twentieth of the sphere.
-      check_energy(lat_long, size > 3 || (size == 3 && std::abs(place.y) > 0.5));
+      check_energy(lat_long, size > 3 || (size == 3 && std::abs(position.y) > 0.5));
       Cubemap cubemap = grey_cubemap(size, 1.0F);
       make_noisy(cubemap, 8);
-      add_sun(cubemap, place, {2e5, 1.5e5, 5e4});
+      add_sun(cubemap, position, {2e5, 1.5e5, 5e4});
       check_energy(cubemap, size > 1);
     }
   }
@@ -425,7 +425,7 @@ Improvement improvement(const LatLongImage& before, const LatLongImage& after, c
 
 void print_row(const std::string& name, const LatLongImage& before) {
   LatLongImage after = before;
-  const auto sun = take_out_sun(after);
+  const auto sun = extract_sun(after);
   if (!sun) {
     std::printf("| %s | %d | none | | | | | | |\n", name.c_str(), before.width);
     return;
@@ -446,7 +446,7 @@ void print_row(const std::string& name, const LatLongImage& before) {
 TEST_CASE("A sun of one colour takes no other", "[image][sun]") {
   LatLongImage image = grey_lat_long(64, 32, 1.0F);
   add_sun(image, {0, 0.6, 0.8}, {0.25, -3.0, 15000.0});
-  const auto sun = take_out_sun(image);
+  const auto sun = extract_sun(image);
   REQUIRE(sun);
   CHECK(sun->irradiance.r == 0.0);
   CHECK(sun->irradiance.g == 0.0);
@@ -472,7 +472,7 @@ TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun]
     CAPTURE(name);
     LatLongImage before = lat_long_of(read_environment(file));
     LatLongImage after = before;
-    const auto sun = take_out_sun(after);
+    const auto sun = extract_sun(after);
     CHECK(sun.has_value() == (size_and_share.first > 0.0));
     if (!sun || size_and_share.first == 0.0) continue;
     CHECK(sun->angular_radius_degrees > 0.25);
@@ -493,12 +493,12 @@ TEST_CASE("The sun of a photograph is the same at half and quarter size", "[imag
     LatLongImage image = lat_long_of(read_environment(file));
     LatLongImage half = halved(image);
     LatLongImage quarter = halved(half);
-    const auto sun = take_out_sun(image);
+    const auto sun = extract_sun(image);
     REQUIRE(sun);
     for (LatLongImage* smaller : {&half, &quarter}) {
       CAPTURE(name, smaller->width);
       const double texel_degrees = 360.0 / smaller->width;
-      const auto found = take_out_sun(*smaller);
+      const auto found = extract_sun(*smaller);
       REQUIRE(found);
       CHECK(degrees_between(found->direction, sun->direction) < 0.5 * texel_degrees);
       CHECK(projection::luminance(found->irradiance) == Approx(projection::luminance(sun->irradiance)).epsilon(0.1));

@@ -44,7 +44,7 @@ TEST_CASE("A lamp of one texel beside the pole has the direction of the texel's 
       const auto texel = static_cast<std::size_t>(3 * (row * width + column));
       for (std::size_t c = 0; c < 3; ++c) image.pixels[texel + c] = 1e6F;
       LatLongImage rest = image;
-      const auto sun = take_out_sun(rest);
+      const auto sun = extract_sun(rest);
       REQUIRE(sun);
       CHECK(degrees_between(sun->direction, centroid_of(width, width / 2, row, column)) < 1e-3);
     }
@@ -58,7 +58,7 @@ TEST_CASE("A sun beside the pole and the rest of its map make the map's harmonic
     LatLongImage image = grey_lat_long(512, 256, 1.0F);
     paint_disc(image, place, 0.265, glm::dvec3(2e5, 1.5e5, 5e4));
     LatLongImage rest = image;
-    const auto sun = take_out_sun(rest);
+    const auto sun = extract_sun(rest);
     REQUIRE(sun);
     CAPTURE(off);
     CHECK(loss(image, rest, *sun, 3) < 5e-5);

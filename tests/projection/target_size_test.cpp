@@ -68,9 +68,7 @@ TEST_CASE("Every texel has its own solid angle", "[tables]") {
 namespace {
 
 ProjectionOptions with_target(std::optional<int> target, Quadrature quadrature = Quadrature::exact) {
-  ProjectionOptions options;
-  options.target_size = target;
-  options.quadrature = quadrature;
+  ProjectionOptions options{.quadrature = quadrature, .target_size = target};
   return options;
 }
 

@@ -11,8 +11,8 @@ namespace {
 constexpr double kLargestRatio = 2.0;
 constexpr double kLargestExponent = 3.0;
 constexpr double kNegligibleDepth = 1e-7;
-constexpr int kMostHalvings = 40;
-constexpr std::size_t kMostShells = 1024;
+constexpr int kMaxHalvings = 40;
+constexpr std::size_t kMaxShells = 1024;
 
 const DensityLayer* layer_about(std::span<const DensityLayer> layers, double altitude) {
   std::size_t i = 0;
@@ -92,7 +92,7 @@ void PathShells::add_shells(double low, double high, int depth) {
   const double most = densest(low, high, false);
   const double chord = 2.0 * std::sqrt((high - low) * (2.0 * air_.radius() + low + high));
   const double middle = 0.5 * (low + high);
-  if (depth == kMostHalvings || bounds_.size() >= kMostShells || most * chord < kNegligibleDepth ||
+  if (depth == kMaxHalvings || bounds_.size() >= kMaxShells || most * chord < kNegligibleDepth ||
       (most <= kLargestRatio * densest(low, high, true) && !steep(low, high, most)) ||
       !(middle > low && middle < high)) {
     add_shell(low, high);

@@ -43,7 +43,7 @@ class PathShells {
   std::vector<double> bounds_;
   std::vector<double> squares_;
   std::vector<double> majorants_;
-  std::vector<std::array<const DensityLayer*, ReferenceAir::kMostMatter>> layers_;
+  std::vector<std::array<const DensityLayer*, ReferenceAir::kMaxConstituents>> layers_;
 };
 
 /// Walks a ray shell by shell.

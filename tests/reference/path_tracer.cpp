@@ -33,8 +33,8 @@ using sky::ShellWalk;
 /// One path of light through air and over ground, followed backwards from the eye, at all wavelengths at once.
 class PathTracer {
  public:
-  static constexpr std::size_t kMostWavelengths = 96;
-  using Spectrum = std::array<double, kMostWavelengths>;
+  static constexpr std::size_t kMaxWavelengths = 96;
+  using Spectrum = std::array<double, kMaxWavelengths>;
 
   PathTracer(const ReferenceAir& air, double altitude, const glm::dvec3& sun, int lowest_order, int highest_order);
 
@@ -274,11 +274,11 @@ bool PathTracer::survives(Path& path, PathRandom& random) const {
   return true;
 }
 
-constexpr std::int64_t kMostPaths = 1'000'000'000'000;
+constexpr std::int64_t kMaxPaths = 1'000'000'000'000;
 constexpr std::int64_t kPathsOfTile = 4096;
 constexpr std::int64_t kFewTiles = 64;  // even of few paths: errors are told from how tiles differ
 constexpr std::size_t kTilesOfBatch = 256;
-constexpr std::size_t kMostCoefficients = std::size_t{kMaximumBands} * kMaximumBands;
+constexpr std::size_t kMaxCoefficients = std::size_t{kMaximumBands} * kMaximumBands;
 
 void require(const char* what, std::int64_t value, std::int64_t low, std::int64_t high) {
   if (value >= low && value <= high) return;
@@ -290,7 +290,7 @@ void check_options(int bands, const PathTracingOptions& options) {
   require("the number of bands", bands, 1, kMaximumBands);
   require("the lowest order", options.lowest_order, 1, 64);
   require("the highest order", options.highest_order, options.lowest_order, 64);
-  require("the number of paths", options.paths, 2, kMostPaths);
+  require("the number of paths", options.paths, 2, kMaxPaths);
 }
 
 /// Paths [first, last) of a tile: their coefficients' sum, [wavelength][coefficient].
@@ -307,7 +307,7 @@ class TileOfPaths {
     PathRandom tile(~seed_, static_cast<std::uint64_t>(first));
     const double turn = tile.number();
     const auto paths = static_cast<double>(last - first);
-    std::array<double, kMostCoefficients> basis;
+    std::array<double, kMaxCoefficients> basis;
     PathTracer::Spectrum radiance;
     for (std::int64_t path = first; path < last; ++path) {
       PathRandom random(seed_, static_cast<std::uint64_t>(path));

@@ -131,7 +131,7 @@ ReferenceAir::Columns ReferenceAir::columns(const AirRay& ray, std::span<const d
     if (s > from && s < to) part.push_back(s);
   }
   part.push_back(to);
-  ReferenceQuadrature<kMostMatter> integral(matter_.size(), relative_error);
+  ReferenceQuadrature<kMaxConstituents> integral(matter_.size(), relative_error);
   return integral(part, [&](double s, Columns& values) {
     const double altitude = altitude_at(ray, s);
     for (std::size_t k = 0; k < matter_.size(); ++k) values[k] = density(matter_[k].density, altitude);

@@ -24,8 +24,8 @@ struct AirRay {
 
 class ReferenceAir {
  public:
-  static constexpr std::size_t kMostMatter = 6;
-  using Columns = std::array<double, kMostMatter>;  ///< metres at density 1, of each matter
+  static constexpr std::size_t kMaxConstituents = 6;
+  using Columns = std::array<double, kMaxConstituents>;  ///< metres at density 1, of each matter
 
   struct Matter {
     std::vector<DensityLayer> density;

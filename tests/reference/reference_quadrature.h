@@ -25,7 +25,7 @@ class ReferenceQuadrature {
   Values operator()(std::span<const double> ends, const Function& function) {
     pieces_.clear();
     for (std::size_t i = 1; i < ends.size(); ++i) pieces_.push_back(piece(ends[i - 1], ends[i], function));
-    for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
+    for (int halvings = 0; halvings < kMaxHalvings; ++halvings) {
       const std::size_t worst = worst_piece();
       if (worst == pieces_.size()) break;
       const Piece old = pieces_[worst];
@@ -43,7 +43,7 @@ class ReferenceQuadrature {
   }
 
  private:
-  static constexpr int kMostHalvings = 4000;
+  static constexpr int kMaxHalvings = 4000;
 
   struct Piece {
     double low = 0.0;

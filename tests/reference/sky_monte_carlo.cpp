@@ -27,11 +27,11 @@ using sky::PathShells;
 using sky::ReferenceAir;
 using std::numbers::pi;
 
-constexpr std::size_t kMostWavelengths = 16;
-using Spectrum = std::array<double, kMostWavelengths>;
+constexpr std::size_t kMaxWavelengths = 16;
+using Spectrum = std::array<double, kMaxWavelengths>;
 
 constexpr double kLongestPiece = 25e3;  ///< metres
-constexpr double kLeastShare = 1e-4;    ///< of what scatters, where the sun seems not to reach
+constexpr double kMinShare = 1e-4;      ///< of what scatters, where the sun seems not to reach
 constexpr double kEven = 1e-3;          ///< less counts as none
 constexpr double kSteepest = 8.0;       ///< of a fall's logarithm along a piece
 constexpr int kGuessHeights = 64;
@@ -52,7 +52,7 @@ constexpr double kFullNight = -0.35;     ///< likewise, below which they are not
 constexpr double kDusk = 46.0;           ///< of the logarithm of light, a radian of the sun's depth: 0.8 a degree
 
 /// A point and a direction in the air.
-struct Place {
+struct PathPoint {
   double square;  ///< r^2 - R^2
   dvec3 up;
   dvec3 direction;
@@ -98,15 +98,15 @@ class MonteCarlo {
   };
 
   /// Light of all orders asked for that arrives from a direction, times `weight`.
-  void trace(Place place, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
+  void trace(PathPoint index, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
     Spectrum weights;
     weights.fill(weight);
     for (int order = 1; order <= options_.highest_order; ++order) {
-      const AirRay ray = ray_from(place);
-      cut(ray, place, scratch.pieces);
-      if (order >= options_.lowest_order) add_sunlight(ray, place, weights, random, scratch.pieces, radiance);
+      const AirRay ray = ray_from(index);
+      cut(ray, index, scratch.pieces);
+      if (order >= options_.lowest_order) add_sunlight(ray, index, weights, random, scratch.pieces, radiance);
       if (order == options_.highest_order) return;
-      if (!go_on(ray, place, weights, random, scratch.pieces)) return;
+      if (!go_on(ray, index, weights, random, scratch.pieces)) return;
       const double most = *std::max_element(weights.begin(), weights.begin() + count());
       if (most < little_ * weight) {
         if (!(random.number() * little_ * weight < most)) return;
@@ -123,33 +123,33 @@ class MonteCarlo {
   [[nodiscard]] std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(air_.wavelengths()); }
 
  private:
-  [[nodiscard]] AirRay ray_from(const Place& place) const {
-    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, place.direction);
-    const double below = slope * slope - place.square;
+  [[nodiscard]] AirRay ray_from(const PathPoint& index) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, index.direction);
+    const double below = slope * slope - index.square;
     if (slope < 0.0 && below > 0.0) {
-      return {place.square, slope, place.square / (std::sqrt(below) - slope), true};
+      return {index.square, slope, index.square / (std::sqrt(below) - slope), true};
     }
-    return air_.ray_to_top(place.square, slope);
+    return air_.ray_to_top(index.square, slope);
   }
 
-  [[nodiscard]] Place moved(const Place& place, const AirRay& ray, double s) const {
-    const double radius = std::sqrt(air_.radius() * air_.radius() + place.square);
+  [[nodiscard]] PathPoint moved(const PathPoint& index, const AirRay& ray, double s) const {
+    const double radius = std::sqrt(air_.radius() * air_.radius() + index.square);
     return {std::max(0.0, ray.square + s * (2.0 * ray.slope + s)),
-            glm::normalize(radius * place.up + s * place.direction), place.direction};
+            glm::normalize(radius * index.up + s * index.direction), index.direction};
   }
 
-  [[nodiscard]] double sun_share(const Place& place) const {
-    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, sun_);
-    return air_.visible_share(air_.sun_elevation(place.square, slope));
+  [[nodiscard]] double sun_share(const PathPoint& index) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, sun_);
+    return air_.visible_share(air_.sun_elevation(index.square, slope));
   }
 
   /// Sunlight at a place, zero where the sun is down.
-  void sunlight(const Place& place, Spectrum& light) const {
+  void sunlight(const PathPoint& index, Spectrum& light) const {
     light.fill(0.0);
-    const double share = sun_share(place);
+    const double share = sun_share(index);
     if (!(share > 0.0)) return;
-    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, sun_);
-    const PathShells::Columns columns = shells_.columns(air_.sun_ray(place.square, slope));
+    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, sun_);
+    const PathShells::Columns columns = shells_.columns(air_.sun_ray(index.square, slope));
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       light[i] = share * air_.atmosphere().solar_irradiance[i] * math::exponential(-air_.optical_depth(columns, i));
     }
@@ -175,49 +175,49 @@ class MonteCarlo {
 
   [[nodiscard]] double guess_square(double x) const { return air_.square_of(air_.thickness() * x * x); }
 
-  [[nodiscard]] double guess(const Place& place) const {
-    const double share = sun_share(place);
+  [[nodiscard]] double guess(const PathPoint& index) const {
+    const double share = sun_share(index);
     if (!(share > 0.0)) return 0.0;
-    const double radius = std::sqrt(air_.radius() * air_.radius() + place.square);
-    const double horizon = std::sqrt(place.square);
-    const double x = std::sqrt(std::clamp(air_.altitude_of(place.square) / air_.thickness(), 0.0, 1.0));
+    const double radius = std::sqrt(air_.radius() * air_.radius() + index.square);
+    const double horizon = std::sqrt(index.square);
+    const double x = std::sqrt(std::clamp(air_.altitude_of(index.square) / air_.thickness(), 0.0, 1.0));
     const double above =
-        std::sqrt(std::clamp((radius * glm::dot(place.up, sun_) + horizon) / (radius + horizon), 0.0, 1.0));
+        std::sqrt(std::clamp((radius * glm::dot(index.up, sun_) + horizon) / (radius + horizon), 0.0, 1.0));
     const auto h = static_cast<std::size_t>(x * (kGuessHeights - 1) + 0.5);
     const auto k = static_cast<std::size_t>(above * (kGuessSuns - 1) + 0.5);
     return share * guess_[h * kGuessSuns + k];
   }
 
   /// Light that has been scattered grows like this towards where the sun has set less deep: a guess likewise.
-  [[nodiscard]] double dusk(const Place& place) const {
-    const double elevation = std::asin(std::clamp(glm::dot(place.up, sun_), kFullNight, kDeepSun));
+  [[nodiscard]] double dusk(const PathPoint& index) const {
+    const double elevation = std::asin(std::clamp(glm::dot(index.up, sun_), kFullNight, kDeepSun));
     return math::exponential(kDusk * (elevation - std::asin(kDeepSun)));
   }
 
-  void cut(const AirRay& ray, const Place& place, std::vector<Piece>& pieces) const {
+  void cut(const AirRay& ray, const PathPoint& index, std::vector<Piece>& pieces) const {
     pieces.clear();
     PathShells::Columns before{};
     double from = 0.0;
-    double lit_here = guess(place);
+    double lit_here = guess(index);
     for (sky::ShellWalk walk(shells_, ray);; walk.next()) {
       const int parts = std::max(1, static_cast<int>(std::ceil((walk.end() - from) / kLongestPiece)));
       const double step = (walk.end() - from) / parts;
       for (int part = 0; part < parts && step > 0.0; ++part) {
         const double low = from + part * step;
-        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, 0.0, before}, lit_here, before, pieces);
+        add_piece(ray, index, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, 0.0, before}, lit_here, before, pieces);
       }
       from = walk.end();
       if (walk.last()) return;
     }
   }
 
-  void add_piece(const AirRay& ray, const Place& place, Piece piece, double& lit_here, PathShells::Columns& before,
+  void add_piece(const AirRay& ray, const PathPoint& index, Piece piece, double& lit_here, PathShells::Columns& before,
                  std::vector<Piece>& pieces) const {
     const double step = piece.to - piece.from;
     const PathShells::Columns inside = shells_.columns(ray, piece.shell, piece.from, piece.to);
     const double lit_before = lit_here;
-    lit_here = guess(moved(place, ray, piece.to));
-    const Place middle = moved(place, ray, piece.from + 0.5 * step);
+    lit_here = guess(moved(index, ray, piece.to));
+    const PathPoint middle = moved(index, ray, piece.from + 0.5 * step);
     const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(middle);
     if (sun_.y < kDeepSun) piece.dusk = dusk(middle);
     PathShells::Columns start{};
@@ -240,7 +240,7 @@ class MonteCarlo {
     if (narrow_ && first > 0.0 && last > 0.0) {
       piece.fall = std::clamp(math::logarithm(first / last), -kSteepest, kSteepest) / step;
     }
-    piece.lit = piece.scatters * (lit + kLeastShare);
+    piece.lit = piece.scatters * (lit + kMinShare);
     for (std::size_t k = 0; k < air_.matter().size(); ++k) before[k] += inside[k];
     pieces.push_back(piece);
   }
@@ -289,18 +289,18 @@ class MonteCarlo {
     shells_.densities(piece.shell, ray.square + s * (2.0 * ray.slope + s), densities);
   }
 
-  void add_sunlight(const AirRay& ray, const Place& place, const Spectrum& weights, PathRandom& random,
+  void add_sunlight(const AirRay& ray, const PathPoint& index, const Spectrum& weights, PathRandom& random,
                     const std::vector<Piece>& pieces, Spectrum& radiance) const {
     Spectrum light;
     double chance = 0.0;
     if (const Piece* const piece = draw_piece(
             pieces, [](const Piece& p) { return p.lit; }, random, chance)) {
       const double s = draw_place(*piece, random, chance);
-      sunlight(moved(place, ray, s), light);
+      sunlight(moved(index, ray, s), light);
       Spectrum through;
       PathShells::Columns densities{};
       reach(ray, *piece, s, through, densities);
-      const double cosine = std::clamp(glm::dot(place.direction, sun_), -1.0, 1.0);
+      const double cosine = std::clamp(glm::dot(index.direction, sun_), -1.0, 1.0);
       for (const std::size_t k : scatterers_) {
         for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
           const double part = densities[k] * air_.phase(air_.matter()[k], i, cosine) / chance;
@@ -309,7 +309,7 @@ class MonteCarlo {
       }
     }
     if (!ray.ground) return;
-    const Place end = moved(place, ray, ray.length);
+    const PathPoint end = moved(index, ray, ray.length);
     const double level = glm::dot(end.up, sun_);
     if (!(level > 0.0)) return;
     sunlight({0.0, end.up, end.direction}, light);
@@ -329,7 +329,7 @@ class MonteCarlo {
   }
 
   /// To where light of the next order comes from, and a direction to look for it; false if there is none.
-  bool go_on(const AirRay& ray, Place& place, Spectrum& weights, PathRandom& random,
+  bool go_on(const AirRay& ray, PathPoint& index, Spectrum& weights, PathRandom& random,
              const std::vector<Piece>& pieces) const {
     double air = 0.0;
     for (const Piece& piece : pieces) air += piece.scatters;
@@ -344,9 +344,9 @@ class MonteCarlo {
     }
     if (!(air + ground > 0.0)) return false;
     if (random.number() * (air + ground) < ground) {
-      place = moved(place, ray, ray.length);
-      place.square = 0.0;
-      const double up = draw_upwards(place.up, place.direction, random);
+      index = moved(index, ray, ray.length);
+      index.square = 0.0;
+      const double up = draw_upwards(index.up, index.direction, random);
       for (std::size_t i = 0; i < air_.wavelengths(); ++i) weights[i] *= through[i] * up * (air + ground) / ground;
       return up > 0.0;
     }
@@ -357,9 +357,9 @@ class MonteCarlo {
     const double s = draw_place(*piece, random, chance);
     PathShells::Columns densities{};
     reach(ray, *piece, s, through, densities);
-    place = moved(place, ray, s);
+    index = moved(index, ray, s);
     chance *= air / (air + ground);
-    return scatter(densities, through, chance, place, weights, random);
+    return scatter(densities, through, chance, index, weights, random);
   }
 
   /// The cosine over pi times the density of a direction that is drawn by the cosine or towards the sun.
@@ -377,9 +377,9 @@ class MonteCarlo {
   }
 
   /// A new direction, drawn by the phase functions or towards the sun.
-  bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, Place& place,
+  bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, PathPoint& index,
                Spectrum& weights, PathRandom& random) const {
-    std::array<double, ReferenceAir::kMostMatter> shares{};
+    std::array<double, ReferenceAir::kMaxConstituents> shares{};
     double all = 0.0;
     for (const std::size_t k : scatterers_) {
       for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
@@ -389,16 +389,16 @@ class MonteCarlo {
     }
     if (!(all > 0.0)) return false;
     const bool low = sunset_ != dvec3(0.0);
-    const dvec3 old = place.direction;
-    place.direction = low && random.number() < towards_sun_
+    const dvec3 old = index.direction;
+    index.direction = low && random.number() < towards_sun_
                           ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                           : drawn_by_phase(shares, all, old, random);
-    const double cosine = std::clamp(glm::dot(old, place.direction), -1.0, 1.0);
+    const double cosine = std::clamp(glm::dot(old, index.direction), -1.0, 1.0);
     double density = 0.0;
     for (const std::size_t k : scatterers_) density += shares[k] / all * air_.drawn_phase(air_.matter()[k], cosine);
     if (low) {
       density = (1.0 - towards_sun_) * density +
-                towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, place.direction));
+                towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, index.direction));
     }
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       double scattered = 0.0;
@@ -410,7 +410,7 @@ class MonteCarlo {
     return true;
   }
 
-  dvec3 drawn_by_phase(const std::array<double, ReferenceAir::kMostMatter>& shares, double all, const dvec3& old,
+  dvec3 drawn_by_phase(const std::array<double, ReferenceAir::kMaxConstituents>& shares, double all, const dvec3& old,
                        PathRandom& random) const {
     double left = random.number() * all;
     std::size_t kind = scatterers_.front();
@@ -454,8 +454,8 @@ TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTra
       PathRandom random(options.seed,
                         static_cast<std::uint64_t>(part) * 0x100000000U + static_cast<std::uint64_t>(path));
       double weight = 1.0;
-      const Place place = start(random, weight);
-      if (weight > 0.0) tracer.trace(place, weight, random, scratch, means[part]);
+      const PathPoint index = start(random, weight);
+      if (weight > 0.0) tracer.trace(index, weight, random, scratch, means[part]);
     }
     for (double& value : means[part]) value /= static_cast<double>(paths);
   });
@@ -473,7 +473,7 @@ TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTra
 
 void check_arguments(const ReferenceAir& air, double altitude, const dvec3& sun, const PathTracingOptions& options) {
   sky::check_direction("the sun's direction", sun);
-  if (air.wavelengths() > kMostWavelengths || !(altitude >= 0.0 && altitude <= air.thickness()) ||
+  if (air.wavelengths() > kMaxWavelengths || !(altitude >= 0.0 && altitude <= air.thickness()) ||
       options.lowest_order < 1 || options.highest_order < options.lowest_order || options.paths < 2) {
     throw Error(ErrorCode::invalid_argument,
                 "tracing light needs up to 16 wavelengths, an altitude within the air, rising orders and paths");
@@ -489,8 +489,8 @@ TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m, 
   check_arguments(air, altitude_m, sun, options);
   sky::check_direction("the direction", direction);
   const MonteCarlo tracer(air, sun, options);
-  const Place place{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
-  return run(tracer, air.wavelengths(), options, control, [&](PathRandom&, double&) { return place; });
+  const PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
+  return run(tracer, air.wavelengths(), options, control, [&](PathRandom&, double&) { return index; });
 }
 
 TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
@@ -500,9 +500,9 @@ TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m
   check_arguments(air, altitude_m, sun, options);
   const MonteCarlo tracer(air, sun, options);
   return run(tracer, air.wavelengths(), options, control, [&](PathRandom& random, double& weight) {
-    Place place{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
-    weight = tracer.draw_from_sky(place.direction, random);
-    return place;
+    PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
+    weight = tracer.draw_from_sky(index.direction, random);
+    return index;
   });
 }
 

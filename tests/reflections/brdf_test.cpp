@@ -287,7 +287,7 @@ TEST_CASE("BRDF tables report their progress, cached ones too", "[brdf]") {
 
 TEST_CASE("A cancelled BRDF table is not there, and the next call makes it", "[brdf]") {
   const BrdfTableOptions options{251, 127, BrdfModel::split_sum, true};
-  std::stop_source source;
+  stop_source source;
   const Control control{source.get_token(), [&](double done) {
                           if (done > 0.3) source.request_stop();
                         }};

@@ -48,13 +48,14 @@ glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const r
     for (int k = 0; k < cuts * cuts; ++k) {
       const double column = texel.column + (k % cuts + 0.5) / cuts;
       const double row = (shape.cubemap ? texel.row % shape.columns : texel.row) + (k / cuts + 0.5) / cuts;
-      const glm::dvec3 place = shape.cubemap
-                                   ? image::face_direction(shape.columns, texel.row / shape.columns, column, row)
-                                   : image::lat_long_direction(shape.columns, shape.rows, column, row);
+      const glm::dvec3 position = shape.cubemap
+                                      ? image::face_direction(shape.columns, texel.row / shape.columns, column, row)
+                                      : image::lat_long_direction(shape.columns, shape.rows, column, row);
       const double u = 2.0 * column / shape.columns - 1.0;
       const double v = 2.0 * row / shape.columns - 1.0;
-      const double density = shape.cubemap ? std::pow(1.0 + u * u + v * v, -1.5) : std::sqrt(1.0 - place.y * place.y);
-      light += density * lobe(glm::dot(place, direction));
+      const double density =
+          shape.cubemap ? std::pow(1.0 + u * u + v * v, -1.5) : std::sqrt(1.0 - position.y * position.y);
+      light += density * lobe(glm::dot(position, direction));
       whole += density;
     }
     for (int c = 0; c < 3; ++c)
@@ -188,8 +189,7 @@ TEST_CASE("Lights may be left out of texels where they are dim, and of no others
 TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright][truth]") {
   const reflections::PictureShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
-  for (const ZonalKernel& kernel :
-       some_of(2, {ZonalKernel::lambert(), ZonalKernel::charlie(0.3), ZonalKernel::phong(0.5)})) {
+  for (const ZonalLobe& kernel : some_of(2, {ZonalLobe::lambert(), ZonalLobe::charlie(0.3), ZonalLobe::phong(0.5)})) {
     const double scale = kernel.lobe()->scale();
     reflections::LightLobes lobes{reflections::LightsOf::any};
     lobes.take_in(*kernel.lobe());
@@ -204,14 +204,15 @@ TEST_CASE("Lights through a kernel give what their texels give", "[kernels][brig
   }
 }
 
-TEST_CASE("Lights that are wider than an annular kernel is steep give what their texels give", "[kernels][bright]") {
+TEST_CASE("Lights that are wider than an annular kernel is steep give what their texels give",
+          "[kernels][bright][slow]") {
   const reflections::PictureShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 7);
-  const ZonalKernel kernel = ZonalKernel::charlie(0.06);
+  const ZonalLobe kernel = ZonalLobe::charlie(0.06);
   reflections::LightLobes lobes{reflections::LightsOf::any};
   lobes.take_in(*kernel.lobe());
   REQUIRE(kernel.lobe()->annular());
-  REQUIRE_FALSE(ZonalKernel::phong(20.0).lobe()->annular());
+  REQUIRE_FALSE(ZonalLobe::phong(20.0).lobe()->annular());
   const reflections::BrightLights lights(texels, shape, lobes, kReach);
   const auto lobe = [&kernel](double cosine) { return kernel.value(cosine); };
   const Off off = off_of(texels, shape, lights, {*kernel.lobe()}, lobe, 16, 17, 5e-2, 24);
@@ -266,7 +267,7 @@ TEST_CASE("A disc is taken out with its edge, whatever the number of its texels"
     }
   }
   const projection::SanitizedSource source(image.view(), {}, {});
-  const auto found = reflections::find_bright_texels(source, 0.03, reflections::kMostBright, {});
+  const auto found = reflections::find_bright_texels(source, 0.03, reflections::kMaxBright, {});
   CHECK(count > 700);
   CHECK(found.size() == count);
   for (const float* const row : reflections::rows_without(found, source).rows)

@@ -14,8 +14,8 @@ namespace welkin::test {
 namespace {
 
 /// GGX of the split sum, as a function that the library knows nothing of.
-ZonalKernel ggx_by_function(double alpha) {
-  return ZonalKernel::from_function([alpha](double cosine) { return reflections::lobe(cosine, alpha); });
+ZonalLobe ggx_by_function(double alpha) {
+  return ZonalLobe::from_function([alpha](double cosine) { return reflections::lobe(cosine, alpha); });
 }
 
 bool has_pass(const PrefilteredSpecular& result, const std::string& name) {
@@ -29,7 +29,7 @@ double relative(double found, double expected) { return std::abs(found / expecte
 TEST_CASE("GGX has one form as a lobe, in closed form and followed by polynomials", "[zonal][lobe]") {
   for (const double alpha : {0.04, 0.3, 1.0}) {
     const reflections::Lobe closed(alpha);
-    const ZonalKernel kernel = ggx_by_function(alpha);
+    const ZonalLobe kernel = ggx_by_function(alpha);
     const reflections::Lobe& followed = *kernel.lobe();
     CAPTURE(alpha);
     CHECK(closed.alpha() == alpha);
@@ -51,8 +51,8 @@ TEST_CASE("GGX has one form as a lobe, in closed form and followed by polynomial
 }
 
 TEST_CASE("A spectrum has the same bits however many bands were asked for before", "[zonal][lobe]") {
-  const ZonalKernel fresh = ZonalKernel::charlie(0.4);
-  const ZonalKernel used = ZonalKernel::charlie(0.4);
+  const ZonalLobe fresh = ZonalLobe::charlie(0.4);
+  const ZonalLobe used = ZonalLobe::charlie(0.4);
   static_cast<void>(used.spectrum(700));
   CHECK(fresh.spectrum(40) == used.spectrum(40));
 }
@@ -60,9 +60,9 @@ TEST_CASE("A spectrum has the same bits however many bands were asked for before
 TEST_CASE("GGX given as a function is blurred as GGX", "[zonal]") {
   const TestCubemap source = make_cubemap(Content::high_range, 32, 3, 9);
   const std::vector<double> roughness{0.35, 0.6};
-  KernelChainOptions kernels{.size = 16};
-  for (const double one : roughness) kernels.kernels.push_back(ggx_by_function(one * one));
-  const PrefilteredSpecular found = prefilter_by_kernels(source.view(), kernels);
+  LobeChainOptions kernels{.size = 16};
+  for (const double one : roughness) kernels.lobes.push_back(ggx_by_function(one * one));
+  const PrefilteredSpecular found = prefilter_by_lobes(source.view(), kernels);
   const PrefilteredSpecular expected =
       prefilter_specular(source.view(), {.size = 16, .mips = 2, .roughness = roughness});
   for (int level = 0; level < 2; ++level) {
@@ -81,20 +81,20 @@ TEST_CASE("GGX given as a function is blurred as GGX", "[zonal]") {
 
 TEST_CASE("Chains by kernels name their passes, their memory and dark channels", "[zonal]") {
   TestLatLong source = make_lat_long(Content::high_range, 64, 32, 5);
-  const KernelChainOptions options{.size = 16, .kernels = {ZonalKernel::charlie(0.4), ZonalKernel::lambert()}};
-  const PrefilteredSpecular result = prefilter_by_kernels(source.view(), options);
+  const LobeChainOptions options{.size = 16, .lobes = {ZonalLobe::charlie(0.4), ZonalLobe::lambert()}};
+  const PrefilteredSpecular result = prefilter_by_lobes(source.view(), options);
   for (const char* const pass : {"bright texels", "rings", "analyse", "mip 0: synthesise", "mip 1: lobes"})
     CHECK(has_pass(result, pass));
   CHECK(result.peak_bytes > 0);
   CHECK_FALSE(has_pass(result, "mip 0: dark channels"));
   for (std::size_t k = 2; k < source.pixels.size(); k += 3) source.pixels[k] = 1e-7F;  // blue
-  CHECK(has_pass(prefilter_by_kernels(source.view(), options), "mip 0: dark channels"));
+  CHECK(has_pass(prefilter_by_lobes(source.view(), options), "mip 0: dark channels"));
 }
 
 TEST_CASE("A mip by a kernel keeps its bits where others are left out", "[zonal][bits]") {
   const TestCubemap source = make_cubemap(Content::one_texel_sun, 16, 3, 2);
-  const reflections::PrefilterPlan plan = reflections::plan_prefilter(KernelChainOptions{
-      .size = 16, .kernels = {ZonalKernel::charlie(0.3), ZonalKernel::phong(30.0), ZonalKernel::lambert()}});
+  const reflections::PrefilterPlan plan = reflections::plan_prefilter(
+      LobeChainOptions{.size = 16, .lobes = {ZonalLobe::charlie(0.3), ZonalLobe::phong(30.0), ZonalLobe::lambert()}});
   const PrefilteredSpecular whole = reflections::prefilter(source.view(), plan, {}, {}, {});
   const PrefilteredSpecular part = reflections::prefilter(source.view(), plan.without(1, 1), {}, {}, {});
   CHECK(std::ranges::equal(level_values(part.cubemap, 0), level_values(whole.cubemap, 1)));
@@ -103,13 +103,13 @@ TEST_CASE("A mip by a kernel keeps its bits where others are left out", "[zonal]
 
 TEST_CASE("Pictures too dark or too bright for floats are blurred by kernels through a scale", "[zonal]") {
   const TestCubemap source = make_cubemap(Content::random, 8, 3, 2);
-  const KernelChainOptions options{.size = 4, .kernels = {ZonalKernel::charlie(0.5)}};
-  const PrefilteredSpecular unscaled = prefilter_by_kernels(source.view(), options);
+  const LobeChainOptions options{.size = 4, .lobes = {ZonalLobe::charlie(0.5)}};
+  const PrefilteredSpecular unscaled = prefilter_by_lobes(source.view(), options);
   const auto expected = level_values(unscaled.cubemap, 0);
   for (const float scale : {0x1p-122F, 0x1p124F}) {
     TestCubemap scaled = source;
     for (auto& value : scaled.pixels) value *= scale;
-    const PrefilteredSpecular result = prefilter_by_kernels(scaled.view(), options);
+    const PrefilteredSpecular result = prefilter_by_lobes(scaled.view(), options);
     const auto found = level_values(result.cubemap, 0);
     for (std::size_t k = 0; k < found.size(); ++k)
       REQUIRE(relative(static_cast<double>(found[k]), static_cast<double>(scale) * static_cast<double>(expected[k])) <
@@ -118,9 +118,9 @@ TEST_CASE("Pictures too dark or too bright for floats are blurred by kernels thr
 }
 
 TEST_CASE("A kernel with a name is made once", "[zonal]") {
-  CHECK(ZonalKernel::charlie(0.3).lobe() == ZonalKernel::charlie(0.3).lobe());
-  CHECK(ZonalKernel::charlie(0.3).lobe() != ZonalKernel::charlie(0.4).lobe());
-  CHECK(ZonalKernel::phong(20.0).lobe() != ZonalKernel::blinn(20.0).lobe());
+  CHECK(ZonalLobe::charlie(0.3).lobe() == ZonalLobe::charlie(0.3).lobe());
+  CHECK(ZonalLobe::charlie(0.3).lobe() != ZonalLobe::charlie(0.4).lobe());
+  CHECK(ZonalLobe::phong(20.0).lobe() != ZonalLobe::blinn(20.0).lobe());
 }
 
 TEST_CASE("The transform that a cubemap needs for sheen is foreseen by the rings that it will have", "[zonal][bits]") {

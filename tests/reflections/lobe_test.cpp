@@ -133,9 +133,9 @@ TEST_CASE("Our logarithm is the logarithm", "[tables]") {
 // Promise: roughness of mips as the named engines have it, and the way back.
 
 TEST_CASE("Schedules are those of their engines", "[specular][roughness]") {
-  const auto linear = roughness_of_mips(RoughnessSchedule::linear, 10, 512);
-  const auto filament = roughness_of_mips(RoughnessSchedule::filament, 10, 512);
-  const auto babylon = roughness_of_mips(RoughnessSchedule::babylon, 10, 512);
+  const auto linear = mip_roughness(RoughnessSchedule::linear, 10, 512);
+  const auto filament = mip_roughness(RoughnessSchedule::filament, 10, 512);
+  const auto babylon = mip_roughness(RoughnessSchedule::babylon, 10, 512);
   for (int mip = 0; mip < 10; ++mip) {
     CAPTURE(mip);
     const auto i = static_cast<std::size_t>(mip);
@@ -150,7 +150,7 @@ TEST_CASE("Schedules are those of their engines", "[specular][roughness]") {
 // Each shader is asked where it looks for the roughness that we say a mip has: there.
 
 TEST_CASE("Unity's shader finds each mip's roughness at that mip", "[specular][roughness]") {
-  const auto unity = roughness_of_mips(RoughnessSchedule::unity, 9, 256);
+  const auto unity = mip_roughness(RoughnessSchedule::unity, 9, 256);
   for (int mip = 0; mip <= 6; ++mip) {
     const double r = unity[static_cast<std::size_t>(mip)];
     CHECK(6.0 * r * (1.7 - 0.7 * r) == Approx(mip).margin(1e-12));
@@ -161,7 +161,7 @@ TEST_CASE("Unity's shader finds each mip's roughness at that mip", "[specular][r
 
 TEST_CASE("Unreal's shader finds each mip's roughness at that mip", "[specular][roughness]") {
   constexpr int kLast = 8;
-  const auto unreal = roughness_of_mips(RoughnessSchedule::unreal, kLast + 1, 256);
+  const auto unreal = mip_roughness(RoughnessSchedule::unreal, kLast + 1, 256);
   for (int mip = 1; mip <= kLast - 2; ++mip) {
     const double level_from_1x1 = 1.0 - 1.2 * std::log2(unreal[static_cast<std::size_t>(mip)]);
     CHECK(kLast - 1 - level_from_1x1 == Approx(mip));
@@ -171,7 +171,7 @@ TEST_CASE("Unreal's shader finds each mip's roughness at that mip", "[specular][
 }
 
 TEST_CASE("A chain has as many mips as its schedule wants", "[specular][roughness]") {
-  const auto mips = [](RoughnessSchedule schedule, int size) { return mips_of_chain(schedule, size); };
+  const auto mips = [](RoughnessSchedule schedule, int size) { return default_mip_count(schedule, size); };
   CHECK(mips(RoughnessSchedule::filament, 256) == 7);   // to 4 texels
   CHECK(mips(RoughnessSchedule::filament, 1024) == 9);  // to 4 texels
   CHECK(mips(RoughnessSchedule::linear, 32) == 5);      // to 2: five at least,
@@ -181,7 +181,7 @@ TEST_CASE("A chain has as many mips as its schedule wants", "[specular][roughnes
   CHECK(mips(RoughnessSchedule::unity, 16) == 5);
   CHECK(mips(RoughnessSchedule::unreal, 256) == 9);
   CHECK(mips(RoughnessSchedule::babylon, 256) == 9);
-  CHECK(thrown_by([] { (void)mips_of_chain(RoughnessSchedule::unity, 0); }).says("size"));
+  CHECK(thrown_by([] { (void)default_mip_count(RoughnessSchedule::unity, 0); }).says("size"));
   CHECK(std::string(name(RoughnessSchedule::unreal)) == "unreal");
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("Every table starts at 0 and rises", "[specular][roughness]") {
                               RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
     for (const int size : {1, 2, 256, 4096}) {
       for (int mips = 1; mips <= 16; ++mips) {
-        const auto table = roughness_of_mips(schedule, mips, size);
+        const auto table = mip_roughness(schedule, mips, size);
         REQUIRE(table.size() == static_cast<std::size_t>(mips));
         CHECK(table[0] == 0.0);
         for (std::size_t k = 1; k < table.size(); ++k) CHECK((table[k] >= table[k - 1] && table[k] <= 1.0));
@@ -201,22 +201,22 @@ TEST_CASE("Every table starts at 0 and rises", "[specular][roughness]") {
 
 TEST_CASE("A shader's look-up finds the roughness that a mip has", "[specular][roughness]") {
   for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament}) {
-    const auto table = roughness_of_mips(schedule, 9, 256);
+    const auto table = mip_roughness(schedule, 9, 256);
     for (std::size_t mip = 0; mip < table.size(); ++mip)
-      CHECK(mip_of_roughness(table, table[mip]) == Approx(static_cast<double>(mip)).margin(1e-12));
-    CHECK(mip_of_roughness(table, 0.5 * (table[3] + table[4])) == Approx(3.5));
-    CHECK(mip_of_roughness(table, -1.0) == 0.0);
-    CHECK(mip_of_roughness(table, 2.0) == 8.0);
+      CHECK(mip_for_roughness(table, table[mip]) == Approx(static_cast<double>(mip)).margin(1e-12));
+    CHECK(mip_for_roughness(table, 0.5 * (table[3] + table[4])) == Approx(3.5));
+    CHECK(mip_for_roughness(table, -1.0) == 0.0);
+    CHECK(mip_for_roughness(table, 2.0) == 8.0);
   }
-  CHECK(mip_of_roughness({0.0, 0.5, 1.0, 1.0}, 1.0) == 2.0);  // Babylon's last mips are alike
+  CHECK(mip_for_roughness({0.0, 0.5, 1.0, 1.0}, 1.0) == 2.0);  // Babylon's last mips are alike
 }
 
 TEST_CASE("What is no schedule is refused", "[specular][roughness]") {
-  CHECK(thrown_by([] { (void)roughness_of_mips(RoughnessSchedule::linear, 0, 4); }).says("mips"));
-  CHECK(thrown_by([] { (void)roughness_of_mips(RoughnessSchedule::linear, 17, 4); }).says("mips"));
-  CHECK(thrown_by([] { (void)roughness_of_mips(RoughnessSchedule::linear, 1, 0); }).says("size"));
-  CHECK(thrown_by([] { (void)mip_of_roughness({}, 0.5); }).says("empty"));
-  CHECK(thrown_by([] { (void)mip_of_roughness({0.0, 0.6, 0.5}, 0.5); }).says("falls at mip 2"));
+  CHECK(thrown_by([] { (void)mip_roughness(RoughnessSchedule::linear, 0, 4); }).says("mips"));
+  CHECK(thrown_by([] { (void)mip_roughness(RoughnessSchedule::linear, 17, 4); }).says("mips"));
+  CHECK(thrown_by([] { (void)mip_roughness(RoughnessSchedule::linear, 1, 0); }).says("size"));
+  CHECK(thrown_by([] { (void)mip_for_roughness({}, 0.5); }).says("empty"));
+  CHECK(thrown_by([] { (void)mip_for_roughness({0.0, 0.6, 0.5}, 0.5); }).says("falls at mip 2"));
   CHECK(std::string(name(RoughnessSchedule::filament)) == "filament");
 }
 

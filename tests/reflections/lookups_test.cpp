@@ -66,8 +66,8 @@ double error_of_lookups(const LatLongView& source, const PrefilterOptions& optio
 
 PrefilterOptions fitted(RoughnessSchedule schedule, int mips, int size) {
   return {.size = size,
-          .roughness = roughness_of_mips(schedule, mips, size),
-          .lobe_roughness = fitted_roughness_of_mips(schedule, mips, size)};
+          .roughness = mip_roughness(schedule, mips, size),
+          .lobe_roughness = fitted_mip_roughness(schedule, mips, size)};
 }
 
 void check_estimates(const LatLongView& source) {
@@ -84,19 +84,19 @@ void check_estimates(const LatLongView& source) {
 
 }  // namespace
 
-TEST_CASE("between mips: estimates are what direct integration finds", "[specular][lookups]") {
+TEST_CASE("between mips: estimates are what direct integration finds", "[specular][lookups][slow]") {
   check_estimates(make_lat_long(Content::random, 128, 64, 3).view());
   check_estimates(make_lat_long(Content::sun_disc, 128, 64, 3).view());
   check_estimates(make_lat_long(Content::smooth, 128, 64, 3).view());
 }
 
-TEST_CASE("between mips: estimates hold on a photograph", "[specular][lookups]") {
+TEST_CASE("between mips: estimates hold on a photograph", "[specular][lookups][slow]") {
   if (!shared_pictures_are_here()) return;
   const Environment picture = read_environment((kPictures / "env" / "lebombo_1k.hdr").string());
   check_estimates(to_lat_long(picture.lat_long(), 64, 32).view());
 }
 
-TEST_CASE("between mips: records have errors where they are known", "[specular][lookups]") {
+TEST_CASE("between mips: records have errors where they are known", "[specular][lookups][slow]") {
   const TestLatLong source = make_lat_long(Content::smooth, 128, 64, 3);
   const auto errors = [&](const PrefilterOptions& options) {
     std::vector<double> known;
@@ -117,8 +117,8 @@ TEST_CASE("fitted lobes: rising from a mirror, near those of the schedule", "[sp
       for (const int mips : {1, 2, 5, 6, full_chain_levels(size)}) {
         if (mips > full_chain_levels(size)) continue;
         INFO(name(schedule) << ", " << mips << " mips of " << size);
-        const std::vector<double> nominal = roughness_of_mips(schedule, mips, size);
-        const std::vector<double> lobes = fitted_roughness_of_mips(schedule, mips, size);
+        const std::vector<double> nominal = mip_roughness(schedule, mips, size);
+        const std::vector<double> lobes = fitted_mip_roughness(schedule, mips, size);
         REQUIRE(lobes.size() == nominal.size());
         CHECK(lobes.front() == 0.0);
         CHECK(lobes.back() <= 1.0);
@@ -126,16 +126,16 @@ TEST_CASE("fitted lobes: rising from a mirror, near those of the schedule", "[sp
       }
     }
   }
-  const std::vector<double> filament = fitted_roughness_of_mips(RoughnessSchedule::filament, 7, 256);
+  const std::vector<double> filament = fitted_mip_roughness(RoughnessSchedule::filament, 7, 256);
   CHECK(filament.back() == Approx(0.89).margin(0.005));
-  CHECK(thrown_by([] { (void)fitted_roughness_of_mips(RoughnessSchedule::linear, 17, 4); }).says("mips"));
+  CHECK(thrown_by([] { (void)fitted_mip_roughness(RoughnessSchedule::linear, 17, 4); }).says("mips"));
 }
 
 TEST_CASE("fitted lobes: no other lobes near by show a typical picture better", "[specular][lookups]") {
   std::vector<float> energies{9.0F};
   for (int l = 1; l < 512; ++l) energies.push_back(static_cast<float>((2.0 * l + 1.0) / std::pow(l, 2.5)));
   for (const RoughnessSchedule schedule : kSchedules) {
-    const std::vector<double> nominal = roughness_of_mips(schedule, 7, 256);
+    const std::vector<double> nominal = mip_roughness(schedule, 7, 256);
     const auto error = [&](const std::vector<double>& lobes) {
       double sum = 0.0;
       for (int k = 0; k + 1 < 7; ++k) {
@@ -147,7 +147,7 @@ TEST_CASE("fitted lobes: no other lobes near by show a typical picture better", 
       }
       return sum;
     };
-    const std::vector<double> lobes = fitted_roughness_of_mips(schedule, 7, 256);
+    const std::vector<double> lobes = fitted_mip_roughness(schedule, 7, 256);
     INFO(name(schedule) << ": " << std::sqrt(error(lobes)) << ", not fitted " << std::sqrt(error(nominal)));
     CHECK(error(lobes) <= error(nominal));
     for (std::size_t mip = 1; mip < 7; ++mip) {
@@ -161,11 +161,11 @@ TEST_CASE("fitted lobes: no other lobes near by show a typical picture better", 
   }
 }
 
-TEST_CASE("fitted lobes: what a shader shows is nearer to the truth", "[specular][lookups]") {
+TEST_CASE("fitted lobes: what a shader shows is nearer to the truth", "[specular][lookups][slow]") {
   const TestLatLong source = make_lat_long(Content::smooth, 128, 64, 3);
   for (const auto schedule : {RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
     const int mips = schedule == RoughnessSchedule::filament ? 5 : 7;
-    const PrefilterOptions exact{.size = 64, .roughness = roughness_of_mips(schedule, mips, 64)};
+    const PrefilterOptions exact{.size = 64, .roughness = mip_roughness(schedule, mips, 64)};
     const double before = error_of_lookups(source.view(), exact, schedule);
     const double after = error_of_lookups(source.view(), fitted(schedule, mips, 64), schedule);
     INFO(name(schedule) << ": " << after << ", not fitted " << before);

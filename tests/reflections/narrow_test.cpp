@@ -26,7 +26,7 @@ void check_bounds(const EnvironmentView& view, const std::vector<double>& roughn
     CAPTURE(rough, size);
     const PrefilteredSpecular result = prefilter_specular(view, {.size = size, .mips = 1, .roughness = {rough}});
     const MipRecord& mip = result.mips.front();
-    REQUIRE(mip.method == MipMethod::narrow);
+    REQUIRE(mip.method == MipMethod::near_far);
     REQUIRE(mip.error_estimate.has_value());
     std::vector<glm::dvec3> directions;
     const std::vector<glm::dvec3> all = centres(size);
@@ -101,7 +101,7 @@ TestCubemap noisy_cube(int size) { return make_cubemap(Content::random, size, 3,
 }  // namespace
 
 // Rounding made the pole a line that is bent without limit: widths 34 and 36 were off by 1.7e-4 and 1.1e-4.
-TEST_CASE("Narrow lobes beside a pole see how columns narrow", "[narrow][specular][estimates]") {
+TEST_CASE("Narrow lobes beside a pole see how columns narrow", "[narrow][specular][estimates][slow]") {
   for (const int width : {44, 34, 36, 80}) {
     const LatLongImage image = blocks(width, 1);
     INFO(width);
@@ -129,7 +129,8 @@ TEST_CASE("Narrow lobes see a pole's triangles from some rows away", "[specular]
 }
 
 // Lamps on wide texels are points to the far part; too few of them erred by 6.6e-5.
-TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow lobes", "[specular][narrow][lamps]") {
+TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow lobes",
+          "[specular][narrow][lamps][slow]") {
   const auto floats = std::size_t{3} * 7 * 7;
   Cubemap image{7, std::vector<float>(6 * floats, 1.0F)};
   for (const std::size_t texel : {10, 24, 100, 151, 230, 280}) std::fill_n(image.pixels().begin() + 3 * texel, 3, 1e4F);
@@ -233,7 +234,7 @@ TEST_CASE("Across the bound between the methods a mip changes by no more than bo
   };
   const PrefilteredSpecular below = mip_of(0.05486);
   const PrefilteredSpecular above = mip_of(0.05488);
-  REQUIRE(below.mips[0].method == MipMethod::narrow);
+  REQUIRE(below.mips[0].method == MipMethod::near_far);
   REQUIRE(above.mips[0].method == MipMethod::spectral);
   std::vector<glm::dvec3> other;
   for (std::size_t k = 0; k < std::size_t{6} * 32 * 32; ++k) {
@@ -308,7 +309,7 @@ TEST_CASE("A narrow mip that does not keep its bound by its estimate is integrat
   // even integrals by harmonics of floats err by more than that
   const TestCubemap noisy = noisy_cube(8);
   const PrefilterOptions options{.size = 4, .mips = 1, .roughness = {0.05}, .rms_error = 4e-5, .maximum_error = 1e-3};
-  CHECK(prefilter_specular(noisy.view(), options).mips.front().method == MipMethod::narrow);
+  CHECK(prefilter_specular(noisy.view(), options).mips.front().method == MipMethod::near_far);
   PrefilterOptions tight = options;
   tight.rms_error = 1e-6;
   CHECK_THROWS_AS(prefilter_specular(noisy.view(), tight), Error);

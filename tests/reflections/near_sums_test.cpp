@@ -28,9 +28,9 @@ std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& f
   std::vector<const float*> rows;
   rows.reserve(static_cast<std::size_t>(6 * split.face));
   for (int row = 0; row < 6 * split.face; ++row) rows.push_back(faces.data() + std::ptrdiff_t{3} * split.face * row);
-  reflections::NearMip mip{std::make_shared<const NearTable>(split)};
-  for (std::size_t face = 0; face < 6; ++face) mip.faces[face] = sums.data() + face * face_floats;
-  reflections::add_near_sums(rows, {mip}, {});
+  std::array<float*, 6> to{};
+  for (std::size_t face = 0; face < 6; ++face) to[face] = sums.data() + face * face_floats;
+  reflections::add_near_sums(rows, {{std::make_shared<const NearTable>(split), to}}, {});
   return sums;
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefi
 }
 
 // In double, texels halved until each piece is small: lobes wider and far narrower than texels, at corners and poles.
-TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow]") {
+TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow][slow]") {
   const NearSplit split =
       GENERATE(NearSplit{.face = 64, .size = 6, .alpha = 0.0125, .reach = 0.2, .bands = 42},
                NearSplit{.face = 64, .size = 5, .alpha = 1e-3, .reach = 0.1, .bands = 120},
@@ -150,7 +150,7 @@ TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow]"
   CAPTURE(split.face, split.rows, split.alpha, split.size);
   const NearTable table(split);
   reflections::NearTile room;
-  reflections::NearWeights::Room weights;
+  reflections::NearWeights::Scratch weights;
   double worst = 0.0;
   double worst_sum = 0.0;
   for (std::size_t index = 0; index < table.weights().tiles(); ++index) {
@@ -184,7 +184,7 @@ TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow]"
 
 // Two images have the texels on the diagonals of a face.
 TEST_CASE("near sums of a turned picture are turned near sums, to the last bit", "[prefilter][near]") {
-  const auto turned = [](const std::vector<float>& faces, int size) {
+  const auto rotated = [](const std::vector<float>& faces, int size) {
     std::vector<float> result(faces.size());
     for (int k = 0; k < 6 * size * size; ++k) {
       const glm::ivec3 point = image::point_of(size, {k / (size * size), k % size, k / size % size});
@@ -195,7 +195,7 @@ TEST_CASE("near sums of a turned picture are turned near sums, to the last bit",
   };
   const TestCubemap cube = noise_of(16);
   const std::vector<float> faces(cube.pixels.begin(), cube.pixels.end());
-  CHECK(same_bytes<float>(near_sums(kSplit, turned(faces, 16)), turned(near_sums(kSplit, faces), 8)));
+  CHECK(same_bytes<float>(near_sums(kSplit, rotated(faces, 16)), rotated(near_sums(kSplit, faces), 8)));
 }
 
 TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]") {
@@ -208,7 +208,7 @@ TEST_CASE("chains with near sums keep their bounds", "[prefilter][near][truth]")
   PrefilterOptions options{.size = size};
   options.rms_error = rms_error;
   options.maximum_error = 10.0 * rms_error;
-  const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, size);
+  const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, {true, size, size});
   CAPTURE(size, rms_error);
   CHECK(!plan.near_mips.empty());
   const PrefilteredSpecular result = prefilter_specular(cube.view(), options);
@@ -232,7 +232,7 @@ TEST_CASE("near sums of texels much wider than the lobe say what they err by", "
   TestCubemap checkers = noise_of(16);
   for (std::size_t k = 0; k < checkers.pixels.size(); ++k) checkers.pixels[k] = (k / 3 + k / 48) % 2 == 0 ? 0.2F : 3.0F;
   const PrefilterOptions options{.size = 16, .mips = 1, .roughness = {0.0966}, .rms_error = rms_error};
-  const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, 16);
+  const reflections::PrefilterPlan plan = reflections::plan_prefilter(options).at_step(0, {true, 16, 16});
   REQUIRE(!plan.near_mips.empty());
   CHECK(plan.near_mips.front().near.face == (rms_error < 1e-3 ? 32 : 16));  // tight bounds cut texels
   const PrefilteredSpecular result = prefilter_specular(checkers.view(), options);
@@ -248,7 +248,7 @@ TEST_CASE("a mip with near sums has the same bits whatever else is made, with an
           "[prefilter][near]") {
   const TestCubemap cube = noise_of(64);
   const reflections::PrefilterPlan plan = reflections::plan_prefilter(PrefilterOptions{.size = 64});
-  REQUIRE(!plan.at_step(0, 64).near_mips.empty());
+  REQUIRE(!plan.at_step(0, {true, 64, 64}).near_mips.empty());
   const InstructionSet before = active_instruction_set();
   std::vector<float> first;
   const auto values_of = [&](const reflections::PrefilterPlan& made, int level) {

@@ -68,7 +68,7 @@ TEST_CASE("Sums of a ring's taps are the same on all instruction sets", "[prefil
   }
   for (const InstructionSet set : available_instruction_sets()) {
     std::array<float, std::size_t{kTexels} * kRecordFloats> out{};
-    reflections::RingPlacesInMemory places{};
+    reflections::RingLayout places{};
     for (int k = 0; k < kRingImages; ++k) {
       const bool back = k % 2 == 1;
       places.to[k] = out.data() + 3 * kTexels * k + (back ? 3 * (kTexels - 1) : 0);

@@ -190,7 +190,8 @@ TEST_CASE("Each looser bound takes fewer bands, rings and texels of small probes
   int face = 64;
   for (const double rms : {1e-4, 1e-3, 3e-3, 1e-2, 3e-2}) {
     const reflections::PrefilterPlan plan =
-        reflections::plan_prefilter(PrefilterOptions{.size = 64, .mips = 3, .rms_error = rms}).at_step(0, 64);
+        reflections::plan_prefilter(PrefilterOptions{.size = 64, .mips = 3, .rms_error = rms})
+            .at_step(0, {true, 64, 64});
     CAPTURE(rms);
     CHECK(plan.bands <= bands);
     CHECK(plan.rows_for_cubemap() <= rows);
@@ -207,7 +208,8 @@ TEST_CASE("Each looser bound takes fewer bands, rings and texels of small probes
 TEST_CASE("A bound of 1e-4 begins with hardly more bands than one of 1e-3", "[specular][bands]") {
   for (const int size : {16, 32, 64, 128, 256}) {
     const auto first = [&](double rms) {
-      return reflections::plan_prefilter(PrefilterOptions{.size = size, .rms_error = rms}).at_step(0, size);
+      return reflections::plan_prefilter(PrefilterOptions{.size = size, .rms_error = rms})
+          .at_step(0, {true, size, size});
     };
     CAPTURE(size);
     CHECK(first(1e-4).bands <= first(1e-3).bands * 5 / 4);
@@ -215,7 +217,7 @@ TEST_CASE("A bound of 1e-4 begins with hardly more bands than one of 1e-3", "[sp
     CHECK(first(1e-4).rows_for_cubemap() <= first(1e-3).rows_for_cubemap() * 9 / 4);
     CHECK(!first(1e-3).near_mips.empty());
     // dark parts then take more
-    CHECK(reflections::plan_prefilter(PrefilterOptions{.size = size}).at_step(1, size).bands >=
+    CHECK(reflections::plan_prefilter(PrefilterOptions{.size = size}).at_step(1, {true, size, size}).bands >=
           reflections::bands_for_dark({}));
   }
 }

@@ -58,12 +58,13 @@ TEST_CASE("report: chains of engines are brought into Welkin's axes", "[report][
   CHECK_FALSE(all_values(report::from_axes(chain, faces), chain, same));
 }
 
-TEST_CASE("report: lookups err less in more mips of fitted lobes, and more by another formula", "[report][lookups]") {
+TEST_CASE("report: lookups err less in more mips of fitted lobes, and more by another formula",
+          "[report][lookups][slow]") {
   const TestLatLong source = make_lat_long(Content::smooth, 64, 32, 3);
   const report::LookupTruth truth(source.view(), 40);
   const auto error = [&](int mips, bool fitted, RoughnessSchedule by) {
-    PrefilterOptions options{.size = 32, .roughness = roughness_of_mips(RoughnessSchedule::filament, mips, 32)};
-    if (fitted) options.lobe_roughness = fitted_roughness_of_mips(RoughnessSchedule::filament, mips, 32);
+    PrefilterOptions options{.size = 32, .roughness = mip_roughness(RoughnessSchedule::filament, mips, 32)};
+    if (fitted) options.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::filament, mips, 32);
     return truth.errors(prefilter_specular(source.view(), options).cubemap, by);
   };
   const report::ErrorNorms fitted = error(4, true, RoughnessSchedule::filament);

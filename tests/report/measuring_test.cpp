@@ -207,11 +207,11 @@ TEST_CASE("report: the record is whole", "[report]") {
 
 TEST_CASE("report: recommended projections stay on the front", "[report]") { check_pass("project"); }
 TEST_CASE("report: recommended prefilters stay on the front", "[report][slow]") { check_pass("prefilter"); }
-TEST_CASE("report: lookups stay as near to the truth", "[report]") { check_pass("lookups"); }
-TEST_CASE("report: recommended bands stay on the front", "[report]") { check_pass("irradiance"); }
+TEST_CASE("report: lookups stay as near to the truth", "[report][slow]") { check_pass("lookups"); }
+TEST_CASE("report: recommended bands stay on the front", "[report][slow]") { check_pass("irradiance"); }
 TEST_CASE("report: recommended BRDF tables stay on the front", "[report]") { check_pass("brdf"); }
 TEST_CASE("report: recommended blocks stay on the front", "[report]") { check_pass("blocks"); }
-TEST_CASE("report: recommended sky quadratures stay on the front", "[report]") { check_pass("sky-harmonics"); }
+TEST_CASE("report: recommended sky quadratures stay on the front", "[report][slow]") { check_pass("sky-harmonics"); }
 TEST_CASE("report: recommended sky tables stay on the front", "[report][slow]") { check_pass("sky-tables"); }
 
 TEST_CASE("report: errors are the same on every run and number of threads", "[report][slow]") {
@@ -251,7 +251,7 @@ TEST_CASE("report: what cannot be measured is refused", "[report]") {
   CHECK(refused(options));
 }
 
-TEST_CASE("report: it can be cancelled, and tells how far it is", "[report]") {
+TEST_CASE("report: it can be cancelled, and tells how far it is", "[report][slow]") {
   ReportOptions options;
   options.scale = "tiny";
   options.passes = {"irradiance", "brdf"};
@@ -261,7 +261,7 @@ TEST_CASE("report: it can be cancelled, and tells how far it is", "[report]") {
   CHECK(std::is_sorted(shares.begin(), shares.end()));
   REQUIRE_FALSE(shares.empty());
   CHECK(shares.back() == Approx(1.0));
-  std::stop_source stop;
+  stop_source stop;
   stop.request_stop();
   try {
     (void)run_report(options, {stop.get_token(), {}});

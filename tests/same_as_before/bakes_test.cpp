@@ -20,8 +20,7 @@ namespace {
 
 /// Small and quick, with every pass.
 BakeOptions small_bake(int size = 16) {
-  BakeOptions options;
-  options.specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.2, 0.5, 1.0}};
+  BakeOptions options{.specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.2, 0.5, 1.0}}};
   options.irradiance->size = 5;
   options.brdf = BrdfTableOptions{.width = 9, .height = 7};
   return options;
@@ -109,10 +108,7 @@ std::function<std::uint64_t()> computed_and_found(Call call) {
 /// The light of a sky that has settled.
 std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyTables>& tables,
                                 const SkyCurveOptions& curve, const PrefilterOptions& specular) {
-  SkyLightOptions options;
-  options.curve = curve;
-  options.specular = specular;
-  options.blend_seconds = 0.0;
+  SkyLightOptions options{.curve = curve, .specular = specular, .blend_seconds = 0.0};
   SkyLight sky(worker, tables, options);
   sky.set_sun(17.0, 99.0);
   sky.set_intensity(1.5);
@@ -128,7 +124,7 @@ std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyT
     add_bits(hash, reflections.weight);
     if (reflections.weight == 0.0) continue;
     add_bits(hash, reflections.specular);
-    add_bits(hash, reflections.turn);
+    add_bits(hash, reflections.rotation);
   }
   return hash.value();
 }
@@ -188,7 +184,7 @@ TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
       name += '_';
       name += scene.name;
       results.emplace_back(name, [&files, file_name, needs = scene.needs] {
-        return bits_of_plan(probe_environment(files.path(file_name)), needs);
+        return bits_of_plan(inspect_stored_environment(files.path(file_name)), needs);
       });
     }
   }
@@ -199,8 +195,8 @@ TEST_CASE("Results of the cache, computed and found, are the same as before", "[
   const LatLongImage wide = wide_picture();
   const Cubemap cube = cube_picture();
   const SomeFiles files;
-  const LightChange change{
-      .exposure = 1.5, .turn = glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)), .keep_faces = true};
+  const LightTransform change{
+      .exposure = 1.5, .rotation = glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)), .keep_faces = true};
   const PrefilterOptions specular{.size = 16, .roughness = {0.0, 0.3, 1.0}};
   require_as_recorded(
       "cache",

@@ -246,9 +246,8 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
         std::pair{"bc6h_slow", Bc6hOptions{Bc6hEffort::slow}},
         std::pair{"bc6h_signed", Bc6hOptions{Bc6hEffort::normal, true}}}) {
     for (const auto& [file_name, kind] : {std::pair{"a.ktx2", "_ktx2"}, std::pair{"a.dds", "_dds"}}) {
-      TextureOptions texture;
-      texture.format = options.is_signed ? TexelFormat::bc6h_sfloat : TexelFormat::bc6h_ufloat;
-      texture.bc6h_effort = options.effort;
+      TextureOptions texture{.format = options.is_signed ? TexelFormat::bc6h_sfloat : TexelFormat::bc6h_ufloat,
+                             .bc6h_effort = options.effort};
       results.emplace_back(std::string(name) + kind, [&chain, file_name = file_name, texture] {
         return texture_bytes(file_name, chain, texture);
       });
@@ -292,7 +291,7 @@ TEST_CASE("Environments of Babylon.js are the same as before", "[same_as_before]
           {"probed",
            [&] {
              return read_back("a.env", write_plain, [](const auto& path) {
-               const StoredEnvironment stored = probe_environment(path);
+               const StoredEnvironment stored = inspect_stored_environment(path);
                return bits_of(stored.shape.columns, stored.levels, stored.has_polynomial, stored.roughness);
              });
            }},

@@ -18,15 +18,12 @@ const glm::dmat3 kSymmetry(0, 0, 1, 0, -1, 0, 1, 0, 0);
 glm::dmat3 crooked_turn() { return glm::dmat3(2, -1, 2, 2, 2, -1, -1, 2, 2) / 3.0; }
 
 PrefilterOptions prefilter(PrefilterMethod method, int size, const std::vector<double>& roughness) {
-  PrefilterOptions options;
-  options.method = method;
-  options.size = size;
-  options.roughness = roughness;
+  PrefilterOptions options{.size = size, .roughness = roughness, .method = method};
   return options;
 }
 
 PrefilterOptions scheduled(RoughnessSchedule schedule, int size, int mips) {
-  return prefilter(PrefilterMethod::automatic, size, roughness_of_mips(schedule, mips, size));
+  return prefilter(PrefilterMethod::automatic, size, mip_roughness(schedule, mips, size));
 }
 
 PrefilterOptions bounded(double rms, double maximum) {
@@ -85,10 +82,11 @@ TEST_CASE("Resampled pictures are the same as before", "[same_as_before]") {
           {"cubemap_to_lat_long_turned", [&] { return to_lat_long(cube.view(), 40, 20, crooked_turn()); }},
           {"lat_long_to_lat_long", [&] { return to_lat_long(wide.view(), 50, 31); }},
           {"lat_long_turned", [&] { return to_lat_long(odd_wide.view(), 37, 19, crooked_turn()); }},
-          {"lat_long_by_texels", [&] { return to_lat_long(wide.view(), 128, 64, turn_about_y(45.0)); }},
+          {"lat_long_by_texels", [&] { return to_lat_long(wide.view(), 128, 64, rotation_about_y(45.0)); }},
           {"lat_long_mirrored",
            [&] { return to_lat_long(odd_wide.view(), 37, 19, glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1)); }},
-          {"turn_about_y", [] { return bits_of(turn_about_y(33.3), turn_about_y(-90.0), turn_about_y(1e5)); }},
+          {"rotation_about_y",
+           [] { return bits_of(rotation_about_y(33.3), rotation_about_y(-90.0), rotation_about_y(1e5)); }},
           {"mirrored_x", [&] { return mirrored_x(to_cubemap(cube.view(), 8)); }},
       });
 }
@@ -200,13 +198,12 @@ TEST_CASE("Roughness schedules are the same as before", "[same_as_before]") {
        {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
         RoughnessSchedule::unreal}) {
     results.emplace_back(name(schedule), [schedule] {
-      return bits_of(roughness_of_mips(schedule, 9, 256), roughness_of_mips(schedule, 1, 1),
-                     roughness_of_mips(schedule, 16, 77));
+      return bits_of(mip_roughness(schedule, 9, 256), mip_roughness(schedule, 1, 1), mip_roughness(schedule, 16, 77));
     });
   }
-  results.emplace_back("mip_of_roughness", [] {
-    const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 64);
-    return bits_of(mip_of_roughness(table, 0.37), mip_of_roughness(table, 2.0), mip_of_roughness(table, -1.0));
+  results.emplace_back("mip_for_roughness", [] {
+    const std::vector<double> table = mip_roughness(RoughnessSchedule::filament, 6, 64);
+    return bits_of(mip_for_roughness(table, 0.37), mip_for_roughness(table, 2.0), mip_for_roughness(table, -1.0));
   });
   require_as_recorded("roughness", results);
 }

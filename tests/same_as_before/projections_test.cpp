@@ -199,9 +199,9 @@ TEST_CASE("Projections of rows that are padded or bottom-up are the same as befo
   CubemapView part = cube.view();  // of each face the upper left 31 x 31
   part.size = 31;
   part.row_stride_bytes = 40 * 12;
-  CubemapView turned = cube.view();
-  for (const void*& face : turned.faces) face = static_cast<const float*>(face) + 39 * 40 * 3;
-  turned.row_stride_bytes = -40 * 12;
+  CubemapView rotated = cube.view();
+  for (const void*& face : rotated.faces) face = static_cast<const float*>(face) + 39 * 40 * 3;
+  rotated.row_stride_bytes = -40 * 12;
   LatLongView bottom_up = wide.view();
   bottom_up.pixels = wide.pixels.data() + 39 * 80 * 3;
   bottom_up.row_stride_bytes = -80 * 12;
@@ -210,7 +210,7 @@ TEST_CASE("Projections of rows that are padded or bottom-up are the same as befo
   narrow.row_stride_bytes = 80 * 12;
   require_as_recorded("projection_rows", {
                                              {"cubemap_padded", [&] { return project(part); }},
-                                             {"cubemap_bottom_up", [&] { return project(turned); }},
+                                             {"cubemap_bottom_up", [&] { return project(rotated); }},
                                              {"lat_long_padded", [&] { return project(narrow); }},
                                              {"lat_long_bottom_up", [&] { return project(bottom_up); }},
                                          });
@@ -225,16 +225,16 @@ TEST_CASE("Projections face by face are the same as before", "[same_as_before]")
   const ProjectionOptions options{.bands = 5, .pixels = {.clamp = RadianceClamp{}}};
   require_as_recorded("face_harmonics",
                       {
-                          {"total", [&] { return total(project_faces(cube.view(), options)); }},
+                          {"total", [&] { return combine(project_faces(cube.view(), options)); }},
                           {"total_after_update",
                            [&] {
                              FaceHarmonics kept = project_faces(cube.view(), options);
                              update_faces(kept, mixed, std::array{4, 1});
-                             return total(kept);
+                             return combine(kept);
                            }},
-                          {"total_at_target", [&] { return total(project_faces(cube.view(), {.target_size = 16})); }},
+                          {"total_at_target", [&] { return combine(project_faces(cube.view(), {.target_size = 16})); }},
                       });
-  CHECK(bits_of(total(project_faces(mixed, options))) == bits_of(project(mixed, options)));
+  CHECK(bits_of(combine(project_faces(mixed, options))) == bits_of(project(mixed, options)));
 }
 
 }  // namespace welkin::test

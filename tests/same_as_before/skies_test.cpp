@@ -1,4 +1,6 @@
 // Promise: computed skies have the bits of before (see projections_test.cpp).
+#include "cache/recipe.h"
+#include "sky/spectrum.h"
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/small_skies.h"
@@ -63,7 +65,7 @@ std::uint64_t bits_of_lookups(const SkyView& view) {
     view.radiance(directions, sun, rgb);
     add_bits(hash, rgb);
     for (const glm::vec3& direction : directions) add_bits(hash, view.radiance(glm::dvec3(direction), sun));
-    add_bits(hash, view.sun(sun));
+    add_bits(hash, view.sun_light(sun));
     add_bits(hash, view.irradiance(sun));
   }
   return hash.value();
@@ -87,17 +89,13 @@ std::uint64_t bits_of_curve(const SkyCurve& curve) {
 }
 
 SkyCurveOptions small_curve(int bands, int nodes) {
-  SkyCurveOptions options;
-  options.bands = bands;
-  options.nodes = nodes;
+  SkyCurveOptions options{.bands = bands, .nodes = nodes};
   options.projection.zeniths = options.projection.azimuths = 6;
   return options;
 }
 
 SkyBakeOptions small_sky() {
-  SkyBakeOptions options;
-  options.tables = tables_of(2);
-  options.curve = small_curve(3, 12);
+  SkyBakeOptions options{.tables = tables_of(2), .curve = small_curve(3, 12)};
   options.harmonics.zeniths = options.harmonics.azimuths = 4;
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.6, 1.0}};
   options.background_size = 8;
@@ -122,13 +120,13 @@ TEST_CASE("Atmospheres are the same as before", "[same_as_before]") {
                              for (const Atmosphere& air :
                                   {earth_bruneton(), earth_bruneton({400.0, 500.0, 600.0, 700.0}), earth_hillaire(),
                                    mars(), with_ground_albedo(without_aerosol(mars()), 0.4), custom_atmosphere()}) {
-                               add_bits(hash, hash_options(air));
+                               add_bits(hash, cache::hash_options(air));
                              }
                              return hash.value();
                            }},
                           {"srgb_weights",
                            [] {
-                             return srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
+                             return sky::srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
                            }},
                           {"sun_direction", [] { return bits_of(suns(), sun_direction(12.3, 456.7)); }},
                       });
@@ -137,7 +135,7 @@ TEST_CASE("Atmospheres are the same as before", "[same_as_before]") {
 TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
   const auto compact = ScatteringLayout::compact;
   SkyTableOptions until = tables_of(12);
-  until.until_change = 0.1;
+  until.convergence_threshold = 0.1;
   require_as_recorded(
       "sky_tables",
       {

@@ -74,6 +74,16 @@ std::vector<std::uint16_t> half_noise(std::size_t count, std::uint32_t seed) {
 
 float as_float(float value) { return value; }
 float as_float(std::uint16_t value) { return image::float_from_half(value); }
+float as_float(std::uint8_t value) { return static_cast<float>(value / 255.0); }
+float as_float(projection::SrgbByte byte) { return static_cast<float>(image::linear_from_srgb(byte.value / 255.0)); }
+
+template <class Byte = std::uint8_t>
+std::vector<Byte> bytes(std::size_t count, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  std::vector<Byte> values(count);
+  for (Byte& value : values) value = Byte{static_cast<std::uint8_t>(generator())};
+  return values;
+}
 
 /// Four classes of one position, as projection::FoldQuadrants defines them; every sum rounds once or twice.
 void require_classes(const float* plane, float tl, float tr, float bl, float br) {
@@ -141,11 +151,26 @@ TEST_CASE("Folding kernels read every texel of every format", "[simd]") {
         require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba32f], noise(count, 2), 4, groups, rows);
         require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba16f], half_noise(count, 3), 4, groups,
                                  rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb16f], half_noise(count, 7), 3, groups,
+                                 rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb8], bytes(count, 8), 3, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba8], bytes(count, 9), 4, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_srgb8], bytes<projection::SrgbByte>(count, 13),
+                                 3, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_srgba8],
+                                 bytes<projection::SrgbByte>(count, 14), 4, groups, rows);
       }
       const auto count = static_cast<std::size_t>((2 * groups * kLanes + 1) * 4);
       require_halves_folded(kernels.fold_halves[projection::fold_rgb32f], noise(count, 4), 3, groups);
       require_halves_folded(kernels.fold_halves[projection::fold_rgba32f], noise(count, 5), 4, groups);
       require_halves_folded(kernels.fold_halves[projection::fold_rgba16f], half_noise(count, 6), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgb16f], half_noise(count, 10), 3, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgb8], bytes(count, 11), 3, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgba8], bytes(count, 12), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_srgb8], bytes<projection::SrgbByte>(count, 15), 3,
+                            groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_srgba8], bytes<projection::SrgbByte>(count, 16), 4,
+                            groups);
     }
   }
 }
@@ -266,9 +291,9 @@ void require_weights(const image::TexelRun& run, const std::vector<float>& weigh
 }
 
 std::vector<int> identity(int count) {
-  std::vector<int> place;
-  for (int k = 0; k < count; ++k) place.push_back(k);
-  return place;
+  std::vector<int> slot;
+  for (int k = 0; k < count; ++k) slot.push_back(k);
+  return slot;
 }
 
 }  // namespace
@@ -276,7 +301,7 @@ std::vector<int> identity(int count) {
 TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slow]") {
   for (const bool midpoint : {false, true}) {
     for (const int bands : {1, 3, 10}) {
-      const std::vector<int> place = identity(bands * bands);
+      const std::vector<int> slot = identity(bands * bands);
       const int shapes[][4] = {{4, 0, 0, 2}, {7, 3, 0, 4}, {64, 0, 0, 18}, {64, 31, 14, 18}, {257, 128, 120, 9}};
       for (const auto& [size, row, column, count] : shapes) {
         const image::TexelRun run{size, row, column, count, bands, midpoint};
@@ -284,7 +309,7 @@ TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slo
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
           image::texel_kernels(set).integrate_texels(run, math::basis_constants(),
-                                                     math::gauss_legendre(size < 8 ? 12 : 5), place.data(),
+                                                     math::gauss_legendre(size < 8 ? 12 : 5), slot.data(),
                                                      weights.data(), kChunk);
           require_weights(run, weights, 7e-8);
           if (first_set.empty()) first_set = weights;
@@ -298,7 +323,7 @@ TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slo
 TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd][tables]") {
   for (const bool midpoint : {false, true}) {
     for (const int bands : {1, 2, 3}) {
-      const std::vector<int> place = identity(bands * bands);
+      const std::vector<int> slot = identity(bands * bands);
       const int shapes[][4] = {
           {129, 0, 0, 40}, {129, 64, 60, 5}, {256, 0, 0, 20}, {256, 127, 100, 28}, {1000, 77, 400, 30}};
       for (const auto& [size, row, column, count] : shapes) {
@@ -306,7 +331,7 @@ TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd
         std::vector<float> first_set;
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
-          image::texel_kernels(set).expand_texels(run, place.data(), weights.data(), kChunk);
+          image::texel_kernels(set).expand_texels(run, slot.data(), weights.data(), kChunk);
           require_weights(run, weights, 4e-7);
           if (first_set.empty()) first_set = weights;
           REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
@@ -353,7 +378,7 @@ TEST_CASE("Halves are converted many at a time as one by one", "[simd][bits]") {
   }
   for (const InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
-    const image::ImageKernels& kernels = image::image_kernels(set);
+    const image::HalfKernels& kernels = image::half_kernels(set);
     std::vector<std::uint16_t> found(values.size());
     CHECK(kernels.halves_of_floats(values.data(), static_cast<int>(values.size()), found.data()) == beyond);
     CHECK(found == expected);

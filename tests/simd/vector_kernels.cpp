@@ -96,10 +96,10 @@ template <class Load>
 WELKIN_INLINE void store_rgb(bool reversed, float* rgb, const Load& load) {
   for (int k = 0; k < kLanes; k += kWidth) {
     const simd::Rgb channels = load(k);
-    const int place = reversed ? kLanes - kWidth - k : k;
-    channels.red.store_unaligned(rgb + place);
-    channels.green.store_unaligned(rgb + kLanes + place);
-    channels.blue.store_unaligned(rgb + 2 * kLanes + place);
+    const int index = reversed ? kLanes - kWidth - k : k;
+    channels.red.store_unaligned(rgb + index);
+    channels.green.store_unaligned(rgb + kLanes + index);
+    channels.blue.store_unaligned(rgb + 2 * kLanes + index);
   }
 }
 

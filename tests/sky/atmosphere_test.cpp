@@ -1,5 +1,6 @@
 // Atmospheres: what is refused, densities, phase functions, spectra.
 #include "sky/air.h"
+#include "sky/spectrum.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
 #include "support/thrown_error.h"
@@ -234,7 +235,7 @@ std::vector<double> spread(double low, double high, int count) {
 
 template <class Spectrum>
 glm::dvec3 folded(const std::vector<double>& wavelengths, const Spectrum& spectrum) {
-  const std::vector<glm::dvec3> weights = srgb_weights(wavelengths);
+  const std::vector<glm::dvec3> weights = sky::srgb_weights(wavelengths);
   glm::dvec3 sum(0.0);
   for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * spectrum(wavelengths[i]);
   return sum;
@@ -269,8 +270,8 @@ TEST_CASE("sky: an even spectrum is the equal-energy white", "[sky][air]") {
 }
 
 TEST_CASE("sky: weights follow their wavelengths, rising or falling", "[sky][air]") {
-  const std::vector<glm::dvec3> rising = srgb_weights({440.0, 550.0, 680.0});
-  const std::vector<glm::dvec3> falling = srgb_weights({680.0, 550.0, 440.0});
+  const std::vector<glm::dvec3> rising = sky::srgb_weights({440.0, 550.0, 680.0});
+  const std::vector<glm::dvec3> falling = sky::srgb_weights({680.0, 550.0, 440.0});
   CHECK(rising[0].b > rising[0].g);
   CHECK(rising[2].r > rising[2].g);
   for (std::size_t i = 0; i < 3; ++i) CHECK(falling[i] == rising[2 - i]);

@@ -119,7 +119,7 @@ TEST_CASE("Where Bruneton's tables of npm and ours differ, paths are on our side
   const Atmosphere all = air(true, true);
   const Atmosphere molecules = air(true, false);
   const Atmosphere aerosol = air(false, true);
-  const SkyTableOptions four{.orders = 4, .exact_orders = true};
+  const SkyTableOptions four{.orders = 4, .truncate_orders = true};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(all, four)), 0.0);
   for (const Row& row : rows) {
     const glm::dvec3 direction = sun_direction(row.elevation, row.azimuth);

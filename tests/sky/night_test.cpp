@@ -3,6 +3,7 @@
 #include "reference/sky_reference.h"
 #include "sky/sky_projection.h"
 #include "sky/sky_tables_for_tests.h"
+#include "sky/spectrum.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/trials.h"
@@ -25,7 +26,7 @@ Atmosphere at_night(Atmosphere air = earth(), double luminance = kDarkNightZenit
 
 /// Of radiances at an atmosphere's three wavelengths, cd/m2.
 double luminance(const Atmosphere& air, const dvec3& radiance) {
-  const std::vector<dvec3> weights = srgb_weights(air.wavelengths_nm);
+  const std::vector<dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
   dvec3 rgb(0.0);
   for (std::size_t i = 0; i < 3; ++i) rgb += weights[i] * radiance[static_cast<glm::length_t>(i)];
   return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
@@ -122,7 +123,7 @@ TEST_CASE("night: irradiance, harmonics and curves are those of its radiance", "
 // Promise: down to -18 degrees the light that is left is that of paths. (docs/maths/sky.md has the table of many more
 // paths.)
 TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][night][truth]") {
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), {.exact_orders = true})), 0.0);
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), {.truncate_orders = true})), 0.0);
   struct Case {
     double elevation;
     double up;
@@ -149,11 +150,7 @@ TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][nigh
 
 // Light at night has been scattered often.
 TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky][twilight][night][truth]") {
-  SkyTableOptions options;
-  options.heights = 12;
-  options.view_zeniths = 32;
-  options.sun_zeniths = 32;
-  options.exact_orders = true;
+  SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32, .truncate_orders = true};
   const auto zenith = [&](int orders) {
     options.orders = orders;
     const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
@@ -185,12 +182,9 @@ TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon 
   for (const Planet& planet : some_of(
            2, {Planet{earth(), 0.005}, Planet{earth_bruneton(), 0.005}, Planet{with_ground_albedo(earth(), 0.8), 0.01},
                Planet{earth({680.0, 550.0, 440.0}, AerosolKind::polluted), 0.02}, Planet{mars(), 0.02}})) {
-    SkyTableOptions options;
-    options.heights = 12;
-    options.view_zeniths = 32;
-    options.sun_zeniths = 32;
+    SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32};
     const SkyView usual(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);
-    options.exact_orders = true;
+    options.truncate_orders = true;
     const SkyView four(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);
     options.orders = 24;
     const SkyView all(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);

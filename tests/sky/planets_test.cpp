@@ -106,18 +106,14 @@ TEST_CASE("planets: aerosols out of range are refused by the name of the value",
 
 TEST_CASE("planets: a clear day is as bright as the Illuminating Engineering Society measured",
           "[sky][planets][truth]") {
-  SkyTableOptions options;
-  options.colour = SkyColour::linear_srgb;
-  options.heights = 8;
-  options.view_zeniths = 64;
-  options.sun_zeniths = 32;
-  options.orders = 5;
+  SkyTableOptions options{
+      .heights = 8, .view_zeniths = 64, .sun_zeniths = 32, .orders = 5, .colour = SkyColour::linear_srgb};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(visible_spectrum()), options)), 0.0);
   for (const double elevation : {60.0, 30.0, 10.0}) {
     CAPTURE(elevation);
     const glm::dvec3 sun = sun_direction(elevation, 0.0);
     const ClearSky wanted = ies_clear_sky(elevation);
-    CHECK(luminance(view.sun(sun).irradiance) == Approx(wanted.direct).epsilon(0.1));
+    CHECK(luminance(view.sun_light(sun).irradiance) == Approx(wanted.direct).epsilon(0.1));
     CHECK(luminance(view.irradiance(sun)) == Approx(wanted.sky).epsilon(0.1));
   }
 }
@@ -147,11 +143,7 @@ Atmosphere with_one(Atmosphere air, double asymmetry) {
 }
 
 std::shared_ptr<const SkyTables> tables_of(const Atmosphere& air, int orders) {
-  SkyTableOptions options;
-  options.heights = 12;
-  options.view_zeniths = 32;
-  options.sun_zeniths = 24;
-  options.orders = orders;
+  SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 24, .orders = orders};
   return std::make_shared<const SkyTables>(precompute_sky(air, options));
 }
 
@@ -248,7 +240,7 @@ TEST_CASE("asymmetries: kernels agree with their twin in double, also where some
 }
 
 TEST_CASE("asymmetries: light scattered once and often is that of paths", "[sky][asymmetries][truth]") {
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(haze(), {.exact_orders = true})), 0.0);
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(haze(), {.truncate_orders = true})), 0.0);
   const dvec3 sun = sun_direction(30.0, 0.0);
   for (const dvec3& direction :
        some_of(2, {sun_direction(36.0, 3.0), sun, sun_direction(12.0, 120.0), sun_direction(90.0, 0.0)})) {
@@ -324,10 +316,7 @@ Atmosphere sharp_haze() {
 
 const SkyView& view() {
   static const SkyView made = [] {
-    SkyTableOptions options;
-    options.heights = 16;
-    options.orders = 24;
-    options.until_change = 1e-4;
+    SkyTableOptions options{.heights = 16, .orders = 24, .convergence_threshold = 1e-4};
     return SkyView(std::make_shared<const SkyTables>(precompute_sky(sharp_haze(), options)), 0.0);
   }();
   return made;

@@ -294,10 +294,10 @@ TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air][truth
           const double u = (k + 0.5) / steps;
           const double s = length * u * u;
           const double step = 2.0 * length * u / steps;
-          const glm::dvec3 place = glm::dvec3(0.0, radius, 0.0) + s * view;
-          const double r = glm::length(place);
+          const glm::dvec3 position = glm::dvec3(0.0, radius, 0.0) + s * view;
+          const double r = glm::length(position);
           const double h = r - radius;
-          const glm::dvec3 up = place / r;
+          const glm::dvec3 up = position / r;
           const double elevation_of_sun = std::asin(glm::dot(up, sun)) * 180.0 / std::numbers::pi;
           const glm::dvec3 local = sun_direction(elevation_of_sun, 0.0);
           const std::vector<double> light = reference_sun_irradiance(air, std::max(h, 0.0), local);

@@ -118,12 +118,12 @@ class Leaving {
   }
 
   [[nodiscard]] double ground(double mu_s) const {
-    const double place = mapping_.sun_coordinate(mu_s) * (options_.irradiance_sun_zeniths - 1);
+    const double position = mapping_.sun_coordinate(mu_s) * (options_.irradiance_sun_zeniths - 1);
     const auto node =
-        std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(options_.irradiance_sun_zeniths - 2));
+        std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(options_.irradiance_sun_zeniths - 2));
     const double low = static_cast<double>(tables_.irradiance[3 * node]);
     const double high = static_cast<double>(tables_.irradiance[3 * node + 3]);
-    const double sky = low + (place - static_cast<double>(node)) * (high - low);
+    const double sky = low + (position - static_cast<double>(node)) * (high - low);
     const double k = std::clamp((mu_s + 0.02) / 1.02, 0.0, 1.0) * kGround;
     const auto below = std::min(static_cast<std::size_t>(k), static_cast<std::size_t>(kGround - 1));
     return sky + ground_sun_[below] + (k - static_cast<double>(below)) * (ground_sun_[below + 1] - ground_sun_[below]);
@@ -155,7 +155,7 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
   std::vector<float> last;
   for (int orders = 1; orders <= 5; ++orders) {
     SkyTableOptions options = small_options(orders);
-    options.exact_orders = true;
+    options.truncate_orders = true;
     const SkyTables tables = precompute_sky(earth_bruneton(), options);
     CHECK(tables.orders == orders);
     if (orders > 1) {
@@ -175,10 +175,7 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
 TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[sky][tables][truth]") {
   for (const double depth : {0.1, 0.5}) {
     const Atmosphere air = conservative(depth, 0.6);
-    SkyTableOptions options;
-    options.heights = 16;
-    options.orders = 64;
-    options.until_change = 1e-6;
+    SkyTableOptions options{.heights = 16, .orders = 64, .convergence_threshold = 1e-6};
     const SkyTables tables = precompute_sky(air, options);
     const Leaving leaving(tables);
     const sky::TableMapping mapping = sky::mapping_of(tables);
@@ -211,7 +208,7 @@ TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[
 // reaches the ground as if there were none, as light that goes straight on is not scattered at all.
 TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tables][truth]") {
   SkyTableOptions options = small_options(32);
-  options.until_change = 1e-4;
+  options.convergence_threshold = 1e-4;
   const auto irradiance = [&](const Atmosphere& air) {
     const SkyTables tables = precompute_sky(air, options);
     const sky::TableMapping mapping = sky::mapping_of(tables);
@@ -278,10 +275,7 @@ double flux_up(const SkyView& top, const glm::dvec3& sun) {
 // What an aerosol of any lobe scatters in a slab over black ground goes up or arrives below.
 TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpness",
           "[sky][tables][view][haze][truth]") {
-  SkyTableOptions options;
-  options.heights = 16;
-  options.orders = 24;
-  options.until_change = 1e-4;
+  SkyTableOptions options{.heights = 16, .orders = 24, .convergence_threshold = 1e-4};
   for (const double asymmetry : some_of(2, {-0.8, 0.5, 0.95, 0.8, 0.999})) {
     Atmosphere air = with_ground_albedo(shell(6.36e6, 0.5), 0.0);
     std::swap(air.rayleigh, air.aerosol);
@@ -292,7 +286,7 @@ TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpnes
     const SkyView bottom(tables, 0.0);
     for (const double elevation : {90.0, 45.0}) {
       const glm::dvec3 sun = sun_direction(elevation, 0.0);
-      const double down = bottom.irradiance(sun)[1] + sun.y * bottom.sun(sun).irradiance[1];
+      const double down = bottom.irradiance(sun)[1] + sun.y * bottom.sun_light(sun).irradiance[1];
       const double kept = (flux_up(top, sun) + down) / sun.y;
       CAPTURE(asymmetry, elevation, kept);
       CHECK(kept > 0.997);
@@ -308,10 +302,7 @@ TEST_CASE("What is estimated of further orders is neither more nor less than the
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
     air.aerosol_asymmetry = asymmetry;
     const auto tables_of = [&](int orders, bool exact) {
-      SkyTableOptions options;
-      options.heights = 16;
-      options.orders = orders;
-      options.exact_orders = exact;
+      SkyTableOptions options{.heights = 16, .orders = orders, .truncate_orders = exact};
       return std::make_shared<const SkyTables>(precompute_sky(air, options));
     };
     const auto light = [](const std::shared_ptr<const SkyTables>& tables, const glm::dvec3& sun) {
@@ -344,7 +335,7 @@ bool sound(const std::vector<float>& values) {
 }
 
 /// Of what the sun sends.
-constexpr double kMostOnGround = 1.1;
+constexpr double kMaxOnGround = 1.1;
 constexpr SkyTableOptions kUsable{.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 4};
 
 double most_on_ground(const SkyTables& tables) {
@@ -374,7 +365,7 @@ TEST_CASE("Orders of light in low haze under a thick shell fade", "[sky][tables]
                           .sun_angles = 3,
                           .irradiance_heights = 3,
                           .irradiance_sun_zeniths = 5,
-                          .exact_orders = true};
+                          .truncate_orders = true};
   std::vector<double> sums;
   for (options.orders = 3; options.orders <= 6; ++options.orders) {
     sums.push_back(most_on_ground(precompute_sky(with_ground_albedo(air, 0.0), options)));
@@ -412,8 +403,8 @@ TEST_CASE("Tables of random atmospheres are finite, not negative and hold no mor
     REQUIRE(sound(tables.irradiance));
     CHECK(*std::max_element(tables.transmittance.begin(), tables.transmittance.end()) <= 1.0F);
     if (wavelengths > 3) continue;
-    REQUIRE(most_on_ground(tables) <= kMostOnGround);
-    if (i % 20 == 0) REQUIRE(most_on_ground(precompute_sky(air, kUsable)) <= kMostOnGround);
+    REQUIRE(most_on_ground(tables) <= kMaxOnGround);
+    if (i % 20 == 0) REQUIRE(most_on_ground(precompute_sky(air, kUsable)) <= kMaxOnGround);
   }
 }
 

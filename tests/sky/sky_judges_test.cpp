@@ -226,7 +226,7 @@ TEST_CASE("What thick air over bright ground sends of further orders is estimate
   thick.albedo = 0.9;
   const auto view_of = [&](int orders, bool exact) {
     const SkyTableOptions options{
-        .heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .orders = orders, .exact_orders = exact};
+        .heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .orders = orders, .truncate_orders = exact};
     return SkyView(std::make_shared<const SkyTables>(precompute_sky(flat(thick), options)), 0.0);
   };
   const SkyView all = view_of(64, true);

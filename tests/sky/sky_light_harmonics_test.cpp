@@ -50,7 +50,7 @@ TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 
   }
 }
 
-TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics]") {
+TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics][slow]") {
   for (const double altitude : {0.0, 1.8, 1000.0, 12'000.0, 59'000.0}) {
     for (const SkyHarmonicsOptions& options :
          {SkyHarmonicsOptions{}, SkyHarmonicsOptions{16, SkyQuadrature::gauss, 5, 7},
@@ -103,7 +103,7 @@ TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in close
       about_z.at(l, 0) = lit * value * glm::dvec3(0.25, 1.0, 4.0);
     }
     const glm::dmat3 z_to_y(glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0));
-    CHECK(difference(light, turned(about_z, z_to_y)) < 2e-4);  // a view's ground is a table of suns
+    CHECK(difference(light, rotate(about_z, z_to_y)) < 2e-4);  // a view's ground is a table of suns
   }
 }
 
@@ -122,24 +122,24 @@ TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
   }
 }
 
-TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky][harmonics]") {
+TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky][harmonics][slow]") {
   const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
   for (const double elevation : kElevations) {
     CAPTURE(elevation);
     const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
     glm::dmat3 mirror(1.0);
     mirror[0][0] = -1.0;  // x
-    CHECK(difference(turned(ahead, mirror), ahead) < 1e-14);
+    CHECK(difference(rotate(ahead, mirror), ahead) < 1e-14);
     for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
       const double half = 0.5 * azimuth * pi / 180.0;
-      const glm::dquat turn(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
+      const glm::dquat rotation(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
       const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
-      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), turned(ahead, turn)) < bound);
+      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, rotation)) < bound);
     }
   }
 }
 
-TEST_CASE("an update allocates nothing", "[sky][harmonics]") {
+TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
   for (const double altitude : {0.0, 5000.0, 1e6}) {
     const SkyProjector projector(SkyView(small_earth(), altitude));
     SphericalHarmonics light(3);
@@ -150,7 +150,7 @@ TEST_CASE("an update allocates nothing", "[sky][harmonics]") {
   }
 }
 
-TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics]") {
+TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics][slow]") {
   for (const double altitude : {1e5, 1e6, 6e7}) {
     const SkyView view(small_earth(), altitude);
     const SkyProjector usual(view);
@@ -186,7 +186,7 @@ TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not fini
   }
 }
 
-TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics]") {
+TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics][slow]") {
   const SkyProjector projector(SkyView(small_earth(), 0.0));
   std::vector<glm::dvec3> eight(8);
   const ThrownError room = thrown_by([&] { projector.project(glm::dvec3(0, 1, 0), eight); });
@@ -231,8 +231,7 @@ SphericalHarmonics truth(const Atmosphere& air, const glm::dvec3& sun) {
 
 TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
-  SkyTableOptions options;
-  options.orders = 1;
+  SkyTableOptions options{.orders = 1};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
   const SkyProjector projector(view);
   const SkyCurve curve(view);
@@ -271,8 +270,7 @@ TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
   const SkyView view(small_earth(), 0.0);
   for (const int bands : {1, 3, 9}) {
     CAPTURE(bands);
-    SkyCurveOptions options;
-    options.bands = bands;
+    SkyCurveOptions options{.bands = bands};
     const SkyCurve curve(view, options);
     SkyHarmonicsOptions projection = options.projection;
     projection.bands = bands;
@@ -284,7 +282,7 @@ TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
   }
 }
 
-TEST_CASE("curves hold aloft and in space", "[sky][curve]") {
+TEST_CASE("curves hold aloft and in space", "[sky][curve][slow]") {
   for (const double altitude : {1.8, 3000.0, 40'000.0, 4e5, 6e7}) {
     CAPTURE(altitude);
     const SkyView view(small_earth(), altitude);
@@ -309,11 +307,10 @@ TEST_CASE("curves hold aloft and in space", "[sky][curve]") {
   }
 }
 
-TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve]") {
+TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve][slow]") {
   const SkyView view(small_earth(), 0.0);
   for (const int nodes : {8, 9, 64}) {
-    SkyCurveOptions options;
-    options.nodes = nodes;
+    SkyCurveOptions options{.nodes = nodes};
     const SkyCurve curve(view, options);
     for (double elevation = -90.0; elevation <= 90.0; elevation += 0.037) {
       const glm::dvec3 sun = sun_direction(elevation, 0.0);
@@ -336,7 +333,7 @@ TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "
     for (double above = -0.25; above <= 2.0; above += 0.01) {
       CAPTURE(altitude, above);
       const glm::dvec3 sun = sun_direction(horizon + above, 12.0);
-      const glm::dvec3 expected = view.sun(sun).irradiance;
+      const glm::dvec3 expected = view.sun_light(sun).irradiance;
       for (int c = 0; c < 3; ++c) CHECK(curve.sun_irradiance(sun)[c] == Approx(expected[c]).epsilon(1e-3));
     }
   }
@@ -356,7 +353,7 @@ TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky
 
 TEST_CASE("a curve's bake is cancelled, tells its progress, and refuses nonsense", "[sky][curve]") {
   const SkyView view(small_earth(), 0.0);
-  std::stop_source source;
+  stop_source source;
   source.request_stop();
   CHECK(thrown_by([&] { SkyCurve(view, {}, {.stop = source.get_token()}); }).code == ErrorCode::cancelled);
   double last = 0.0;

@@ -92,7 +92,7 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
     // High, low, half set, a sliver, below the horizon of the ground but not of the hill, straight up, gone.
     for (const double elevation : {90.0, 47.0, 0.0, -0.2, -0.26, -0.9, -1.2, -20.0, -60.0}) {
       const glm::dvec3 sun = sun_direction(elevation, 77.0);
-      const glm::dvec3 irradiance = view.sun(sun).irradiance;
+      const glm::dvec3 irradiance = view.sun_light(sun).irradiance;
       for (const int size : {1, 2, 3, 7, 64}) {
         CAPTURE(altitude, elevation, size);
         const Cubemap with = sky_cubemap(view, sun, size, {.sun_disc = true});
@@ -151,7 +151,7 @@ TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky]
     CHECK(thrown_by([&] { static_cast<void>(sky_cubemap(view, sun, size)); }).code == ErrorCode::invalid_argument);
     CHECK(thrown_by([&] { static_cast<void>(sky_lat_long(view, sun, size)); }).says("height"));
   }
-  std::stop_source source;
+  stop_source source;
   std::atomic<int> calls{0};
   Control control{source.get_token(), [&](double) {
                     if (++calls == 3) source.request_stop();
@@ -178,8 +178,7 @@ TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky]
 TEST_CASE("sky specular: it is the sky's cubemap, prefiltered", "[sky][view][specular]") {
   const SkyView view(small_view_tables(), 0.0);
   const glm::dvec3 sun = sun_direction(25.0, 40.0);
-  PrefilterOptions options;
-  options.size = 16;
+  PrefilterOptions options{.size = 16};
   for (const bool disc : {false, true}) {
     const PrefilteredSpecular found = sky_specular(view, sun, options, {.sun_disc = disc});
     const Cubemap sky = sky_cubemap(view, sun, 16, {.sun_disc = disc});

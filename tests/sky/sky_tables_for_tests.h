@@ -10,8 +10,7 @@ namespace welkin::test {
 /// Earth, single scattering, the default sizes. The ground is lit by the direct sun only, as in the reference.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& single_tables() {
   static const auto tables = [] {
-    SkyTableOptions options;
-    options.orders = 1;
+    SkyTableOptions options{.orders = 1};
     SkyTables made = precompute_sky(earth_bruneton(), options);
     std::fill(made.irradiance.begin(), made.irradiance.end(), 0.0F);
     return std::make_shared<const SkyTables>(std::move(made));
@@ -42,11 +41,7 @@ namespace welkin::test {
 /// Of few heights, and as many other nodes as it takes for those to crowd.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& crowded_view_tables() {
   static const std::shared_ptr<const SkyTables> tables = [] {
-    SkyTableOptions options;
-    options.heights = 6;
-    options.view_zeniths = 48;
-    options.sun_zeniths = 48;
-    options.orders = 2;
+    SkyTableOptions options{.heights = 6, .view_zeniths = 48, .sun_zeniths = 48, .orders = 2};
     return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return tables;

@@ -6,6 +6,7 @@
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/table_mapping.h"
+#include "sky/table_sizes.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/heap.h"
@@ -260,11 +261,11 @@ TEST_CASE("harmonics about the vertical are Welkin's, turned", "[sky][harmonics]
       const sky::SunAngles angles = sky::sun_angles(direction);
       sky::even_basis(angles.zenith_cosine, angles.zenith_sine, bands, basis);
       for (std::size_t k = 0; k < basis.size(); ++k) even[k] = glm::dvec3(basis[k]);
-      std::vector<glm::dvec3> turned(bands * bands);
-      sky::turn_even(even, bands, angles, turned);
+      std::vector<glm::dvec3> rotated(bands * bands);
+      sky::rotate_even(even, bands, angles, rotated);
       std::vector<double> expected(bands * bands);
       evaluate_basis(direction, bands, expected);
-      for (std::size_t k = 0; k < expected.size(); ++k) CHECK(turned[k].x == Approx(expected[k]).margin(1e-12));
+      for (std::size_t k = 0; k < expected.size(); ++k) CHECK(rotated[k].x == Approx(expected[k]).margin(1e-12));
     }
   }
 }
@@ -295,7 +296,7 @@ TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") 
   CHECK(allocations_in_tiles() == 0);
 }
 
-TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any point of it", "[sky][tables]") {
+TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any point of it", "[sky][tables][slow]") {
   double last = 0.0;
   int calls = 0;
   bool rising = true;
@@ -310,7 +311,7 @@ TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any
   CHECK(last == 1.0);
   CHECK(calls > 50);
   for (const double when : {0.0, 0.01, 0.04, 0.2, 0.5, 0.9}) {
-    std::stop_source source;
+    stop_source source;
     control.stop = source.get_token();
     control.progress = [&](double done) {
       if (done >= when) source.request_stop();
@@ -324,13 +325,13 @@ TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any
 TEST_CASE("Orders stop when one changes too little", "[sky][tables]") {
   SkyTableOptions options = small_options();
   options.orders = 64;
-  options.until_change = 0.02;
+  options.convergence_threshold = 0.02;
   const SkyTables tables = precompute_sky(earth_bruneton(), options);
   CHECK(tables.orders > 2);
   CHECK(tables.orders < 10);
   CHECK(tables.last_change < 0.02);
   options.orders = tables.orders;
-  options.until_change = 0.0;
+  options.convergence_threshold = 0.0;
   CHECK(precompute_sky(earth_bruneton(), options).scattering == tables.scattering);
 }
 
@@ -341,18 +342,15 @@ TEST_CASE("Sky tables keep their memory limit and predict what they take", "[sky
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.says("1000"));
   options = {.heights = 128, .view_zeniths = 1024, .sun_zeniths = 256, .sun_angles = 128};
-  CHECK(sky_table_bytes(earth_bruneton(), options) > std::uint64_t{128} * 1024 * 256 * 128 * 32);
+  CHECK(sky::sky_table_bytes(earth_bruneton(), options) > std::uint64_t{128} * 1024 * 256 * 128 * 32);
   CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), options)); }).code ==
         ErrorCode::limit_exceeded);
   for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
-    SkyTableOptions usual;
-    usual.layout = layout;
-    usual.heights = 12;
-    usual.orders = 2;
+    SkyTableOptions usual{.layout = layout, .heights = 12, .orders = 2};
     const HeapWatch watch;
     const SkyTables tables = precompute_sky(earth_bruneton(), usual);
-    CHECK(watch.peak_bytes() <= static_cast<long>(sky_table_bytes(earth_bruneton(), usual)));
-    CHECK(tables.bytes() < sky_table_bytes(earth_bruneton(), usual));
+    CHECK(watch.peak_bytes() <= static_cast<long>(sky::sky_table_bytes(earth_bruneton(), usual)));
+    CHECK(tables.bytes() < sky::sky_table_bytes(earth_bruneton(), usual));
   }
 }
 
@@ -379,8 +377,9 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   refused("minimum_sun_elevation_degrees", [](SkyTableOptions& o) { o.minimum_sun_elevation_degrees = std::nan(""); });
   refused("orders", [](SkyTableOptions& o) { o.orders = 0; });
   refused("orders", [](SkyTableOptions& o) { o.orders = 65; });
-  refused("until_change", [](SkyTableOptions& o) { o.until_change = -1.0; });
-  refused("until_change", [](SkyTableOptions& o) { o.until_change = std::numeric_limits<double>::infinity(); });
+  refused("convergence_threshold", [](SkyTableOptions& o) { o.convergence_threshold = -1.0; });
+  refused("convergence_threshold",
+          [](SkyTableOptions& o) { o.convergence_threshold = std::numeric_limits<double>::infinity(); });
   const ThrownError error = thrown_by([] {
     static_cast<void>(precompute_sky(earth_bruneton({400.0, 500.0, 600.0, 700.0}), small_options()));
   });
@@ -395,7 +394,7 @@ TEST_CASE("Lengths along the rays of tables stay where only ground or haze chang
   Atmosphere lower = clear;
   lower.aerosol.density = exponential_profile(900.0);
   const auto lengths = [](const Atmosphere& atmosphere, double altitude) {
-    const sky::Air air(atmosphere);
+    const sky::AirModel air(atmosphere);
     const std::vector<sky::Ray> rays{
         {altitude, 1.0, false, air.thickness() - altitude},
         {0.0, 0.5, false, sky::distance_to_top(air.bottom_radius(), air.thickness(), 0.0, 0.5)}};
@@ -412,7 +411,7 @@ TEST_CASE("Lengths along the rays of tables stay where only ground or haze chang
   CHECK(lengths(clear, 100.0) == first);
 }
 
-TEST_CASE("Tables between grounds and hazes are near those that are computed", "[sky]") {
+TEST_CASE("Tables between grounds and hazes are near those that are computed", "[sky][slow]") {
   SkyTableOptions options = small_options();
   options.orders = 4;
   const auto hazy = [](double amount) {
@@ -421,13 +420,14 @@ TEST_CASE("Tables between grounds and hazes are near those that are computed", "
     return air;
   };
   const auto over = [](double albedo) { return with_ground_albedo(earth_bruneton(), albedo); };
-  const auto error = [&](const auto& atmosphere, const std::vector<double>& places, double place) {
+  const auto error = [&](const auto& atmosphere, const std::vector<double>& positions, double position) {
     std::vector<SkyTables> tables;
-    for (const double one : places) tables.push_back(precompute_sky(atmosphere(one), options));
-    const SkyTables between = interpolate_sky(atmosphere(place), tables, places, place);
-    const SkyTables computed = precompute_sky(atmosphere(place), options);
+    for (const double one : positions) tables.push_back(precompute_sky(atmosphere(one), options));
+    const SkyTables between = interpolate_sky(atmosphere(position), tables, positions, position);
+    const SkyTables computed = precompute_sky(atmosphere(position), options);
     CHECK(between.transmittance == computed.transmittance);
-    CHECK(interpolate_sky(atmosphere(places[1]), tables, places, places[1]).scattering == tables[1].scattering);
+    CHECK(interpolate_sky(atmosphere(positions[1]), tables, positions, positions[1]).scattering ==
+          tables[1].scattering);
     double off = 0.0;
     double all = 0.0;
     for (std::size_t i = 0; i < computed.scattering.size(); ++i) {

@@ -23,7 +23,7 @@ using std::numbers::pi;
 /// Earth's four orders, the default sizes.
 const std::shared_ptr<const SkyTables>& four_orders() {
   static const auto tables =
-      std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), {.exact_orders = true}));
+      std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), {.truncate_orders = true}));
   return tables;
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % do
       const dvec3 found = view.irradiance(sun);
       const dvec3 integral = integral_of_radiance(view, sun);
       for (int c = 0; c < 3; ++c) {
-        CAPTURE(tables->options.exact_orders, elevation, c, found[c] / integral[c]);
+        CAPTURE(tables->options.truncate_orders, elevation, c, found[c] / integral[c]);
         CHECK(std::abs(found[c] / integral[c] - 1.0) < (elevation < -9.0 ? 0.025 : 0.005));
       }
     }
@@ -160,8 +160,7 @@ TEST_CASE("sky view: single directions are right to 2 % while the shadow rises, 
 TEST_CASE("sky view: orders two to four at -6 degrees are those of paths", "[sky][twilight][truth]") {
   const dvec3 sun = sun_direction(-6.0, 0.0);
   const dvec3 all = SkyView(four_orders(), 0.0).irradiance(sun);
-  SkyTableOptions one;
-  one.orders = 1;
+  SkyTableOptions one{.orders = 1};
   const dvec3 single =
       SkyView(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), one)), 0.0).irradiance(sun);
   const TracedLight traced =
@@ -193,15 +192,15 @@ TEST_CASE("sky Monte Carlo: its first order is the quadrature's", "[sky][twiligh
 TEST_CASE("brightness between suns falls as an exponential does, and swings nowhere", "[sky][twilight]") {
   std::vector<double> nodes;
   for (int k = 0; k < 9; ++k) nodes.push_back(std::exp(2.0 * k));
-  const std::vector<float> steps = sky::fine_steps(nodes);
+  const std::vector<float> steps = sky::resample_log_cubic(nodes);
   REQUIRE(steps.size() == std::size_t{8} * sky::kSunSteps + 1);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     CHECK(steps[k] == Approx(std::exp(2.0 * static_cast<double>(k) / sky::kSunSteps)).epsilon(1e-5));
   }
-  const std::vector<float> cliff = sky::fine_steps(std::vector<double>{1.0, 0.9, 1e-25, 0.0, 0.0, 1.0});
+  const std::vector<float> cliff = sky::resample_log_cubic(std::vector<double>{1.0, 0.9, 1e-25, 0.0, 0.0, 1.0});
   for (const float value : cliff) CHECK((value >= 0.0F && value <= 1.1F));
   std::vector<double> falls{1.0, 0.9, 1e-25, 0.0, 0.0, 1.0};
-  sky::limit_falls(falls);
+  sky::limit_decay(falls);
   CHECK(falls == std::vector<double>{1.0, 0.9, 0.01 * 0.9, 0.01 * 0.01, 0.01, 1.0});
 }
 

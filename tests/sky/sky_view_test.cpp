@@ -6,6 +6,7 @@
 #include "sky/sky_geometry.h"
 #include "sky/sky_slice.h"
 #include "sky/sky_tables_for_tests.h"
+#include "sky/spectrum.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/random_atmospheres.h"
@@ -49,7 +50,7 @@ std::vector<glm::vec3> batch(const SkyView& view, const std::vector<glm::vec3>& 
 
 }  // namespace
 
-TEST_CASE("sky view: one direction and many give the same bits", "[sky][view][determinism]") {
+TEST_CASE("sky view: one direction and many give the same bits", "[sky][view][determinism][slow]") {
   for (const double altitude : kAltitudes) {
     const SkyView view(small_view_tables(), altitude);
     for (const glm::dvec3& sun : some_suns()) {
@@ -87,8 +88,8 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
     mu_s = (viewer * mu_s + (-viewer * mu - root) * nu) / r;
     mu = -root / r;
   }
-  const sky::ViewPlace place = slice.view_place(mu);
-  const sky::SunPlace under = slice.sun_place(mu_s);
+  const sky::ViewLookup position = slice.view_lookup(mu);
+  const sky::SunLookup under = slice.sun_lookup(mu_s);
   const double sines = std::sqrt((1.0 - mu * mu) * (1.0 - mu_s * mu_s));
   const sky::Taps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0, mu_s);
   // Along each axis the weighted sum, within a tenth of the range of the two nodes in the middle.
@@ -119,14 +120,14 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
         double suns[4];
         for (int c = 0; c < 4; ++c) {
           const int index =
-              ((place.taps.first + a) * slice.azimuths() + azimuth.first + b) * slice.suns() + under.taps.first + c;
+              ((position.taps.first + a) * slice.azimuths() + azimuth.first + b) * slice.suns() + under.taps.first + c;
           suns[c] = static_cast<double>(slice.values()[sky::kSliceRow * index + k]);
         }
         azimuths[b] = over_suns(suns);
       }
       views[a] = cubic(azimuths, azimuth, between(azimuth));
     }
-    row[k] = cubic(views, place.taps, between(place.taps));
+    row[k] = cubic(views, position.taps, between(position.taps));
   }
   // The aureole's factors stand at even steps of sqrt(sin(angle / 2)), straight lines between them.
   const sky::SkyRun run = slice.run(sun);
@@ -136,19 +137,19 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
     return run.hazy ? static_cast<double>(run.aureole[sky::kSkyColour * angle + static_cast<std::size_t>(k)]) : 1.0;
   };
   glm::dvec3 rgb;
-  const glm::dvec3 ground = slice.ground_radiance((r * mu_s + place.distance * nu) / bottom);
+  const glm::dvec3 ground = slice.ground_radiance((r * mu_s + position.distance * nu) / bottom);
   for (int k = 0; k < 3; ++k) {
     const double aureole = std::lerp(factor(low, k), factor(low + 1, k), step - static_cast<double>(low));
     rgb[k] = static_cast<double>(under.fade) * (std::max(row[k], 0.0) * sky::rayleigh_phase(nu) +
                                                 std::max(row[4 + k], 0.0) * aureole * slice.aerosol_phase(nu)[k]);
-    if (place.ground) rgb[k] += static_cast<double>(place.transmittance[k]) * ground[k];
+    if (position.ground) rgb[k] += static_cast<double>(position.transmittance[k]) * ground[k];
   }
   return rgb;
 }
 
 }  // namespace
 
-TEST_CASE("sky view: the kernel is its twin in double", "[sky][view]") {
+TEST_CASE("sky view: the kernel is its twin in double", "[sky][view][slow]") {
   for (const auto& tables : {small_view_tables(), crowded_view_tables()}) {
     for (const double altitude : kAltitudes) {
       const SkyView view(tables, altitude);
@@ -189,7 +190,7 @@ TEST_CASE("sky view: the two sides of the sun's plane are mirror images", "[sky]
   }
 }
 
-TEST_CASE("sky view: there are no seams", "[sky][view]") {
+TEST_CASE("sky view: there are no seams", "[sky][view][slow]") {
   // A step of 2e-7 radians in any direction changes the sky by next to nothing, but for the horizon.
   const auto step = [](const SkyView& view, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& sun) {
     const glm::dvec3 here = view.radiance(a, sun);
@@ -297,7 +298,8 @@ TEST_CASE("sky view: looking up allocates nothing", "[sky][view][allocation]") {
   forget_allocations_in_tiles();
   jobs::run_tiles(1, jobs::Placement::calling_thread, 1, {}, [&](std::size_t, std::size_t) {
     for (const SkyView* const each : {&view, &space}) {
-      sum += each->radiance(glm::dvec3(0.0, 0.5, 0.5), sun).r + each->sun(sun).irradiance.r + each->irradiance(sun).r;
+      sum += each->radiance(glm::dvec3(0.0, 0.5, 0.5), sun).r + each->sun_light(sun).irradiance.r +
+             each->irradiance(sun).r;
       each->radiance(directions, sun, rgb);
       each->radiance(std::span(directions).first(20), sun, rgb);
     }
@@ -338,7 +340,7 @@ TEST_CASE("sky view: what cannot be looked up is refused", "[sky][view][errors]"
     std::vector<glm::vec3> one(1);
     CHECK(thrown_by([&] { static_cast<void>(view.radiance({0.0, 1.0, 0.0}, sun)); }).says("sun's direction"));
     CHECK(thrown_by([&] { view.radiance(one, sun, one); }).code == ErrorCode::invalid_argument);
-    CHECK(thrown_by([&] { static_cast<void>(view.sun(sun)); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(view.sun_light(sun)); }).code == ErrorCode::invalid_argument);
     CHECK(thrown_by([&] { static_cast<void>(view.irradiance(sun)); }).code == ErrorCode::invalid_argument);
     CHECK(thrown_by([&] { static_cast<void>(sky_cubemap(view, sun, 2)); }).code == ErrorCode::invalid_argument);
     CHECK(thrown_by([&] { static_cast<void>(sky_lat_long(view, sun, 2)); }).code == ErrorCode::invalid_argument);
@@ -360,17 +362,16 @@ bool sound(const glm::dvec3& rgb) {
 
 /// Smallest tables with anything in them, some with fewer nodes than a cubic takes.
 SkyTableOptions tiny(RandomAtmospheres& random) {
-  SkyTableOptions options;
-  options.layout = random.chance(0.3) ? ScatteringLayout::compact : ScatteringLayout::full;
-  options.heights = random.whole(2, 5);
-  options.view_zeniths = 2 * random.whole(2, 5);
-  options.sun_zeniths = random.whole(4, 8);
-  options.sun_angles = random.whole(2, 5);
-  options.transmittance_heights = random.whole(2, 6);
-  options.transmittance_zeniths = random.whole(4, 16);
-  options.irradiance_heights = random.whole(2, 4);
-  options.irradiance_sun_zeniths = random.whole(4, 8);
-  options.orders = 1;
+  SkyTableOptions options{.layout = random.chance(0.3) ? ScatteringLayout::compact : ScatteringLayout::full,
+                          .heights = random.whole(2, 5),
+                          .view_zeniths = 2 * random.whole(2, 5),
+                          .sun_zeniths = random.whole(4, 8),
+                          .sun_angles = random.whole(2, 5),
+                          .transmittance_heights = random.whole(2, 6),
+                          .transmittance_zeniths = random.whole(4, 16),
+                          .irradiance_heights = random.whole(2, 4),
+                          .irradiance_sun_zeniths = random.whole(4, 8),
+                          .orders = 1};
   return options;
 }
 
@@ -396,8 +397,8 @@ TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][vi
             : k % 7 == 1 ? -sun
                          : sun_direction(random.chance(0.3) ? random.between(-1e-6, 1e-6) : random.between(-90.0, 90.0),
                                          random.between(0.0, 360.0));
-        all = all && sound(view.radiance(towards, sun)) && sound(view.sun(sun).irradiance) &&
-              sound(view.sun(sun).radiance) && sound(view.irradiance(sun));
+        all = all && sound(view.radiance(towards, sun)) && sound(view.sun_light(sun).irradiance) &&
+              sound(view.sun_light(sun).radiance) && sound(view.irradiance(sun));
       }
       CHECK(all);
     }
@@ -442,14 +443,10 @@ TEST_CASE("sky view: by day the compact table is the full one but for what it le
 
 TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
   const Atmosphere air = earth_bruneton({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
-  SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 32;
-  options.sun_zeniths = 32;
-  options.orders = 1;
-  options.colour = SkyColour::linear_srgb;
+  SkyTableOptions options{
+      .heights = 4, .view_zeniths = 32, .sun_zeniths = 32, .orders = 1, .colour = SkyColour::linear_srgb};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
-  const std::vector<glm::dvec3> weights = srgb_weights(air.wavelengths_nm);
+  const std::vector<glm::dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
   const auto folded = [&](const std::vector<double>& values) {
     glm::dvec3 sum{};
     for (std::size_t i = 0; i < values.size(); ++i) sum += weights[i] * values[i];
@@ -465,7 +462,7 @@ TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]")
       for (int c = 0; c < 3; ++c) CHECK(found[c] == Approx(std::max(truth[c], 0.0)).epsilon(0.005));
     }
     const glm::dvec3 light = folded(reference_sun_irradiance(air, 0.0, sun));
-    for (int c = 0; c < 3; ++c) CHECK(view.sun(sun).irradiance[c] == Approx(light[c]).epsilon(0.002));
+    for (int c = 0; c < 3; ++c) CHECK(view.sun_light(sun).irradiance[c] == Approx(light[c]).epsilon(0.002));
   }
 }
 
@@ -477,7 +474,8 @@ TEST_CASE("sky view: the sun comes through the air as in the reference", "[sky][
       const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
       for (int c = 0; c < 3; ++c) {
         CAPTURE(altitude, elevation, c);
-        CHECK(view.sun(sun).irradiance[c] == Approx(truth[static_cast<std::size_t>(c)]).epsilon(0.003).margin(1e-6));
+        CHECK(view.sun_light(sun).irradiance[c] ==
+              Approx(truth[static_cast<std::size_t>(c)]).epsilon(0.003).margin(1e-6));
       }
     }
   }

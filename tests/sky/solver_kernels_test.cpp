@@ -113,8 +113,8 @@ struct Scene {
     const double even = 0.8 * std::max(1.0 - a * 0.12, 0.0) / (1.0 + 0.25 * a) + 0.13 * std::max(inside + 0.5, 0.0);
     const double u = std::clamp((1.0 - even) / 0.19, 0.0, 1.0);
     const double x = even - 0.19 * (std::sqrt(u * (u + 0.13 * std::pow(1.0 - u, 3.0))) - u);
-    const double place = std::clamp(x, 0.0, 1.0) * (kNodes - 1);
-    const int node = std::min(static_cast<int>(place), kNodes - 2);
+    const double position = std::clamp(x, 0.0, 1.0) * (kNodes - 1);
+    const int node = std::min(static_cast<int>(position), kNodes - 2);
     const double q = static_cast<double>(nu[i]) - static_cast<double>(sample.view_cosine) * mu;
     double ends[2]{};
     for (int k = 0; k < 2; ++k) {
@@ -122,7 +122,7 @@ struct Scene {
       if (with_pictures) ends[k] += pictures_at(i, node + k, c);
       ends[k] /= brightness(static_cast<double>((node + k) * sky::kSunSteps));
     }
-    return brightness(place * sky::kSunSteps) * (ends[0] + (place - node) * (ends[1] - ends[0]));
+    return brightness(position * sky::kSunSteps) * (ends[0] + (position - node) * (ends[1] - ends[0]));
   }
 };
 
@@ -183,15 +183,15 @@ struct SunlitScene {
     const double width = std::max(std::abs(number(sample.turning) * turned - number(sample.sinking)), 0.03125);
     const double y = std::max(above, 0.0);
     const double x = number(sample.rational) * y / (y + number(sample.bend)) + number(sample.linear) * y;
-    const double place = std::clamp(x, 0.0, kRow - 1.0);
-    const auto node = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kRow - 2));
+    const double position = std::clamp(x, 0.0, kRow - 1.0);
+    const auto node = std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(kRow - 2));
     double ends[2] = {};
     for (std::size_t k = 0; k < 4; ++k) {
       for (std::size_t e = 0; e < 2; ++e) {
         ends[e] += number(sample.row_weights[k]) * number(rows[k][4 * (node + e) + c]);
       }
     }
-    const double light = ends[0] + (place - static_cast<double>(node)) * (ends[1] - ends[0]);
+    const double light = ends[0] + (position - static_cast<double>(node)) * (ends[1] - ends[0]);
     return number(matter == 0 ? sample.rayleigh[c] : sample.aerosol[c]) * light *
            share(number(sample.disc_slope) * above + number(sample.disc_offset), width);
   }
@@ -258,9 +258,9 @@ TEST_CASE("Places of angles are those of their arc cosines", "[sky][tables][kern
         for (std::size_t i = 0; i < rows.size(); ++i) {
           CHECK(rows[i] % 48 == 0);
           CHECK((rows[i] >= 0 && rows[i] / 48 <= angles - 2));
-          const double place = rows[i] / 48 + static_cast<double>(fractions[i]);
+          const double position = rows[i] / 48 + static_cast<double>(fractions[i]);
           const double exact = std::acos(static_cast<double>(cosines[i])) / std::numbers::pi * (angles - 1);
-          CHECK(std::abs(place - exact) < 1e-5 * (angles - 1));
+          CHECK(std::abs(position - exact) < 1e-5 * (angles - 1));
         }
       }
     }

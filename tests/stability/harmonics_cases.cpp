@@ -37,24 +37,24 @@ SphericalHarmonics point_light(const glm::dvec3& from, int bands) {
 }
 
 /// Rodrigues' formula, in which a tiny angle's turn is not rounded away.
-glm::dvec3 turned(const glm::dvec3& d, const glm::dvec3& axis, double angle) {
+glm::dvec3 rotate(const glm::dvec3& d, const glm::dvec3& axis, double angle) {
   const double half = std::sin(0.5 * angle);
   return d + std::sin(angle) * glm::cross(axis, d) + 2.0 * half * half * glm::cross(axis, glm::cross(axis, d));
 }
 
-glm::dquat turn(const glm::dvec3& axis, double angle) {
+glm::dquat rotate(const glm::dvec3& axis, double angle) {
   const double s = std::sin(0.5 * angle);
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
 /// Lights from several directions turned about several axes.
-double turned_light_error(double angle, int bands) {
+double rotated_light_error(double angle, int bands) {
   double worst = 0.0;
   for (std::uint32_t k = 0; k < 6; ++k) {
     const glm::dvec3 from = direction(k);
     const glm::dvec3 axis = k == 0 ? glm::dvec3(0, 1, 0) : direction(k + 50);
-    worst = worse(worst, relative_error(turned(point_light(from, bands), turn(axis, angle)),
-                                        point_light(turned(from, axis, angle), bands)));
+    worst = worse(worst, relative_error(rotate(point_light(from, bands), rotate(axis, angle)),
+                                        point_light(rotate(from, axis, angle), bands)));
   }
   return worst;
 }
@@ -64,7 +64,7 @@ double tiny_change_error(double angle) {
   const glm::dvec3 from = direction(3);
   const glm::dvec3 axis = direction(60);
   const SphericalHarmonics light = point_light(from, 2);
-  const SphericalHarmonics after = turned(light, turn(axis, angle));
+  const SphericalHarmonics after = rotate(light, rotate(axis, angle));
   const double scale = std::sqrt(3.0 / (4.0 * kPi));
   const glm::dvec3 velocity = glm::cross(axis, from);
   const glm::dvec3 found = glm::dvec3(after.at(1, 1).x - light.at(1, 1).x, after.at(1, -1).x - light.at(1, -1).x,
@@ -91,29 +91,29 @@ Walk walk(int bands, int steps, const std::function<glm::dquat(std::uint32_t)>& 
   glm::dquat total(1, 0, 0, 0);
   for (int k = 0; k < steps; ++k) {
     const glm::dquat small = step(static_cast<std::uint32_t>(k));
-    walked = turned(walked, small);
+    walked = rotate(walked, small);
     total = glm::normalize(small * total);
   }
-  Walk result{relative_error(walked, turned(light, total)), 0.0};
+  Walk result{relative_error(walked, rotate(light, total)), 0.0};
   for (int l = 0; l < bands; ++l) {
     result.power = worse(result.power, relative_error(band_power(walked, l), band_power(light, l)));
   }
   return result;
 }
 
-glm::dquat random_step(std::uint32_t k) { return turn(direction(1000 + k), 0.01 * (1.5 + number(90000 + k))); }
-glm::dquat same_step(std::uint32_t) { return turn(direction(5), 2.0 * kPi / 10000.0); }
+glm::dquat random_step(std::uint32_t k) { return rotate(direction(1000 + k), 0.01 * (1.5 + number(90000 + k))); }
+glm::dquat same_step(std::uint32_t) { return rotate(direction(5), 2.0 * kPi / 10000.0); }
 
 double stretched_error(double length) {
-  const glm::dquat q = turn(direction(9), 1.1);
+  const glm::dquat q = rotate(direction(9), 1.1);
   const glm::dquat stretched(q.w * length, q.x * length, q.y * length, q.z * length);
-  return relative_error(turned(random_light(4), stretched), turned(random_light(4), q));
+  return relative_error(rotate(random_light(4), stretched), rotate(random_light(4), q));
 }
 
 double there_and_back(double angle) {
   const SphericalHarmonics light = random_light(16);
-  const glm::dquat q = turn(direction(11), angle);
-  return relative_error(turned(turned(light, q), glm::conjugate(q)), light);
+  const glm::dquat q = rotate(direction(11), angle);
+  return relative_error(rotate(rotate(light, q), glm::conjugate(q)), light);
 }
 
 void add_angles(StabilityCases& cases) {
@@ -123,7 +123,7 @@ void add_angles(StabilityCases& cases) {
           {"rotation/by-" + text + "-bands-" + std::to_string(bands),
            "lights turned by " + text + " are where they were turned to, " + std::to_string(bands) + " bands",
            "harmonics of the turned direction (Rodrigues, double)", StabilityUnit::relative, 1e-13,
-           [angle, bands](const Control&) { return turned_light_error(angle, bands); }});
+           [angle, bands](const Control&) { return rotated_light_error(angle, bands); }});
     }
     cases.push_back({"rotation/back-from-" + text, "a turn by " + text + " and back, 16 bands", "the light itself",
                      StabilityUnit::relative, 1e-13, [angle](const Control&) { return there_and_back(angle); }});
@@ -274,11 +274,11 @@ double width_error() {
 }
 
 /// The same light, turned, asks for the same window.
-double turned_lambda_error(int bands) {
+double rotated_lambda_error(int bands) {
   const SphericalHarmonics light = one_sided_light(bands);
   const double lambda = apply_window(light, Window::min_laplacian).parameter;
-  const glm::dquat turn(0.3, 0.4, -0.2, 0.7);
-  return relative_error(apply_window(turned(light, turn), Window::min_laplacian).parameter, lambda);
+  const glm::dquat rotation(0.3, 0.4, -0.2, 0.7);
+  return relative_error(apply_window(rotate(light, rotation), Window::min_laplacian).parameter, lambda);
 }
 
 /// Factors 2^-300 to 2^300 on the light change nothing but its size.
@@ -324,7 +324,7 @@ void add_window_cases(StabilityCases& cases) {
         1.0000001e-9, [bands] { return left_below_zero(one_sided_light(bands)); }, StabilityUnit::relative, effort);
     add(
         "turned-lone-light-" + std::to_string(bands), "lambda does not depend on how the light is turned",
-        "that of the light before", 1e-6, [bands] { return turned_lambda_error(bands); }, StabilityUnit::relative,
+        "that of the light before", 1e-6, [bands] { return rotated_lambda_error(bands); }, StabilityUnit::relative,
         effort);
     add(
         "ring-minimum-" + std::to_string(bands), "the least value of a lone light lies on a ring, and is found",

@@ -234,9 +234,7 @@ Atmosphere plain_planet(double radius_m, double thickness_m, double scale_height
 }
 
 SkyTableOptions single_order() {
-  SkyTableOptions options;
-  options.heights = 8;
-  options.orders = 1;
+  SkyTableOptions options{.heights = 8, .orders = 1};
   return options;
 }
 

@@ -71,7 +71,7 @@ double background_error(float value) {
 
 double background_error_without_sun(float value) {
   Cubemap map = with_texel(uniform_cube(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
-  if (!take_out_sun(map)) return std::numeric_limits<double>::infinity();
+  if (!extract_sun(map)) return std::numeric_limits<double>::infinity();
   return uniform_error(map.view(), 1.0);
 }
 
@@ -94,7 +94,7 @@ void add_backgrounds(StabilityCases& cases) {
   const std::string advice =
       "A float product has 24 bits: what is 1e7 times fainter than the brightest sum is lost beside it. Take the sun "
       "out "
-      "first (take_out_sun) and give it to a directional light; then the rest is exact, whatever the sun was.";
+      "first (extract_sun) and give it to a directional light; then the rest is exact, whatever the sun was.";
   const auto add = [&](const char* text, float value, const std::string& remedy) {
     cases.push_back({std::string("range/background-under-") + text,
                      "the light of a background of 1 is still right under one texel of " + std::string(text),
@@ -105,7 +105,7 @@ void add_backgrounds(StabilityCases& cases) {
   add("1e6", 1e6F, "");
   add("1e12", 1e12F, advice);
   cases.push_back({"range/background-without-sun-1e12",
-                   "after take_out_sun a background of 1 is right, though the sun was 1e12", "closed form",
+                   "after extract_sun a background of 1 is right, though the sun was 1e12", "closed form",
                    StabilityUnit::relative, kProjectionError,
                    [](const Control&) { return background_error_without_sun(1e12F); }});
 }
@@ -215,7 +215,7 @@ double error_of_peak(const Blurred& mip) {
 
 double error_without_sun(double roughness) {
   Cubemap map = with_texel(noise_cube(64, 12), std::size_t{2} * 64 * 64 + 20 * 64 + 29, 1e8F);
-  if (!take_out_sun(map)) return std::numeric_limits<double>::infinity();
+  if (!extract_sun(map)) return std::numeric_limits<double>::infinity();
   return worst_error(blurred(map, roughness));
 }
 
@@ -276,12 +276,12 @@ void add_bright_image_texels(StabilityCases& cases) {
   const std::string dark =
       "Floats keep some 1e-7 of the brightest light everywhere, and the points that stand for its texel cross the "
       "lobe's horizon one by one: what is a millionth of the light or darker has no digits of its own beside it. Take "
-      "the light out first (take_out_sun), give it to a directional light and prefilter the rest; or use method "
+      "the light out first (extract_sun), give it to a directional light and prefilter the rest; or use method "
       "reference.";
   const std::string rings =
       "A cubemap goes by rings twice as fine as its texels, whose means blur a lone texel a little: 0.6 % where the "
       "lobe is no wider than some texels. Give the source as a lat-long or a larger cubemap, take the light out "
-      "first (take_out_sun), or use method reference.";
+      "first (extract_sun), or use method reference.";
   for (const Lobe& lobe : kLobes) {
     const double roughness = lobe.roughness;
     const auto add = [&](const std::string& name, const std::string& promise, double bound,
@@ -315,8 +315,8 @@ void add_bright_image_texels(StabilityCases& cases) {
           std::string("each texel of a mip (maximum_error) of a lat-long, one texel of 100 over 1, all times ") + text,
           1e-2, [f = factor, roughness] { return worst_error(blurred(dark_lat_long(f), roughness)); });
     }
-    add("texel-without-sun-1e8", "each texel (maximum_error) of noise that had a texel of 1e8, after take_out_sun",
-        1e-2, [roughness] { return error_without_sun(roughness); });
+    add("texel-without-sun-1e8", "each texel (maximum_error) of noise that had a texel of 1e8, after extract_sun", 1e-2,
+        [roughness] { return error_without_sun(roughness); });
   }
 }
 

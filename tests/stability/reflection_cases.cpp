@@ -150,7 +150,7 @@ double schedules_unsound() {
         RoughnessSchedule::unreal}) {
     for (const int mips : {1, 2, 16}) {
       for (const int size : {1, 2, 256, 8192}) {
-        const std::vector<double> table = roughness_of_mips(schedule, mips, size);
+        const std::vector<double> table = mip_roughness(schedule, mips, size);
         wrong += wrong_if(table.front() != 0.0 || table.size() != static_cast<std::size_t>(mips));
         for (std::size_t k = 0; k < table.size(); ++k) {
           wrong += wrong_if(!(table[k] >= 0.0 && table[k] <= 1.0) || (k > 0 && table[k] < table[k - 1]));

@@ -57,7 +57,7 @@ double sun_error(double elevation, double altitude) {
   const SkyView view(earth_tables(), altitude);
   const glm::dvec3 sun = sun_direction(elevation, 0.0);
   const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
-  return relative_error(view.sun(sun).irradiance, glm::dvec3(truth[0], truth[1], truth[2]));
+  return relative_error(view.sun_light(sun).irradiance, glm::dvec3(truth[0], truth[1], truth[2]));
 }
 
 /// Tables of as many heights as the default.
@@ -200,7 +200,7 @@ double unsound_nights() {
       for (int c = 0; c < 3; ++c) wrong += wrong_if(!(light[c] >= 0.0) || std::isinf(light[c]));
     }
     wrong += wrong_if(!std::isfinite(norm(projector(16).project(sun))));
-    wrong += wrong_if(norm(constant_radiance(ground_view().sun(sun).irradiance)) != 0.0);
+    wrong += wrong_if(norm(constant_radiance(ground_view().sun_light(sun).irradiance)) != 0.0);
   }
   return wrong;
 }
@@ -304,16 +304,11 @@ double vacuum_sun_error() {
   const Atmosphere air = dense_earth(0.0);
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, single_order())), 0.0);
   const auto& solar = air.solar_irradiance;
-  return relative_error(view.sun(sun_direction(30.0, 0.0)).irradiance, glm::dvec3(solar[0], solar[1], solar[2]));
+  return relative_error(view.sun_light(sun_direction(30.0, 0.0)).irradiance, glm::dvec3(solar[0], solar[1], solar[2]));
 }
 
 SkyTableOptions many_orders(int orders) {
-  SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 16;
-  options.sun_zeniths = 16;
-  options.sun_angles = 2;
-  options.orders = orders;
+  SkyTableOptions options{.heights = 4, .view_zeniths = 16, .sun_zeniths = 16, .sun_angles = 2, .orders = orders};
   return options;
 }
 
@@ -378,7 +373,7 @@ void add_sky_air_cases(StabilityCases& cases) {
   add("density-0-sun", "without matter the sun is as in space", "closed form", 1e-6, vacuum_sun_error);
   const std::string opaque =
       "Through a thousand Earths' air 1e-28 of the sun's light comes scattered once; the tables have 0. The sky is "
-      "what is scattered many times there: bake 16 orders or more (`until_change` says when to stop).";
+      "what is scattered many times there: bake 16 orders or more (`convergence_threshold` says when to stop).";
   for (const auto& [text, factor] : {std::pair{"1e-6", 1e-6}, {"10", 10.0}, {"100", 100.0}, {"1000", 1000.0}}) {
     add(
         std::string("density-") + text,

@@ -15,7 +15,7 @@ namespace {
 
 /// How much larger than recorded an error may be. The library's bits are the same everywhere; those of the truths
 /// depend on the machine's mathematical library, in their last places.
-constexpr double kMostGrowth = 2.0;
+constexpr double kMaxGrowth = 2.0;
 
 /// Errors of so little are the truths' own rounding and may become each other.
 double negligible(StabilityUnit unit) { return unit == StabilityUnit::relative ? 3e-14 : 0.0; }
@@ -48,7 +48,7 @@ void check_case(const StabilityResult& result, const nlohmann::json& golden) {
   CAPTURE(result.name, result.promise, result.measured, result.bound, result.failure, golden.dump());
   const double before =
       golden["measured"].is_null() ? std::numeric_limits<double>::infinity() : golden["measured"].get<double>();
-  CHECK(result.measured <= std::max(kMostGrowth * before, negligible(result.unit)));
+  CHECK(result.measured <= std::max(kMaxGrowth * before, negligible(result.unit)));
   if (golden["holds"].get<bool>()) CHECK(result.holds);
   if (!result.holds) CHECK_FALSE(result.advice.empty());
 }

@@ -92,7 +92,7 @@ SphericalHarmonics noise_truth(int size) {
   SphericalHarmonics sum(3);
   for (int face = 0; face < 6; ++face) {
     const image::Frame& frame = image::face_frame(face);
-    sum = add(sum, turned(local, glm::dmat3(frame.u, frame.v, frame.normal)));
+    sum = add(sum, rotate(local, glm::dmat3(frame.u, frame.v, frame.normal)));
   }
   return sum;
 }
@@ -217,8 +217,7 @@ namespace {
 constexpr double kSphere = 3.5449077018110318;  ///< sqrt(4 pi): band 0 of 1 everywhere
 
 ProjectionOptions bands(int count) {
-  ProjectionOptions options;
-  options.bands = count;
+  ProjectionOptions options{.bands = count};
   return options;
 }
 
@@ -341,9 +340,7 @@ void add_cancellation_cases(StabilityCases& cases) {
 namespace {
 
 ProjectionOptions options_of(int bands, Quadrature quadrature) {
-  ProjectionOptions options;
-  options.bands = bands;
-  options.quadrature = quadrature;
+  ProjectionOptions options{.bands = bands, .quadrature = quadrature};
   return options;
 }
 

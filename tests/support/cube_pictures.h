@@ -47,13 +47,13 @@ inline CubePicture cube_picture(Layout layout, int size, std::span<const float> 
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
       const char mark = rows[static_cast<std::size_t>(y / size)][static_cast<std::size_t>(x / size)];
-      const bool turned = mark >= 'a';
-      const int face = turned ? mark - 'a' : mark - '0';
-      const int column = turned ? size - 1 - x % size : x % size;
-      const int row = turned ? size - 1 - y % size : y % size;
+      const bool rotated = mark >= 'a';
+      const int face = rotated ? mark - 'a' : mark - '0';
+      const int column = rotated ? size - 1 - x % size : x % size;
+      const int row = rotated ? size - 1 - y % size : y % size;
       for (int channel = 0; channel < 3; ++channel) {
-        const int place = ((face * size + row) * size + column) * 3 + channel;
-        picture.pixels.push_back(mark == '.' ? blank : faces[static_cast<std::size_t>(place)]);
+        const int index = ((face * size + row) * size + column) * 3 + channel;
+        picture.pixels.push_back(mark == '.' ? blank : faces[static_cast<std::size_t>(index)]);
       }
     }
   }

@@ -3,6 +3,7 @@
 #include "support/catch.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
+#include "support/jpeg_files.h"
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
@@ -62,21 +63,26 @@ Bytes exr_of_parts(const std::filesystem::path& directory) {
 
 Bytes hdr(HdrForm form) { return hdr_bytes({8, 4, form}, some_rgbe(8, 4)); }
 
+Bytes jpeg(int width, bool progressive, const std::pair<int, std::string>& gains) {
+  const Bytes base = jpeg_bytes({width, width / 2, 3, progressive}, smooth_samples(width, width / 2, 3));
+  return gain_map_file(base, jpeg_bytes({2, 1, 1, progressive, {gains}}, smooth_samples(2, 1, 1)));
+}
+
 Bytes png(int bits, bool interlaced) {
   PngRecipe recipe{8, 4, bits};
   recipe.interlaced = interlaced;
   return png_bytes(recipe, some_samples(recipe));
 }
 
-std::uint32_t big_endian_at(const Bytes& bytes, std::size_t place) {
+std::uint32_t big_endian_at(const Bytes& bytes, std::size_t index) {
   std::uint32_t value = 0;
-  for (std::size_t i = place; i < place + 4; ++i) value = value << 8U | static_cast<unsigned char>(bytes[i]);
+  for (std::size_t i = index; i < index + 4; ++i) value = value << 8U | static_cast<unsigned char>(bytes[i]);
   return value;
 }
 
-void put(Bytes& bytes, std::size_t place, std::uint32_t value, bool big) {
+void put(Bytes& bytes, std::size_t index, std::uint32_t value, bool big) {
   for (std::size_t i = 0; i < 4; ++i) {
-    bytes[place + i] = static_cast<char>(value >> (8 * (big ? 3 - i : i)) & 0xffU);
+    bytes[index + i] = static_cast<char>(value >> (8 * (big ? 3 - i : i)) & 0xffU);
   }
 }
 
@@ -126,8 +132,8 @@ std::vector<Number> numbers_in(const SoundFile& file) {
 }
 
 Bytes replaced(Bytes bytes, const Number& number, const std::string& text) {
-  const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(number.first);
-  const auto after = bytes.erase(place, bytes.begin() + static_cast<std::ptrdiff_t>(number.end));
+  const auto index = bytes.begin() + static_cast<std::ptrdiff_t>(number.first);
+  const auto after = bytes.erase(index, bytes.begin() + static_cast<std::ptrdiff_t>(number.end));
   bytes.insert(after, text.begin(), text.end());
   return bytes;
 }
@@ -152,6 +158,8 @@ std::vector<SoundFile> sound_files(const std::filesystem::path& directory) {
       {"old-runs.hdr", hdr(HdrForm::old_rle), kWhole},
       {"new-runs.hdr", hdr(HdrForm::new_rle), kWhole},
       {"columns.hdr", hdr_bytes({8, 4, HdrForm::mixed, true}, some_rgbe(8, 4)), kWhole},
+      {"xmp.jpg", jpeg(8, false, {1, gain_xmp({})}), kWhole, true},
+      {"iso.jpg", jpeg(8, true, {2, gain_iso({}, true)}), kWhole, true},
       {"eight-bits.png", png(8, false), kWhole, true, repair_png},
       {"interlaced.png", png(16, true), kWhole, true, repair_png},
   };
@@ -166,24 +174,24 @@ void for_each_truncation(const SoundFile& file, const Use& use) {
 }
 
 void for_each_changed_byte(const SoundFile& file, const Use& use) {
-  for (std::size_t place = 0; place < file.header_bytes; ++place) {
-    for (const int value : {~file.bytes[place] & 0xff, 0x00, 0x01, 0xff}) {
+  for (std::size_t index = 0; index < file.header_bytes; ++index) {
+    for (const int value : {~file.bytes[index] & 0xff, 0x00, 0x01, 0xff}) {
       Bytes damaged = file.bytes;
-      damaged[place] = static_cast<char>(value);
+      damaged[index] = static_cast<char>(value);
       hand_out(file, std::move(damaged), use);
     }
   }
 }
 
 void for_each_extreme_field(const SoundFile& file, const Use& use) {
-  for (std::size_t place = 0; place + 4 <= file.header_bytes; ++place) {
+  for (std::size_t index = 0; index + 4 <= file.header_bytes; ++index) {
     for (const std::uint32_t value : kExtremes) {
       Bytes damaged = file.bytes;
-      put(damaged, place, value, file.big_endian);
+      put(damaged, index, value, file.big_endian);
       hand_out(file, damaged, use);
       // As pairs only those whose product is large.
-      if (place + 8 > file.header_bytes || value < 0x10000U) continue;
-      put(damaged, place + 4, value, file.big_endian);
+      if (index + 8 > file.header_bytes || value < 0x10000U) continue;
+      put(damaged, index + 4, value, file.big_endian);
       hand_out(file, std::move(damaged), use);
     }
   }

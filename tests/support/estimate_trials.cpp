@@ -102,8 +102,8 @@ class MipTruth {
     return error(reference_specular(view, roughness, probes_.directions));
   }
   template <class View>
-  [[nodiscard]] double error(const View& view, const ZonalKernel& kernel) const {
-    return error(reference_by_kernel(view, kernel, probes_.directions));
+  [[nodiscard]] double error(const View& view, const ZonalLobe& kernel) const {
+    return error(reference_by_lobe(view, kernel, probes_.directions));
   }
 
  private:
@@ -264,42 +264,42 @@ class Trial {
   EstimateTrials& trials_;
 };
 
-struct NamedKernel {
+struct NamedLobe {
   std::string family;
   std::string name;
-  ZonalKernel kernel;
+  ZonalLobe kernel;
 };
 
-NamedKernel random_kernel(RandomEnvironments& random) {
+NamedLobe random_kernel(RandomEnvironments& random) {
   const double choice = random.number();
   if (choice < 0.5) {
-    const double roughness = random.scale(kLeastCharlieRoughness, 1.0);
-    return {"Charlie", "Charlie " + std::to_string(roughness), ZonalKernel::charlie(roughness)};
+    const double roughness = random.scale(kMinCharlieRoughness, 1.0);
+    return {"Charlie", "Charlie " + std::to_string(roughness), ZonalLobe::charlie(roughness)};
   }
   if (choice < 0.8) {
     const double power = random.scale(1.0, 2000.0);
     const bool blinn = random.chance(0.5);
     return {blinn ? "Blinn" : "Phong", (blinn ? "Blinn " : "Phong ") + std::to_string(power),
-            blinn ? ZonalKernel::blinn(power) : ZonalKernel::phong(power)};
+            blinn ? ZonalLobe::blinn(power) : ZonalLobe::phong(power)};
   }
-  if (choice < 0.9) return {"Lambert", "Lambert", ZonalKernel::lambert()};
+  if (choice < 0.9) return {"Lambert", "Lambert", ZonalLobe::lambert()};
   std::vector<double> spectrum(static_cast<std::size_t>(random.whole(2, 40)));
   const double width = random.scale(0.01, 1.0);
   for (std::size_t l = 0; l < spectrum.size(); ++l)
     spectrum[l] = std::exp(-0.5 * width * static_cast<double>(l * (l + 1)));
-  return {"spectra", "a spectrum of " + std::to_string(spectrum.size()), ZonalKernel::from_spectrum(spectrum)};
+  return {"spectra", "a spectrum of " + std::to_string(spectrum.size()), ZonalLobe::from_spectrum(spectrum)};
 }
 
 /// A mip by a lobe other than GGX, and its error. Returns false if it was refused.
 template <class View>
 bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed, RandomEnvironments& random,
                 EstimateTrials& trials) {
-  const NamedKernel lobe = random_kernel(random);
-  KernelChainOptions options{.size = random.chance(0.1) ? 64 : 1 << random.whole(2, 5), .kernels = {lobe.kernel}};
+  const NamedLobe lobe = random_kernel(random);
+  LobeChainOptions options{.size = random.chance(0.1) ? 64 : 1 << random.whole(2, 5), .lobes = {lobe.kernel}};
   if (random.chance(0.5)) options.rms_error = 1e-4;
   PrefilteredSpecular result;
   try {
-    result = prefilter_by_kernels(view, options);
+    result = prefilter_by_lobes(view, options);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::limit_exceeded) throw;
     return false;
@@ -319,7 +319,7 @@ bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed,
 
 Cubemap picture_of(const std::vector<Cubemap>& pictures, RandomEnvironments& random) {
   const Cubemap& picture = pictures[static_cast<std::size_t>(random.whole(0, static_cast<int>(pictures.size()) - 1))];
-  return to_cubemap(picture.view(), random.whole(6, 20), turn_about_y(random.between(0.0, 360.0)));
+  return to_cubemap(picture.view(), random.whole(6, 20), rotation_about_y(random.between(0.0, 360.0)));
 }
 
 /// Small sources, those of a power of two, and now and then an odd large one.

@@ -30,9 +30,9 @@ struct ExrRecipe {
   int first_row = 0;
   Imf::Compression compression = Imf::ZIP_COMPRESSION;
   Imf::LineOrder line_order = Imf::INCREASING_Y;
-  std::optional<Imf::TileDescription> tiles;
-  std::optional<Imf::Envmap> envmap;
-  std::vector<ExrChannel> channels;
+  std::optional<Imf::TileDescription> tiles{};
+  std::optional<Imf::Envmap> envmap{};
+  std::vector<ExrChannel> channels{};
   std::function<void(Imf::Header&)> adjust{};  ///< does what is left to do to the header
 };
 

@@ -111,9 +111,7 @@ class Gate {
 
 /// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
 inline WorkerOptions options_with(int threads) {
-  WorkerOptions options;
-  options.threads = threads;
-  options.thread_priority = ThreadPriority::normal;
+  WorkerOptions options{.threads = threads, .thread_priority = ThreadPriority::normal};
   return options;
 }
 
@@ -157,8 +155,7 @@ class ArenaExecutor final : public Executor {
 };
 
 inline WorkerOptions lent(std::shared_ptr<Executor> executor) {
-  WorkerOptions options;
-  options.executor = std::move(executor);
+  WorkerOptions options{.executor = std::move(executor)};
   return options;
 }
 

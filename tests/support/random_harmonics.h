@@ -40,7 +40,7 @@ class RandomLight {
   }
 
   /// Of unit length, all turns equally likely.
-  glm::dquat turn() {
+  glm::dquat rotation() {
     for (;;) {
       const glm::dvec3 v = colour();
       const glm::dquat q(number(), v.x, v.y, v.z);

@@ -6,25 +6,22 @@
 namespace welkin::test {
 
 SkyTableOptions tiny_tables() {
-  SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 16;
-  options.sun_zeniths = 8;
-  options.sun_angles = 4;
-  options.transmittance_heights = 16;
-  options.transmittance_zeniths = 64;
-  options.irradiance_heights = 4;
-  options.irradiance_sun_zeniths = 16;
-  options.orders = 1;
+  SkyTableOptions options{.heights = 4,
+                          .view_zeniths = 16,
+                          .sun_zeniths = 8,
+                          .sun_angles = 4,
+                          .transmittance_heights = 16,
+                          .transmittance_zeniths = 64,
+                          .irradiance_heights = 4,
+                          .irradiance_sun_zeniths = 16,
+                          .orders = 1};
   return options;
 }
 
 std::shared_ptr<const SkyTables> small_earth() {
   static const std::shared_ptr<const SkyTables> tables = [] {
-    SkyTableOptions options;
-    options.heights = 8;
-    options.orders = 2;
-    options.exact_orders = true;  // these two, and no estimate of others
+    SkyTableOptions options{.heights = 8, .orders = 2};
+    options.truncate_orders = true;  // these two, and no estimate of others
     return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return tables;

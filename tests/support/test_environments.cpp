@@ -100,14 +100,14 @@ double sprinkled(std::uint32_t seed, std::uint32_t counter, double share, const 
 }
 
 /// Where a texel is, as far as content depends on it.
-struct Place {
+struct FacePoint {
   Vector direction;
   std::uint32_t texel;   ///< its number in the environment
   std::uint32_t texels;  ///< how many there are
   std::uint32_t cell;    ///< the number of its constant square
 };
 
-Vector radiance(Content content, std::uint32_t seed, const Place& at) {
+Vector radiance(Content content, std::uint32_t seed, const FacePoint& at) {
   const auto per_channel = [&at](auto&& value) {
     return Vector{value(4 * at.texel), value(4 * at.texel + 1), value(4 * at.texel + 2)};
   };
@@ -163,7 +163,7 @@ Channel channel_value(double value) {
 }
 
 template <class Channel>
-void append(std::vector<Channel>& pixels, int channels, Content content, std::uint32_t seed, const Place& at) {
+void append(std::vector<Channel>& pixels, int channels, Content content, std::uint32_t seed, const FacePoint& at) {
   for (const double value : radiance(content, seed, at)) pixels.push_back(channel_value<Channel>(value));
   if (channels == 4) pixels.push_back(channel_value<Channel>(alpha(content, seed, at.texel)));
 }

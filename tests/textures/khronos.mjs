@@ -93,7 +93,7 @@ function compareWithParser(path) {
     const each = bytes.length / file.faceCount;
     for (let face = 0; face < file.faceCount; ++face) {
       const image = images.find((one) => one.face === face && one.level === level);
-      const sizes = [file.pixelWidth, file.pixelHeight, file.pixelDepth].filter((size) => size > 0).map((size) => Math.max(1, size >> level));
+      const sizes = [file.pixelWidth, file.pixelHeight, file.pixelDepth || file.layerCount].filter((size) => size > 0).map((size) => Math.max(1, size >> level));
       check(image?.sizes.join() === sizes.join(), `${path} level ${level}, face ${face}: ${image?.sizes} texels`);
       check(image?.bytes.equals(bytes.subarray(face * each, (face + 1) * each)), `${path} level ${level}, face ${face}: other bytes`);
     }

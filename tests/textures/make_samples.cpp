@@ -91,8 +91,14 @@ void write_images(const std::filesystem::path& directory, const Cubemap& chain) 
   write_octahedral(directory / "octahedral_zstd.ktx2", map, {TexelFormat::rgba32f, Supercompression::zstd, {}});
   write_octahedral(directory / "octahedral_bc6h.ktx2", map, {.format = TexelFormat::bc6h_sfloat});
   const std::vector<CubemapView> captures(6, chain.view(0));
-  const std::vector<ProbeLayout> layouts{ProbeLayout::three, ProbeLayout::unity_l2, ProbeLayout::unity_l1};
-  write_probes(directory / "probes.json", bake_probes({.counts = {3, 2, 1}}, captures), layouts);
+  const std::vector<float> distance(6, 0.5F);
+  DepthView depth{{}, 1, 0};
+  for (std::size_t face = 0; face < 6; ++face) depth.faces[face] = &distance[face];
+  const std::vector<DepthView> depths(6, depth);
+  const std::vector<ProbeLayout> layouts{ProbeLayout::three, ProbeLayout::unity_l2, ProbeLayout::unity_l1,
+                                         ProbeLayout::bevy, ProbeLayout::rtxgi};
+  const ProbeGrid grid{.counts = {3, 2, 1}, .origin = {-1.0, 0.5, 2.0}, .spacing = {0.75, 1.5, 2.0}};
+  write_probes(directory / "probes.json", bake_probes(grid, captures, depths), layouts);
 }
 
 void write_env(const std::filesystem::path& directory, const Cubemap& chain) {

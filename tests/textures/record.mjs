@@ -314,5 +314,35 @@ irradiance.forEach((chunk, face) => {
 });
 check(JSON.stringify(info.irradiance.irradianceTexture.dominantDirection) === "[0.6,0,-0.8]", "sky.env: dominant direction");
 
+// Probes: three.js's ObjectLoader makes a LightProbe of each, with its light and place, and the grid of the guide's lines
+// has its probes there and takes the texture.
+{
+  const { LightProbeGridWebGL } = await load("three/examples/jsm/lighting/LightProbeGridWebGL.js");
+  const jsonOf = (file) => JSON.parse(Buffer.from(bytesOf(file)).toString());
+  const described = jsonOf("probes.json");
+  const group = new three.ObjectLoader().parse(jsonOf("probes_three.json"));
+  const { name, offset, bytes } = described.arrays.entries[0];
+  const light = new Float64Array(bytesOf("probes.bin").buffer, offset, bytes / 8);
+  check(name === "coefficients" && group.children.length === 6, "probes_three.json: six probes");
+  const { counts, centre, size, texture } = group.userData;
+  const grid = new LightProbeGridWebGL(...size, ...counts);
+  grid.position.set(...centre);
+  grid.updateBoundingBox();
+  group.children.forEach((probe, k) => {
+    check(probe.isLightProbe && probe.intensity === 1, `probes_three.json: ${probe.type}`);
+    check(probe.sh.toArray().every((value, i) => value === light[27 * k + i]), `probes_three.json: light of ${k}`);
+    const at = new three.Vector3().setFromMatrixPosition(probe.matrix);
+    const [i, j] = [k % 3, Math.floor(k / 3)];
+    check(at.distanceTo(grid.getProbePosition(i, j, 0, new three.Vector3())) < 1e-12, `probes_three.json: place of ${k}`);
+    check(at.distanceTo(new three.Vector3(-1 + 0.75 * i, 0.5 + 1.5 * j, 2)) < 1e-12, `probes_three.json: grid of ${k}`);
+  });
+  const file = ktx.read(bytesOf(texture));
+  const data = new Uint16Array(file.levels[0].levelData.slice().buffer);
+  grid.texture = new three.Data3DTexture(data, file.pixelWidth, file.pixelHeight, file.pixelDepth);
+  check(file.pixelWidth === 3 && file.pixelHeight === 2 && file.pixelDepth === 7 * 3, `${texture}: size`);
+  const half = three.DataUtils.fromHalfFloat; // of the second volume's only slice: the fifth number of probe 4
+  check(Math.abs(half(data[4 * (4 + 6 * (3 + 1))]) - light[27 * 4 + 4]) < 1e-3 * Math.abs(light[27 * 4 + 4]), `${texture}: texel`);
+}
+
 console.log(`${checks - failed} of ${checks} checks hold`);
 process.exit(failed === 0 ? 0 : 1);

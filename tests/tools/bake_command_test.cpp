@@ -38,7 +38,7 @@ std::vector<float> texels(const Cubemap& chain, int level) {
 
 }  // namespace
 
-TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
+TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "some" / "where";
   const CommandResult result = run_welkin("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
@@ -54,12 +54,12 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
   check_manifest_matches(folder);
 }
 
-TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
+TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   const auto manifest = bake_into(
       folder, "--sky --size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7 --formats ktx2,env");
-  const std::vector<double> wanted = roughness_of_mips(RoughnessSchedule::filament, 5, 32);
+  const std::vector<double> wanted = mip_roughness(RoughnessSchedule::filament, 5, 32);
 
   const CubemapTexture specular = read_texture(folder / "specular.ktx2");
   CHECK(specular.cubemap.size() == 32);
@@ -82,7 +82,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
   CHECK(env.specular.levels() == 6);
   CHECK(env.polynomial.has_value());
   CHECK(file_of(manifest, "environment.env").at("roughness").get<std::vector<double>>() ==
-        roughness_of_mips(RoughnessSchedule::babylon, 6, 32));
+        mip_roughness(RoughnessSchedule::babylon, 6, 32));
 }
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
@@ -152,8 +152,8 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
     for (const nlohmann::json& mip : said.at("specular")) numbers.push_back(mip.at(what));
     return numbers;
   };
-  const std::vector<double> filament = roughness_of_mips(RoughnessSchedule::filament, 4, 32);
-  const std::vector<double> fitted = fitted_roughness_of_mips(RoughnessSchedule::filament, 4, 32);
+  const std::vector<double> filament = mip_roughness(RoughnessSchedule::filament, 4, 32);
+  const std::vector<double> fitted = fitted_mip_roughness(RoughnessSchedule::filament, 4, 32);
   const nlohmann::json on = manifest("--for filament");
   CHECK(on.at("options").at("fit_lookups") == true);
   CHECK(of_mips(on, "roughness") == filament);  // where the shader looks
@@ -166,7 +166,7 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
   CHECK(run_welkin("bake --sky --fit-lookups on --roughness 0,1 -o " + quoted(scratch.path() / "no")).exit_code != 0);
 }
 
-TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
+TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
   bake_into(folder,
@@ -183,8 +183,7 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
     const std::string number = std::to_string(level);
     const Environment pfm = read_environment(folder / ("specular_m" + number + ".pfm"));
     CHECK(std::equal(wanted.begin(), wanted.end(), pfm.pixels.get()));
-    ReadOptions exr_level;
-    exr_level.level = level;
+    ReadOptions exr_level{.level = level};
     const Environment exr = read_environment(folder / "specular.exr", exr_level);
     REQUIRE(exr.face_size() == 16 >> level);
     CHECK(std::equal(wanted.begin(), wanted.end(), exr.pixels.get()));
@@ -230,7 +229,7 @@ TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothin
   }
 }
 
-TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
+TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
@@ -303,11 +302,11 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   bake_into(babylon, options + " --for babylon" + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
     const CubemapTexture straight = read_texture(plain / name);
-    const CubemapTexture turned = read_texture(babylon / name);
+    const CubemapTexture rotated = read_texture(babylon / name);
     const Cubemap mirrored = mirrored_x(straight.cubemap);
     for (int level = 0; level < mirrored.levels(); ++level) {
-      CHECK(texels(turned.cubemap, level) == texels(mirrored, level));
-      if (level == 0) CHECK(texels(turned.cubemap, 0) != texels(straight.cubemap, 0));
+      CHECK(texels(rotated.cubemap, level) == texels(mirrored, level));
+      if (level == 0) CHECK(texels(rotated.cubemap, 0) != texels(straight.cubemap, 0));
     }
   }
   for (const char* name : {"environment.env", "preview_spheres.png", "preview_environment.png"}) {
@@ -315,7 +314,7 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   }
 }
 
-TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][bake]") {
+TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto in = scratch.path() / "bright.pfm";
   std::vector<float> pixels = grey_picture(16, 96, 0.5F);

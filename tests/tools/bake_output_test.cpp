@@ -2,6 +2,7 @@
 #include "places.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -16,8 +17,7 @@ namespace {
 class Preview {
  public:
   explicit Preview(const std::filesystem::path& path) {
-    ReadOptions options;
-    options.layout = Layout::lat_long;
+    ReadOptions options{.layout = Layout::lat_long};
     picture_ = read_environment(path, options);
   }
 
@@ -181,4 +181,71 @@ TEST_CASE("bake: the same files on any number of threads", "[tools][bake][slow]"
     bake_into(scratch.path() / "many", kOptions + threads);
     check_same(scratch.path() / "many", expected);
   }
+}
+
+namespace {
+
+/// A word of shared exponents: nine bits each of red, green and blue, then the exponent. (OpenGL ES 3.0, 3.8.3.2.)
+std::array<double, 3> light_of(const std::vector<std::uint8_t>& bytes, std::size_t texel) {
+  std::uint32_t word = 0;
+  for (std::size_t k = 4; k-- > 0;) word = word << 8U | bytes[4 * texel + k];
+  const double unit = std::ldexp(1.0, static_cast<int>(word >> 27U) - 15 - 9);
+  return {(word & 511U) * unit, (word >> 9U & 511U) * unit, (word >> 18U & 511U) * unit};
+}
+
+std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t group = 0;
+  int bits = 0;
+  for (const char letter : text) {
+    if (letter == '=') break;
+    group = group << 6U | static_cast<std::uint32_t>(letters.find(letter));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<std::uint8_t>(group >> static_cast<unsigned>(bits)));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("bake: the page of a preview holds the chain, and asks no network", "[tools][bake]") {
+  const TemporaryDirectory scratch;
+  const auto folder = scratch.path() / "out";
+  const nlohmann::json manifest = bake_into(folder, quoted(write_directions(scratch.path())) + " --size 256 --brdf 8 " +
+                                                        "--irradiance 8 --ktx2-format rgba32f --preview html");
+  CHECK(file_of(manifest, "preview.html").at("format") == "HTML");
+  const std::string page = file_text(folder / "preview.html");
+  for (const char* word : {"http:", "https:", "src=", "href=", ">DATA<"}) CHECK_FALSE(contains(page, word));
+  const std::string opening = R"(<script id="data" type="application/json">)";
+  const std::size_t begin = page.find(opening) + opening.size();
+  const nlohmann::json data = json_of(page.substr(begin, page.find("</script>", begin) - begin));
+  CHECK(data.at("environment").at("size") == 256);
+  CHECK(data.at("irradiance").at("size") == 8);
+  CHECK(data.at("brdf").at("width") == 8);
+
+  // Mips from 128 texels down, each face by face.
+  const Cubemap chain = read_texture(folder / "specular.ktx2").cubemap;
+  const std::vector<std::uint8_t> bytes = bytes_of_base64(data.at("chain").at("texels"));
+  REQUIRE(data.at("chain").at("levels") == chain.levels() - 1);
+  REQUIRE(data.at("roughness").size() == static_cast<std::size_t>(chain.levels()) - 1);
+  std::size_t texel = 0;
+  double worst = 0.0;
+  for (int level = 1; level < chain.levels(); ++level) {
+    for (int face = 0; face < 6; ++face) {
+      const float* const rgb = chain.face(level, face);
+      const auto edge = static_cast<std::size_t>(chain.level_size(level));
+      for (std::size_t i = 0; i < 3 * edge * edge; i += 3) {
+        const std::array<double, 3> stored = light_of(bytes, texel++);
+        const double brightest = std::max({rgb[i], rgb[i + 1], rgb[i + 2]});
+        for (std::size_t k = 0; k < 3; ++k) worst = std::max(worst, std::abs(stored[k] - rgb[i + k]) / brightest);
+      }
+    }
+  }
+  CHECK(texel * 4 == bytes.size());
+  CHECK(worst < 1.0 / 510);
+  bake_into(folder, quoted(scratch.path() / "directions.pfm") + " --size 32");  // which owns the page, and removes it
+  CHECK_FALSE(std::filesystem::exists(folder / "preview.html"));
 }

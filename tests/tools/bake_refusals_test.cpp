@@ -75,7 +75,7 @@ TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
   bake_into(scratch.path() / "other", quoted(faces) + options);
 }
 
-TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
+TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto out = scratch.path() / "out";
   const std::string start = "bake --sky -o " + quoted(out) + " ";
@@ -112,7 +112,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
                              "--supercompression rar",
                              "--layout lat-long",
                              "--clamp 0",
-                             "--gamma --take-out-sun",
+                             "--gamma --extract-sun",
                              "--threads -1",
                              "--size 4 --mips 4",
                              "--mips 3 --roughness 0,1",

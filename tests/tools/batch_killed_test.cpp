@@ -54,6 +54,10 @@ TEST_CASE("A batch that is killed goes on where it was", "[command][batch][slow]
   CHECK(rest.at("present") == there);
   CHECK(rest.at("computed") == kJobs - there);
   CHECK(whole_results(batch) == kJobs);  // and what was at work is gone
+  // Killed after a result had its name.
+  std::filesystem::create_directories(batch.results() / (batch.result_names().front() + ".work") / "files");
+  batch.run_well("run");
+  CHECK(whole_results(batch) == kJobs);
   const Batch other(kJobs);
   other.run_well("run");
   CHECK(batch.merged() == other.merged());

@@ -208,7 +208,7 @@ TEST_CASE("Patterns find pictures, and none that a bake has made", "[command][ba
   }
 }
 
-TEST_CASE("Shards are cut by predicted cost, the same by everyone", "[command][batch]") {
+TEST_CASE("Shards are cut by predicted cost, the same by everyone", "[command][batch][slow]") {
   std::mt19937 random(20);  // NOLINT: the same numbers each time
   const Batch batch;
   std::vector<double> seconds(120);

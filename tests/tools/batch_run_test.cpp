@@ -109,7 +109,7 @@ TEST_CASE("An input that fails is told, and stops no other", "[command][batch]")
   CHECK(batch.run_well("status").at("done") == 4);
 }
 
-TEST_CASE("A truncated result is not counted as done, and made anew", "[command][batch]") {
+TEST_CASE("A truncated result is not counted as done, and made anew", "[command][batch][slow]") {
   const Batch batch(2);
   batch.run_well("run");
   const auto files = batch.all_files();
@@ -129,7 +129,7 @@ TEST_CASE("A truncated result is not counted as done, and made anew", "[command]
   CHECK(batch.all_files() == files);
 }
 
-TEST_CASE("Merging looks at every byte", "[command][batch]") {
+TEST_CASE("Merging looks at every byte", "[command][batch][slow]") {
   const Batch batch(3);
   batch.run_well("run");
   batch.merged();
@@ -231,7 +231,7 @@ TEST_CASE("Results are computed once more, on another shard, and compared", "[co
   CHECK(batch.run("status").exit_code == 0);
 }
 
-TEST_CASE("Bakes that run at the same time stay below the memory that they may take", "[command][batch]") {
+TEST_CASE("Bakes that run at the same time stay below the memory that they may take", "[command][batch][slow]") {
   const Batch batch;
   for (int i = 0; i < 8; ++i) write_picture(batch.input() / (std::to_string(i) + ".pfm"), i, i < 6 ? 512 : 64);
   const nlohmann::json plan = batch.plan(quoted(batch.input()) + " --size 64 --irradiance 4 --no-brdf --no-previews");

@@ -81,8 +81,8 @@ Cubemap changed(const Cubemap& chain, const std::function<Cubemap(Cubemap mip)>&
   return result;
 }
 
-Cubemap turned_by(const Cubemap& chain, const glm::dmat3& turn) {
-  return changed(chain, [&](const Cubemap& mip) { return to_cubemap(mip.view(), mip.size(), turn); });
+Cubemap rotate_by(const Cubemap& chain, const glm::dmat3& rotation) {
+  return changed(chain, [&](const Cubemap& mip) { return to_cubemap(mip.view(), mip.size(), rotation); });
 }
 
 Cubemap with_values(const Cubemap& chain, const std::function<float(std::size_t index, float value)>& change) {
@@ -93,7 +93,7 @@ Cubemap with_values(const Cubemap& chain, const std::function<float(std::size_t 
 
 }  // namespace
 
-TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check]") {
+TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check][slow]") {
   const Room room;
   const nlohmann::json report = room.check(room.chain(), "");
   CHECK(findings_of(report).empty());
@@ -101,12 +101,12 @@ TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check
   CHECK(report["schedule"] == "filament");
   CHECK(report["mips"].size() == 5);
   CHECK(report["mips"][2]["fitted_roughness"].get<double>() ==
-        Approx(roughness_of_mips(RoughnessSchedule::filament, 5, kSize)[2]).margin(0.01));
+        Approx(mip_roughness(RoughnessSchedule::filament, 5, kSize)[2]).margin(0.01));
   const std::string said = run_welkin("check " + quoted(room.file("chain.ktx2")) + " " + quoted(room.source())).output;
   CHECK(contains(said, "Nothing is wrong with orientation, scale, roughness and edges."));
 }
 
-TEST_CASE("command: check names what is wrong with a chain", "[tools][check]") {
+TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slow]") {
   const Room room;
   const Cubemap chain = room.chain();
   const auto swap_rows_of_top = [](Cubemap mip) {
@@ -124,10 +124,10 @@ TEST_CASE("command: check names what is wrong with a chain", "[tools][check]") {
     std::string finding;
   };
   const std::vector<Fault> faults = {
-      {mirrored_x(chain), "mirrored in x, as Babylon.js has them"},
-      {turned_by(chain, mirror), "mirrored in y"},
-      {turned_by(chain, turn_about_y(90.0)), "rotated by 90 degrees about y"},
-      {turned_by(chain, turn_about_y(180.0)), "rotated by 180 degrees about y"},
+      {mirrored_x(chain), "mirrored in x, as Babylon.js and PlayCanvas have them"},
+      {rotate_by(chain, mirror), "mirrored in y"},
+      {rotate_by(chain, rotation_about_y(90.0)), "rotated by 90 degrees about y"},
+      {rotate_by(chain, rotation_about_y(180.0)), "rotated by 180 degrees about y"},
       {changed(chain, swap_rows_of_top), "faces do not fit together: +Y shows +Y with rows mirrored"},
       {with_values(chain, [](std::size_t /*index*/, float value) { return value * std::numbers::pi_v<float>; }),
        "scaled by 3.14"},
@@ -168,7 +168,7 @@ TEST_CASE("command: check finds nothing in even light, at any size", "[tools][ch
   }
 }
 
-TEST_CASE("command: check names edges that do not fit", "[tools][check]") {
+TEST_CASE("command: check names edges that do not fit", "[tools][check][slow]") {
   const Room room;
   Cubemap chain = room.chain();
   // The outermost texels of +X and -X as a filter leaves them that knows one face alone.
@@ -186,7 +186,7 @@ TEST_CASE("command: check names edges that do not fit", "[tools][check]") {
   CHECK(report["mips"][2]["seams"].empty());
 }
 
-TEST_CASE("command: check reads irradiance, .env files and folders of faces", "[tools][check]") {
+TEST_CASE("command: check reads irradiance, .env files and folders of faces", "[tools][check][slow]") {
   const Room room;
   const auto out = room.file("out");
   REQUIRE(run_welkin("bake -q --no-previews --size 32 --formats ktx2 -o " + quoted(out) + " " + quoted(room.source()))
@@ -213,16 +213,16 @@ TEST_CASE("command: check reads irradiance, .env files and folders of faces", "[
                 {texels, texels + std::ptrdiff_t{3} * size * size});
     }
   }
-  const nlohmann::json faces = room.check(
-      folder, "--roughness 0," + std::to_string(roughness_of_mips(RoughnessSchedule::filament, 5, kSize)[1]));
+  const nlohmann::json faces =
+      room.check(folder, "--roughness 0," + std::to_string(mip_roughness(RoughnessSchedule::filament, 5, kSize)[1]));
   CHECK(faces["mips"].size() == 2);
   CHECK(faces["rms"].get<double>() < 2e-3);
 
   const SphericalHarmonics light = project(room.view()).radiance;
   const auto env = room.file("chain.env");
   PrefilterOptions babylon{.size = kSize};
-  babylon.mips = mips_of_chain(RoughnessSchedule::babylon, kSize);
-  babylon.roughness = roughness_of_mips(RoughnessSchedule::babylon, *babylon.mips, kSize);
+  babylon.mips = default_mip_count(RoughnessSchedule::babylon, kSize);
+  babylon.roughness = mip_roughness(RoughnessSchedule::babylon, *babylon.mips, kSize);
   write_babylon_environment(env, to_babylon(prefilter_specular(room.view(), babylon).cubemap, light));
   const nlohmann::json file = room.check(env);
   CHECK(file["schedule"] == "babylon");
@@ -230,7 +230,7 @@ TEST_CASE("command: check reads irradiance, .env files and folders of faces", "[
   CHECK(file["polynomial"]["rms"].get<double>() < 1e-3);
 }
 
-TEST_CASE("command: check judges harmonics in cmgen's text", "[tools][check]") {
+TEST_CASE("command: check judges harmonics in cmgen's text", "[tools][check][slow]") {
   const Room room;
   SphericalHarmonics light = project(room.view()).radiance;
   const auto write = [&](const SphericalHarmonics& harmonics) {
@@ -245,7 +245,7 @@ TEST_CASE("command: check judges harmonics in cmgen's text", "[tools][check]") {
 
   glm::dmat3 mirror(1.0);
   mirror[2][2] = -1.0;
-  write(scale(turned(light, mirror), dvec3(2.0)));
+  write(scale(rotate(light, mirror), dvec3(2.0)));
   const nlohmann::json report = room.check(room.file("sh.txt"));
   CHECK(report["form"] == "radiance");
   CHECK(report["placement"] == "mirrored in z, as Bevy has them");
@@ -264,7 +264,7 @@ TEST_CASE("command: check judges harmonics in cmgen's text", "[tools][check]") {
                  "triples of numbers"));
 }
 
-TEST_CASE("command: check fails where a mip errs by more than --error", "[tools][check]") {
+TEST_CASE("command: check fails where a mip errs by more than --error", "[tools][check][slow]") {
   const Room room;
   const Cubemap chain = room.chain();
   write_texture(room.file("chain.ktx2"), chain.views(), {.format = TexelFormat::b10g11r11});

@@ -63,7 +63,7 @@ TEST_CASE("command: convert goes through every layout of a cube and back", "[too
   }
 }
 
-TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[tools][convert]") {
+TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[tools][convert][slow]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
   const auto out = directory.file("out.pfm");
@@ -75,9 +75,10 @@ TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[t
   };
   glm::dmat3 mirror(1.0);
   mirror[0][0] = -1.0;
-  CHECK(converted("--yaw -90") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(-90.0)).pixels);
-  CHECK(converted("--mirror --yaw 33") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(33.0) * mirror).pixels);
-  CHECK(converted("--rotation 0,1,0,1") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(90.0)).pixels);
+  CHECK(converted("--yaw -90") == to_lat_long(source.lat_long(), 64, 32, rotation_about_y(-90.0)).pixels);
+  CHECK(converted("--mirror --yaw 33") ==
+        to_lat_long(source.lat_long(), 64, 32, rotation_about_y(33.0) * mirror).pixels);
+  CHECK(converted("--rotation 0,1,0,1") == to_lat_long(source.lat_long(), 64, 32, rotation_about_y(90.0)).pixels);
   CHECK(converted("--size 20") == to_lat_long(source.lat_long(), 20, 10).pixels);
   CHECK(std::ranges::equal(converted("--layout vertical-strip"), to_cubemap(source.lat_long(), 16).pixels()));
   CHECK(std::ranges::equal(converted("--layout vertical-strip --size 5 --threads 2"),

@@ -40,7 +40,7 @@ struct Workplace {
 
 }  // namespace
 
-TEST_CASE("bake: without -o the folder has the input's name, and is said", "[tools][bake][posix]") {
+TEST_CASE("bake: without -o the folder has the input's name, and is said", "[tools][bake][posix][slow]") {
   const Workplace here;
   CHECK(contains(here.succeed(std::string("bake hdr/city.pfm") + kSmall), "\ncity, axes"));
   CHECK(here.has("city/manifest.json"));
@@ -51,7 +51,7 @@ TEST_CASE("bake: without -o the folder has the input's name, and is said", "[too
   CHECK(contains(here.refusal(std::string("bake hdr/city.pfm -o \'\'") + kSmall, 1), "-o"));  // an unset variable
 }
 
-TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake][posix]") {
+TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake][posix][slow]") {
   const Workplace here;
   std::filesystem::create_directory(here.folder.path() / "city");
   static_cast<void>(here.succeed(std::string("bake hdr/city.pfm") + kSmall));  // an empty folder is nobody's

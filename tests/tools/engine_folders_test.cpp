@@ -33,6 +33,8 @@ const std::map<std::string, Names>& folders() {
       {"unreal", {"environment.hdr"}},
       {"blender", {"environment.exr"}},
       {"godot", {"environment.exr"}},
+      {"playcanvas", {"env_atlas.json", "env_atlas.png"}},
+      {"qt", {"environment.ktx"}},
       {"usd", {"environment.exr", "environment.usda"}}};
   return all;
 }
@@ -54,7 +56,7 @@ Names with_common_files(const std::string& engine, Names names) {
 /// The files of a bake's folder that a text names; not those that it names with a folder of another place.
 Names files_named_in(const std::string& text) {
   static const std::regex pattern(
-      R"((^|[^A-Za-z0-9_/])(?:/|\./|//|res://|Assets/)?([a-z0-9_]+\.(?:ktx2|ktx|dds|exr|hdr|env|glb|usda|json|h)\b))");
+      R"((^|[^A-Za-z0-9_/])(?:/|\./|//|res://|Assets/)?([a-z0-9_]+\.(?:ktx2|ktx|dds|exr|hdr|env|glb|png|usda|json|h)\b))");
   Names names;
   for (std::sregex_iterator at(text.begin(), text.end(), pattern); at != std::sregex_iterator(); ++at) {
     names.push_back((*at)[2]);

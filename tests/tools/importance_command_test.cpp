@@ -67,7 +67,7 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
   CHECK(said.at("files").size() == 5 + pyramid.levels.size());
 }
 
-TEST_CASE("importance: cubemaps do, and what cannot be is refused", "[tools][importance]") {
+TEST_CASE("importance: cubemaps do, and what cannot be is refused", "[tools][importance][slow]") {
   const TemporaryDirectory scratch;
   const auto cube = scratch.path() / "cube.pfm";
   REQUIRE(run_welkin("testmap --size 8 --layout vertical-strip -o " + quoted(cube)).exit_code == 0);

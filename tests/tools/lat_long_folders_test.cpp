@@ -60,16 +60,16 @@ TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's o
     CHECK(said.at("height") == 50);
   }
   // Turns by whole columns and mirrors move pixels.
-  const auto turned = scratch.path() / "turned";
-  bake_into(turned, quoted(pfm) + " --for blender --yaw 90 --mirror" + kQuick);
-  const glm::dmat3 turn = turn_about_y(90.0) * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-  CHECK((pixels_in(turned / "environment.exr") == to_lat_long(picture.view(), 100, 50, turn).pixels));
+  const auto rotated = scratch.path() / "turned";
+  bake_into(rotated, quoted(pfm) + " --for blender --yaw 90 --mirror" + kQuick);
+  const glm::dmat3 rotation = rotation_about_y(90.0) * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+  CHECK((pixels_in(rotated / "environment.exr") == to_lat_long(picture.view(), 100, 50, rotation).pixels));
   // Floats stay floats where that is asked for.
   LatLongImage fine = picture;
   for (float& value : fine.pixels) value = std::nextafter(value, 1e9F);
   write_environment(pfm, fine.view());
-  const auto floats = bake_into(turned, quoted(pfm) + " --for usd --ktx2-format rgba32f" + kQuick);
-  CHECK((pixels_in(turned / "environment.exr") == fine.pixels));
+  const auto floats = bake_into(rotated, quoted(pfm) + " --for usd --ktx2-format rgba32f" + kQuick);
+  CHECK((pixels_in(rotated / "environment.exr") == fine.pixels));
   CHECK(file_of(floats, "environment.exr").at("format") == "OpenEXR float");
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names a
   for (std::size_t c = 0; c < 3; ++c) sunny.pixels[3 * (10 * 64 + 20) + c] = 5e4F;
   for (std::size_t texel = 0; texel < 64 * 32; texel += 7) sunny.pixels[3 * texel] = 0.25F;
   write_environment(pfm, sunny.view());
-  const auto manifest = bake_into(out, quoted(pfm) + " --for godot --take-out-sun" + kQuick);
+  const auto manifest = bake_into(out, quoted(pfm) + " --for godot --extract-sun" + kQuick);
   REQUIRE(manifest.at("sun").is_object());
   const std::vector<float> rest = pixels_in(out / "environment.exr");
   CHECK(rest[3 * (10 * 64 + 20)] < 1.0F);
@@ -149,9 +149,9 @@ TEST_CASE("The table of sharpness in docs/notes/measurements.md", "[.sharpness]"
       std::printf(" %.4f |", sharpness(written.lat_long()));
       std::filesystem::remove_all(out);
     }
-    for (const char* turn : {"--yaw 37.31", "--rotation 0.3,0.2,0.1,0.9"}) {
+    for (const char* rotation : {"--yaw 37.31", "--rotation 0.3,0.2,0.1,0.9"}) {
       const auto out = scratch.path() / "out";
-      bake_into(out, quoted(path) + " --no-previews --for blender " + turn);
+      bake_into(out, quoted(path) + " --no-previews --for blender " + rotation);
       const Environment written = read_environment(out / "environment.exr");
       std::printf(" %.4f |", sharpness(written.lat_long()));
       std::filesystem::remove_all(out);

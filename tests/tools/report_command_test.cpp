@@ -31,7 +31,7 @@ void require_refused(const std::string& arguments, int exit_code, const std::str
 
 }  // namespace
 
-TEST_CASE("report: a page and figures", "[tools][report]") {
+TEST_CASE("report: a page and figures", "[tools][report][slow]") {
   const TemporaryDirectory folder;
   const std::string base = (folder.path() / "r").string();
   const CommandResult result = run_well(kTiny + "-o " + base + ".html --json " + base + ".json --csv " + base + ".csv");

@@ -177,7 +177,7 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
 
 }  // namespace
 
-TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
+TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
   const nlohmann::json json = run_sh_json("--sky --bands 4");
   const CommandResult result = run_welkin("sh --sky --bands 4 --format text");
   CHECK(result.exit_code == 0);
@@ -192,7 +192,7 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
   }
 }
 
-TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix]") {
+TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix][slow]") {
   const nlohmann::json json = run_sh_json("--sky");
   const CommandResult result = run_welkin("sh --sky --format c");
   REQUIRE(result.exit_code == 0);
@@ -249,7 +249,7 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
     const SphericalHarmonics light = radiance_of(run_sh_json("--sky" + axes));
     const CommandResult result = run_welkin("sh --sky --format glsl" + axes);
     CHECK(result.errors.empty());
-    check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_in_place(light, Engine::welkin));
+    check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_unrotated(light, Engine::welkin));
     CHECK(contains(result.output, "vec3 diffuse_light(vec3 n) {"));
     if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
     const TemporaryDirectory folder;
@@ -265,9 +265,9 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
 
 TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
   const SphericalHarmonics light = radiance_of(run_sh_json("--sky --for unity"));
-  const CommandResult result = run_welkin("sh --sky --for unity --format cs --take-out-sun");
+  const CommandResult result = run_welkin("sh --sky --for unity --format cs --extract-sun");
   check_numbers(numbers_of_rows("    {", run_welkin("sh --sky --for unity --format cs").output),
-                engine_light_in_place(light, Engine::unity));
+                engine_light_unrotated(light, Engine::unity));
   for (const char* const part : {"public static SphericalHarmonicsL2 Probe()", "using UnityEngine.Rendering;",
                                  "SunDirection = new Vector3(", "AmbientMode.Custom"}) {
     CHECK(contains(result.output, part));
@@ -301,7 +301,7 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
 }
 
 TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by it", "[tools][slow]") {
-  const nlohmann::json json = run_sh_json("--sky --take-out-sun");
+  const nlohmann::json json = run_sh_json("--sky --extract-sun");
   REQUIRE(json.at("sun").is_object());
   const glm::dvec3 direction = triple(json.at("sun").at("direction"));
   CHECK(direction.y == Approx(std::sin(40.0 / 180.0 * std::acos(-1.0))).margin(0.01));
@@ -310,7 +310,7 @@ TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by
       triple(whole.at("diagnostics").at("total_radiance")) - triple(json.at("diagnostics").at("total_radiance"));
   const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
   CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("total_radiance"))));
-  CHECK(contains(run_welkin("sh --sky --take-out-sun").output, "Sun, extracted"));
+  CHECK(contains(run_welkin("sh --sky --extract-sun").output, "Sun, extracted"));
 }
 
 TEST_CASE("convert: the map without its sun, plus the sun that is reported, is the map", "[tools][convert]") {
@@ -323,11 +323,11 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
   }
   write_pfm(sky, 128, 64, pixels);
   const CommandResult result =
-      run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --take-out-sun --sun-radius 10");
+      run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --extract-sun --sun-radius 10");
   INFO(result.errors);
   REQUIRE(result.exit_code == 0);
   CHECK(contains(result.output, "Sun, extracted"));
-  const nlohmann::json whole = run_sh_json(quoted(sky) + " --take-out-sun --sun-radius 10");
+  const nlohmann::json whole = run_sh_json(quoted(sky) + " --extract-sun --sun-radius 10");
   REQUIRE(whole.at("sun").is_object());
   const glm::dvec3 total_radiance = triple(run_sh_json(quoted(sky)).at("diagnostics").at("total_radiance"));
   const glm::dvec3 left = triple(run_sh_json(quoted(rest)).at("diagnostics").at("total_radiance"));
@@ -363,7 +363,7 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
   const SphericalHarmonics made = radiance_of(run_sh_json("--sky --bands 4 --yaw 90"));
   CHECK(glm::length(made.at(1, 1) - plain.at(1, 0)) < 1e-12);
   CHECK(glm::length(made.at(1, -1) - plain.at(1, -1)) < 1e-12);
-  CHECK(distance(made, turned(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
+  CHECK(distance(made, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
   const std::string half = std::to_string(std::sqrt(0.5));
   CHECK(distance(made, radiance_of(run_sh_json("--sky --bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
   CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
@@ -377,7 +377,7 @@ TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun i
     INFO(engine.name);
     const nlohmann::json json = run_sh_json(std::string("--sky --for ") + engine.name);
     CHECK(json.at("axes").at("engine") == engine.name);
-    CHECK(distance(radiance_of(json), turned(plain, engine.from_welkin)) < 1e-12);
+    CHECK(distance(radiance_of(json), rotate(plain, engine.from_welkin)) < 1e-12);
   }
 }
 

@@ -11,12 +11,7 @@ namespace welkin::test {
 inline const std::string kSmallSky = "--table-size 4,16,8,4 --orders 2 ";
 
 inline SkyTableOptions small_sky_options() {
-  SkyTableOptions options;
-  options.heights = 4;
-  options.view_zeniths = 16;
-  options.sun_zeniths = 8;
-  options.sun_angles = 4;
-  options.orders = 2;
+  SkyTableOptions options{.heights = 4, .view_zeniths = 16, .sun_zeniths = 8, .sun_angles = 4, .orders = 2};
   return options;
 }
 
@@ -41,10 +36,7 @@ inline glm::dvec3 rgb_of(const nlohmann::json& value) {
 
 /// What the command bakes and projects where no file is named, as the library makes it.
 inline LatLongImage built_in_sky() {
-  SkyTableOptions options;
-  options.heights = 8;
-  options.view_zeniths = 64;
-  options.sun_zeniths = 16;
+  SkyTableOptions options{.heights = 8, .view_zeniths = 64, .sun_zeniths = 16};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
   return sky_lat_long(view, sun_direction(40.0, 25.0), 512, {.sun_disc = true});
 }

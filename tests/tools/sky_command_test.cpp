@@ -44,6 +44,22 @@ double relative_difference(const nlohmann::json& a, const SphericalHarmonics& b)
 
 }  // namespace
 
+TEST_CASE("sky --date: the sun stands where sun_position has it", "[tools][sky][sun_position]") {
+  const SunPosition berlin = sun_position("2026-06-21T18:30Z", {.latitude_degrees = 52.5, .longitude_degrees = 13.4});
+  const nlohmann::json sky = sky_json("--date 2026-06-21T20:30+02:00 --at 52.5,13.4");
+  CHECK(sky.at("sky").at("sun_elevation_degrees").get<double>() == berlin.elevation_degrees);
+  CHECK(sky.at("sky").at("sun_azimuth_degrees").get<double>() == berlin.azimuth_degrees);
+  CHECK(rgb_of(sky.at("sun").at("direction")) == berlin.direction);
+  CHECK(sky.at("sky").at("sun_by_date").at("compass_degrees").get<double>() == berlin.compass_degrees);
+  const SunObserver south{
+      .latitude_degrees = -33.9, .longitude_degrees = -151.2, .north_azimuth_degrees = 10.0, .refraction = true};
+  const SunPosition raised = sun_position("2026-06-21T18:30Z", south);
+  const nlohmann::json seen = sky_json("--date 2026-06-21T18:30Z --at -33.9,-151.2 --north 10 --refraction");
+  CHECK(rgb_of(seen.at("sun").at("direction")) == raised.direction);
+  CHECK(seen.at("sky").at("sun_by_date").at("refraction_degrees").get<double>() == raised.refraction_degrees);
+  CHECK(sky_json("--sun-elevation 20").at("sky").at("sun_by_date").is_null());
+}
+
 TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]") {
   struct Case {
     const char* arguments;
@@ -67,7 +83,7 @@ TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]
     require_coefficients(json.at("radiance"), radiance);
     require_coefficients(json.at("irradiance"), irradiance_from_radiance(radiance));
     CHECK(json.at("diagnostics").at("texels") == projector.directions());
-    const Sun light = view.sun(sun);
+    const Sun light = view.sun_light(sun);
     CHECK(rgb_of(json.at("sun").at("direction")) == light.direction);
     CHECK(rgb_of(json.at("sun").at("irradiance")) == light.irradiance);
     CHECK(rgb_of(json.at("sun").at("radiance")) == light.radiance);
@@ -79,14 +95,14 @@ TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky][slow]
   }
 }
 
-TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky]") {
+TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky][slow]") {
   const nlohmann::json welkin_axes = sky_json("--sun-elevation 12 --sun-azimuth 30");
   for (const Engine engine : {Engine::unreal, Engine::unity, Engine::three}) {
     const Convention& of = convention(engine);
     const nlohmann::json json = sky_json("--sun-elevation 12 --sun-azimuth 30 --for " + std::string(of.name));
     INFO(of.name);
     CHECK(json.at("axes").at("engine") == of.name);
-    const SphericalHarmonics expected = turned(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
+    const SphericalHarmonics expected = rotate(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
     CHECK(relative_difference(json.at("radiance"), expected) < 1e-12);
     CHECK(glm::length(rgb_of(json.at("sun").at("direction")) -
                       of.from_welkin * rgb_of(welkin_axes.at("sun").at("direction"))) < 1e-14);
@@ -124,13 +140,14 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky][slow]") {
   options.layout = ScatteringLayout::compact;
   check("--layout compact", earth(), options);
   options = small;
-  options.until_change = 0.9;
+  options.convergence_threshold = 0.9;
   options.orders = 2;
-  CHECK(sky_json("--sun-elevation 20 --until-change 0.9").at("sky").at("tables").at("until_change") == 0.9);
+  CHECK(sky_json("--sun-elevation 20 --convergence-threshold 0.9").at("sky").at("tables").at("convergence_threshold") ==
+        0.9);
   options = small;
-  options.exact_orders = true;
-  check("--exact-orders", earth(), options);
-  CHECK(sky_json("--sun-elevation 20 --exact-orders").at("sky").at("tables").at("exact_orders") == true);
+  options.truncate_orders = true;
+  check("--truncate-orders", earth(), options);
+  CHECK(sky_json("--sun-elevation 20 --truncate-orders").at("sky").at("tables").at("truncate_orders") == true);
   options = small;
   options.colour = SkyColour::linear_srgb;
   check("--colour srgb --wavelengths 450,500,550,600,650", earth({450.0, 500.0, 550.0, 600.0, 650.0}), options);
@@ -141,7 +158,7 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky][slow]") {
 
 // `welkin sky`: what cannot be is refused with exit code 2 and the option's name, before any work.
 
-TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
+TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky][slow]") {
   for (const char* option : {"--sun-elevation 90.001",
                              "--sun-elevation -91",
                              "--sun-elevation nan",
@@ -158,8 +175,8 @@ TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
                              "--ground-albedo -0.1",
                              "--ground-albedo 1.1",
                              "--ground-albedo nan",
-                             "--until-change -1",
-                             "--until-change nan",
+                             "--convergence-threshold -1",
+                             "--convergence-threshold nan",
                              "--colour rgb",
                              "--layout 4d",
                              "--table-size 32,128",
@@ -185,7 +202,7 @@ TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
   }
 }
 
-TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
+TEST_CASE("sky: options that do not go together are refused", "[tools][sky][slow]") {
   const TemporaryDirectory folder;
   const std::string out = quoted(folder.path() / "out");
   const std::string day = "--sweep " + quoted(folder.path() / "day.png");
@@ -235,7 +252,7 @@ std::string tables_action(const nlohmann::json& document) {
 
 }  // namespace
 
-TEST_CASE("sky: tables are saved, and used again for any sun and height", "[tools][sky]") {
+TEST_CASE("sky: tables are saved, and used again for any sun and height", "[tools][sky][slow]") {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "earth.sky";
   const std::string tables = "--tables " + quoted(file);
@@ -257,7 +274,8 @@ TEST_CASE("sky: tables of another sky are made anew, and replace those in the fi
   const TemporaryDirectory folder;
   const std::string tables = "--sun-elevation 20 --tables " + quoted(folder.path() / "some.sky");
   sky_json(tables);
-  for (const char* other : {"--ground-albedo 0.5 ", "--preset mars ", "--until-change 0.5 ", "--layout compact ", ""}) {
+  for (const char* other :
+       {"--ground-albedo 0.5 ", "--preset mars ", "--convergence-threshold 0.5 ", "--layout compact ", ""}) {
     INFO(other);
     const nlohmann::json made = sky_json(other + tables);
     CHECK(tables_action(made) == "run");
@@ -266,7 +284,7 @@ TEST_CASE("sky: tables of another sky are made anew, and replace those in the fi
   }
 }
 
-TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky][posix]") {
+TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky][posix][slow]") {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "broken.sky";
   const std::string tables = kSmallSky + "--tables " + quoted(file);

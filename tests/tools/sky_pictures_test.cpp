@@ -50,7 +50,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   }
 }
 
-TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake]") {
+TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto out = scratch.path() / "out";
   const auto tables = small_sky();
@@ -68,8 +68,8 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
     CHECK(manifest.contains("sun") == !inside);
     CHECK(manifest.at("sky").at("sun_elevation_degrees") == 30.0);
     if (!inside) {
-      CHECK(rgb_of(manifest.at("sun").at("irradiance")) == view.sun(sun).irradiance);
-      CHECK(rgb_of(manifest.at("sun").at("direction")) == view.sun(sun).direction);
+      CHECK(rgb_of(manifest.at("sun").at("irradiance")) == view.sun_light(sun).irradiance);
+      CHECK(rgb_of(manifest.at("sun").at("direction")) == view.sun_light(sun).direction);
     }
     const auto sh = json_of(file_text(out / "sh.json"));
     CHECK(sh.contains("sun") == !inside);
@@ -90,8 +90,7 @@ struct Picture {
 };
 
 Picture read_picture(const std::filesystem::path& path) {
-  ReadOptions options;
-  options.layout = Layout::lat_long;
+  ReadOptions options{.layout = Layout::lat_long};
   const Environment environment = read_environment(path, options);
   Picture picture{environment.info.width, environment.info.height, {}};
   const auto count = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3;
@@ -115,7 +114,7 @@ std::vector<double> elevations(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky]") {
+TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky][slow]") {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "day.png";
   struct Case {

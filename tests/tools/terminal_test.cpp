@@ -134,8 +134,8 @@ TEST_CASE("command: - reads standard input", "[tools]") {
   auto piped = run_sh_json_without_times("-" + from);
   CHECK(piped.at("source").at("path") == "standard input");
   CHECK(piped.at("radiance") == file.at("radiance"));
-  CHECK(run_sh_json_without_times("- --take-out-sun" + from).at("radiance") ==
-        run_sh_json_without_times("--take-out-sun " + quoted(in)).at("radiance"));
+  CHECK(run_sh_json_without_times("- --extract-sun" + from).at("radiance") ==
+        run_sh_json_without_times("--extract-sun " + quoted(in)).at("radiance"));
   CHECK(contains(run_welkin("info -" + from).output, "32 x 16"));
   const std::string bake = " --size 8 --irradiance 4 --brdf 4 --no-previews";
   bake_into(folder.path() / "file", quoted(in) + bake);
@@ -183,7 +183,7 @@ TEST_CASE("command: bash completes commands, options and words", "[tools]") {
   CHECK(completed("welkin ba", 1) == "bake batch\n");
   CHECK(completed("welkin batch me", 2) == "merge\n");
   CHECK(contains(completed("welkin help s", 2), "sky"));
-  CHECK(completed("welkin bake --prev", 2) == "--preview-size\n");
+  CHECK(completed("welkin bake --preview-", 2) == "--preview-size\n");
   CHECK(completed("welkin sh in.hdr --for un", 4) == "unity unreal\n");
   CHECK(completed("welkin completion z", 2) == "zsh\n");
   CHECK(completed("welkin bake --size 5", 3) == "\n");
@@ -225,7 +225,7 @@ TEST_CASE("command: the manual page names every command and option", "[tools]") 
   }
   CHECK(shown.exit_code == 0);
   CHECK(shown.errors.empty());
-  for (const char* part : {"NAME", "--sun-elevation", "--preview-size", "--take-out-sun", "Exit codes", "NO_COLOR"}) {
+  for (const char* part : {"NAME", "--sun-elevation", "--preview-size", "--extract-sun", "Exit codes", "NO_COLOR"}) {
     INFO(part);
     CHECK(contains(shown.output, part));
   }
@@ -264,11 +264,11 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
     }
     return table;
   };
-  CHECK(roughness("--size 64 --roughness unity") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
-  CHECK(roughness("--size 64 --for unity --formats ktx2") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
-  CHECK(roughness("--size 64 --for unreal --formats ktx2") == roughness_of_mips(RoughnessSchedule::unreal, 7, 64));
+  CHECK(roughness("--size 64 --roughness unity") == mip_roughness(RoughnessSchedule::unity, 7, 64));
+  CHECK(roughness("--size 64 --for unity --formats ktx2") == mip_roughness(RoughnessSchedule::unity, 7, 64));
+  CHECK(roughness("--size 64 --for unreal --formats ktx2") == mip_roughness(RoughnessSchedule::unreal, 7, 64));
   CHECK(roughness("--size 64 --for unity --formats ktx2 --roughness linear") ==
-        roughness_of_mips(RoughnessSchedule::linear, 5, 64));
+        mip_roughness(RoughnessSchedule::linear, 5, 64));
   // The same default in the library.
   const LatLongImage grey{16, 8, grey_picture(16, 8, 1.0F)};
   std::vector<double> of_library;

@@ -265,7 +265,7 @@ TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky
   }
 }
 
-TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
+TEST_CASE("A sky writes over no file that it reads", "[command][unlucky][slow]") {
   const TemporaryDirectory folder;
   const CommandResult printed = run_welkin("sky --print-atmosphere");
   REQUIRE(printed.exit_code == 0);
@@ -355,7 +355,7 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
   CHECK(run_welkin("bake " + quoted(smaller) + bake).exit_code == 0);
 }
 
-TEST_CASE("Control characters in names of files never reach a terminal", "[command][unlucky]") {
+TEST_CASE("Control characters in names of files never reach a terminal", "[command][unlucky][slow]") {
   const TemporaryDirectory folder;
   const std::string name =
       "a\x1b[31m\x07\xc2\x9b"

@@ -210,7 +210,7 @@ TEST_CASE("Tiles that bring rows to fewer allocate nothing", "[transform][reduct
 
 TEST_CASE("Bringing rows to fewer can be stopped", "[transform][reduction][cancellation]") {
   const TestLatLong source = make_lat_long(Content::random, 1024, 512, 43);
-  std::stop_source stop;
+  stop_source stop;
   int calls = 0;
   const Control stopping{stop.get_token(), [&](double) {
                            if (++calls == 3) stop.request_stop();

@@ -41,9 +41,9 @@ double error_of(int length, const transforms::FourierKernels& kernels) {
       std::complex<double> sum = 0.0;
       for (int i = 0; i < length; ++i) {
         const auto at = static_cast<std::size_t>(i * transforms::kComplexFloats + lane);
-        const double turn = static_cast<double>(std::int64_t{i} * k % length) / length;
+        const double rotation = static_cast<double>(std::int64_t{i} * k % length) / length;
         sum += std::complex<double>(signal[at], signal[at + transforms::kRingLanes]) *
-               std::polar(1.0, -2.0 * std::numbers::pi * turn);
+               std::polar(1.0, -2.0 * std::numbers::pi * rotation);
       }
       const auto at = static_cast<std::size_t>(k * transforms::kComplexFloats + lane);
       error = std::max(error, std::abs(sum - std::complex<double>(result[at], result[at + transforms::kRingLanes])));
@@ -54,7 +54,7 @@ double error_of(int length, const transforms::FourierKernels& kernels) {
 
 }  // namespace
 
-TEST_CASE("Rings of any length are transformed", "[tables][transform][fourier]") {
+TEST_CASE("Rings of any length are transformed", "[tables][transform][fourier][slow]") {
   for (int length = 1; length <= 70; ++length) {
     CAPTURE(length);
     CHECK(error_of(length, transforms::fourier_kernels()) < 2e-6);
@@ -148,8 +148,7 @@ TEST_CASE("The first bands are those of the reference projection", "[specular][t
     for (const int bands : {1, 3, 16}) {
       CAPTURE(width, height, bands);
       const LatLongImage image = image_of(Content::high_range, width, height, 6);
-      ProjectionOptions options;
-      options.bands = bands;
+      ProjectionOptions options{.bands = bands};
       const SphericalHarmonics truth = reference_projection(image.view(), options);
       const SphericalHarmonics found = harmonics_of(transforms::analyse(image.view(), bands + 5, {}), bands);
       double most = 0.0;
@@ -163,7 +162,7 @@ TEST_CASE("The first bands are those of the reference projection", "[specular][t
   }
 }
 
-TEST_CASE("Synthesis gives the sum over the harmonics", "[specular][transform]") {
+TEST_CASE("Synthesis gives the sum over the harmonics", "[specular][transform][slow]") {
   for (const int bands : {1, 2, 7, 33, 64}) {
     const LatLongImage image = image_of(Content::random, 64, 33, 7);
     const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands + 1, {});
@@ -340,7 +339,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
   }
 }
 
-TEST_CASE("Many bands begin where they should", "[specular][transform]") {
+TEST_CASE("Many bands begin where they should", "[specular][transform][slow]") {
   // 1536 bands, the most there are, on few rings: every function that matters is there, however small it begins.
   const int bands = 1536;
   transforms::Spectrum spectrum(bands);
@@ -400,14 +399,14 @@ TEST_CASE("The transform can be stopped and says how far it is", "[specular][tra
   CHECK(done.back() == 1.0);
   for (const double moment : {0.0, 0.1, 0.3, 0.7}) {
     CAPTURE(moment);
-    std::stop_source stop;
+    stop_source stop;
     if (moment == 0.0) stop.request_stop();
     const Control stopping{stop.get_token(), [&](double part) {
                              if (part >= moment) stop.request_stop();
                            }};
     CHECK(thrown_by([&] { static_cast<void>(transforms::analyse(source.view(), 100, stopping)); }).code ==
           ErrorCode::cancelled);
-    std::stop_source stop_back;
+    stop_source stop_back;
     if (moment == 0.0) stop_back.request_stop();
     const Control stopping_back{stop_back.get_token(), [&](double part) {
                                   if (part >= moment) stop_back.request_stop();

@@ -11,10 +11,9 @@ namespace {
 constexpr std::byte kUntouched{0xcd};
 
 BakeOptions bake_of(int size = 8) {
-  BakeOptions options;
-  options.background = BackgroundOptions{.size = 16};
-  options.specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}};
-  options.irradiance = IrradianceOptions{.size = 5};
+  BakeOptions options{.background = BackgroundOptions{.size = 16},
+                      .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}},
+                      .irradiance = IrradianceOptions{.size = 5}};
   options.brdf.reset();
   return options;
 }

@@ -313,7 +313,7 @@ TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
   }
 }
 
-TEST_CASE("a very long chain ends with its worker", "[worker]") {
+TEST_CASE("a very long chain ends with its worker", "[worker][slow]") {
   auto gate = std::make_shared<Gate>();
   Worker worker(options_with(1));
   auto job = worker.post([gate](const Control& control) {

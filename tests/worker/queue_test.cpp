@@ -343,8 +343,7 @@ TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]
 
 TEST_CASE("a worker refuses options out of range", "[worker]") {
   for (const int threads : {-1, 1025}) {
-    WorkerOptions options;
-    options.threads = threads;
+    WorkerOptions options{.threads = threads};
     const ThrownError error = thrown_by([&] { const Worker worker(options); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says(std::to_string(threads)));

@@ -19,7 +19,7 @@ namespace welkin::test {
 // Promise: whatever a worker is asked, on however many threads and beside however many jobs, the result has the bits
 // of the direct call. (What each request gives is on record: [same_as_before].)
 
-TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena", "[worker][bake]") {
+TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena", "[worker][bake][slow]") {
   constexpr int kSize = kSanitized ? 90 : 257;
   const Cubemap floats{kSize, make_cubemap(Content::special_values, kSize, 3, 1).pixels};
   const TestCubemapHalf halves = make_cubemap_half(Content::high_range, kSize, 4, 2);
@@ -27,11 +27,11 @@ TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena",
   const auto lat_long = std::make_shared<const LatLongImage>(LatLongImage{64, 32, made.pixels});
   const auto chain = std::make_shared<const Cubemap>(build_mips(floats.view()));
   const ProjectionOptions reduced{.bands = 5, .target_size = 8, .pixels = {.negative = NegativePolicy::replace}};
-  const glm::dmat3 turn = turn_about_y(37.0);
+  const glm::dmat3 rotation = rotation_about_y(37.0);
   const Projection of_floats = project(floats.view());
   const Projection of_halves = project(halves.view());
   const Projection of_chain = project(chain->views(), reduced);
-  const Cubemap turned = to_cubemap(lat_long->view(), 33, turn);
+  const Cubemap rotated = to_cubemap(lat_long->view(), 33, rotation);
   const BakeResult baked = bake(lat_long->view(), small_bake());
 
   tbb::task_arena arena(3);
@@ -45,11 +45,11 @@ TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena",
       projections.emplace_back(worker.post(Project{Cubemap(floats)}), &of_floats);
       projections.emplace_back(worker.post(Project{EnvironmentSource(halves.view(), nullptr)}), &of_halves);
       projections.emplace_back(worker.post(Project{EnvironmentSource(chain->views(), chain), reduced}), &of_chain);
-      cubemaps.push_back(worker.post(ToCubemap{lat_long, 33, turn}));
+      cubemaps.push_back(worker.post(ToCubemap{lat_long, 33, rotation}));
       if (k % 4 == 0) bakes.push_back(worker.post(Bake{lat_long, small_bake()}));
     }
     for (auto& [job, wanted] : projections) CHECK(same_bits(take(job), *wanted));
-    for (auto& job : cubemaps) CHECK(same_bits(take(job), turned));
+    for (auto& job : cubemaps) CHECK(same_bits(take(job), rotated));
     for (auto& job : bakes) CHECK(same_bits(*take(job), baked));
   }
 }

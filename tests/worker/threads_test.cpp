@@ -87,8 +87,7 @@ void post_everything(Worker& worker, std::atomic<int>& sum) {
 // been put aside there: what a post allocates, no thread of the worker frees.
 TEST_CASE("no thread of a worker frees what a posting thread has allocated", "[jobs][worker]") {
   tbb::task_arena arena(2);
-  WorkerOptions own;
-  own.threads = 2;
+  WorkerOptions own{.threads = 2};
   for (const WorkerOptions& options : {own, lent(arena)}) {
     INFO((options.executor ? "an executor" : "threads of its own"));
     std::atomic<int> sum{0};
@@ -118,9 +117,9 @@ TEST_CASE("the memory of jobs that is kept has a bound, however often threads me
   std::vector<std::jthread> threads;
   for (int thread = 0; thread < 4; ++thread) threads.emplace_back(take_and_put);
   threads.clear();
-  constexpr long kMostKept = 8192;
+  constexpr long kMaxKept = 8192;
   constexpr long kWithMallocsOwn = 2 * kBytes;  // a block's, generously
-  CHECK(heap.peak_bytes() < (kMostKept + 1000) * kWithMallocsOwn);
+  CHECK(heap.peak_bytes() < (kMaxKept + 1000) * kWithMallocsOwn);
 }
 
 TEST_CASE("a worker has as many threads as it was asked for, all at work at once", "[worker]") {
@@ -152,10 +151,10 @@ TEST_CASE("threads have the worker's name and a number", "[worker]") {
   CHECK(has_threads("welkin", static_cast<std::size_t>(unnamed.threads())));
 }
 
-TEST_CASE("threads have the priority that they were asked to have", "[worker]") {
-  CHECK(WorkerOptions().thread_priority == ThreadPriority::below);
+TEST_CASE("threads have the priority that they were asked to have", "[worker][slow]") {
+  CHECK(WorkerOptions().thread_priority == ThreadPriority::below_normal);
   const int own_nice = getpriority(PRIO_PROCESS, static_cast<id_t>(this_thread_number()));
-  for (const ThreadPriority priority : {ThreadPriority::idle, ThreadPriority::below, ThreadPriority::normal}) {
+  for (const ThreadPriority priority : {ThreadPriority::idle, ThreadPriority::below_normal, ThreadPriority::normal}) {
     WorkerOptions options = options_with(2);
     options.thread_priority = priority;
     options.name = "ranked";
@@ -166,7 +165,7 @@ TEST_CASE("threads have the priority that they were asked to have", "[worker]") 
       const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(thread));
       if (priority == ThreadPriority::idle) CHECK(policy == SCHED_IDLE);
       if (priority != ThreadPriority::idle) CHECK(policy == sched_getscheduler(0));
-      if (priority == ThreadPriority::below) CHECK(nice == std::min(19, own_nice + 10));
+      if (priority == ThreadPriority::below_normal) CHECK(nice == std::min(19, own_nice + 10));
       if (priority == ThreadPriority::normal) CHECK(nice == own_nice);
     }
   }
@@ -279,7 +278,7 @@ class FunctionExecutor final : public Executor {
 
 }  // namespace
 
-TEST_CASE("a lent arena does the work", "[worker]") {
+TEST_CASE("a lent arena does the work", "[worker][slow]") {
   for (const int slots : {1, 3}) {
     tbb::task_arena arena(slots);
     const std::set<int> before = process_threads();

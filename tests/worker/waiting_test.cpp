@@ -75,7 +75,7 @@ TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[w
   }
 }
 
-TEST_CASE("tasks of one job may wait for another job whose tasks run beside them", "[worker]") {
+TEST_CASE("tasks of one job may wait for another job whose tasks run beside them", "[worker][slow]") {
   // Who waits for its own tasks must not pick up one that waits for it.
   Worker worker(options_with(3));
   for (int round = 0; round < (kSanitized ? 20 : 100); ++round) {

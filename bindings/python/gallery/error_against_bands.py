@@ -31,8 +31,8 @@ def main():
         return np.sqrt(np.mean(difference**2)) / scale, difference.max() / scale
 
     radiance = welkin.project(pixels, bands=max(BANDS)).radiance
-    plain = np.array([errors(radiance.with_bands(bands)) for bands in BANDS])
-    windowed = np.array([errors(radiance.with_bands(bands).window().harmonics) for bands in BANDS])
+    plain = np.array([errors(radiance.resized(bands)) for bands in BANDS])
+    windowed = np.array([errors(radiance.resized(bands).window().harmonics) for bands in BANDS])
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
     show(left, pixels, "the light", 256)

@@ -29,7 +29,7 @@ def main():
     radiance = welkin.bake(light_of(options.picture), background=False, specular=False, brdf=False).radiance
     level = radiance.mean.mean()
     ways = {
-        "turned": lambda light: light,
+        "rotate": lambda light: light,
         "warmer": lambda light: light * (1.3, 1.0, 0.6),
         "and a blue lamp": lambda light: light + second_sun(np.array([1, 0.4, 0.5]), level * np.array([0.5, 1, 3]), 3),
         "softened by a window": lambda light: light.window("hanning", 3.0).harmonics,
@@ -37,7 +37,7 @@ def main():
     figure, rows = plt.subplots(len(ways), len(TURNS), figsize=(11, 7.9), layout="constrained")
     for row, (title, change) in zip(rows, ways.items()):
         for axes, degrees in zip(row, TURNS):
-            seen, inside = matte(change(radiance.turned(welkin.turn_about_y(degrees))))
+            seen, inside = matte(change(radiance.rotate(welkin.rotation_about_y(degrees))))
             axes.imshow(np.dstack([srgb(0.4 * seen / level), inside]))
             axes.set_axis_off()
             axes.set_title(f"{title}, {degrees}°", fontsize=8)

@@ -15,7 +15,7 @@ from welkin import _welkin
 
 FACES = np.random.default_rng(1).random((6, 4, 4, 3), dtype=np.float32)
 LIGHT = welkin.project(FACES).radiance
-TURN = welkin.turn_about_y(30.0)
+TURN = welkin.rotation_about_y(30.0)
 UP = np.array([0.0, 1.0, 0.0])
 SMALL = {"size": 4, "mips": 1}
 CALLS = {  # by the names in source/timing.cpp
@@ -24,7 +24,7 @@ CALLS = {  # by the names in source/timing.cpp
     "bake": lambda: welkin.bake(FACES, background=False, specular=SMALL, irradiance=False, brdf=False),
     "to_cubemap": lambda: welkin.to_cubemap(FACES, 4),
     "irradiance": lambda: LIGHT.irradiance(),
-    "turned": lambda: LIGHT.turned(TURN),
+    "rotate": lambda: LIGHT.rotate(TURN),
     "evaluate": lambda: LIGHT(UP),
     "engine_light": lambda: welkin.engine_light(LIGHT, "three"),
     "brdf_table": lambda: welkin.brdf_table(),

@@ -84,7 +84,7 @@ dmat3 matrix_of_quaternion(const double* q, const char* what) {
 
 }  // namespace
 
-dmat3 turn_of(const py::object& value, const char* what) {
+dmat3 rotation_from(const py::object& value, const char* what) {
   const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
   if (numbers && numbers.ndim() == 1 && numbers.shape(0) == 4) return matrix_of_quaternion(numbers.data(), what);
   if (numbers && numbers.ndim() == 2 && numbers.shape(0) == 3 && numbers.shape(1) == 3) {

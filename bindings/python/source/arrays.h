@@ -72,7 +72,7 @@ struct Directions {
 [[nodiscard]] Directions directions_of(const py::object& value, const char* what);
 
 /// A rotation (or a mirror): an orthogonal 3 x 3 matrix, or a quaternion (w, x, y, z) of any length but 0.
-[[nodiscard]] dmat3 turn_of(const py::object& value, const char* what);
+[[nodiscard]] dmat3 rotation_from(const py::object& value, const char* what);
 
 /// A chain that several objects of Python's look at.
 using SharedChain = std::shared_ptr<Cubemap>;

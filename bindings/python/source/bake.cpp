@@ -199,7 +199,7 @@ void bind_bake(py::module_& module) {
       "or (6, n, n, channels), or a file (its path or bytes; `read`: options of `read`). Each part is True, False\n"
       "or a dictionary of options:\n\n"
       "background  size=None (texels per edge; None: as the reflections), mips, mip_filter\n"
-      "specular    the options of `prefilter` except `kernels` and `policy`\n"
+      "specular    the options of `prefilter` except `lobes` and `policy`\n"
       "octahedral  map of the reflections, as in `to_octahedral`: size=256, levels, border\n"
       "irradiance  size=64, method=\"automatic\", \"direct\" or \"harmonics\" (from `bands`), rms_error=1e-3\n"
       "brdf        as in `brdf_table`: width=64, height=64, model, sheen\n\n"

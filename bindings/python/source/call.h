@@ -91,7 +91,7 @@ class Call {
   const char* name_;
   py::object progress_;  ///< null: none is wanted
   std::optional<int> threads_;
-  std::stop_source stop_;
+  welkin::stop_source stop_;
   std::thread::id caller_;
   std::chrono::steady_clock::time_point next_;
   std::optional<py::error_already_set> raised_;

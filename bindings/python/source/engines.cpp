@@ -28,7 +28,7 @@ Engine engine_of(const std::string& name) {
 EngineLight light_of(const py::object& radiance, const std::string& engine, bool in_place) {
   const SphericalHarmonics harmonics = harmonics_of(radiance);
   const Engine whose = engine_of(engine);
-  return in_place ? engine_light_in_place(harmonics, whose) : engine_light(harmonics, whose);
+  return in_place ? engine_light_unrotated(harmonics, whose) : engine_light(harmonics, whose);
 }
 
 py::dict terms_of(const EngineLight& light) {

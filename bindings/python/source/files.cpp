@@ -77,7 +77,7 @@ py::dict info_of(const EnvironmentInfo& info) {
   for (const LevelInfo& level : info.levels) levels.append(py::make_tuple(level.width, level.height));
   py::dict all;
   all["path"] = py::cast(info.path);
-  all["format"] = info.format_words();
+  all["format"] = info.format_description();
   all["layout"] = name(info.layout);
   all["layout_reason"] = info.layout_reason;
   all["width"] = info.width;
@@ -294,7 +294,7 @@ void bind_files(py::module_& module) {
         const std::string size =
             cube ? "cubemap of " + std::to_string(self.pixels.shape(1))
                  : "lat-long " + std::to_string(self.info.width) + " x " + std::to_string(self.info.height);
-        return "<welkin.Environment: " + size + ", " + self.info.format_words() + ">";
+        return "<welkin.Environment: " + size + ", " + self.info.format_description() + ">";
       });
   py::class_<Texture, Chain>(module, "Texture", "A cubemap with its mips that was read.")
       .def_readonly("format", &Texture::format, "\"KTX2 rgba16f zstd\": for a person.")

@@ -112,19 +112,20 @@ std::string text(const dvec3& value) {
 }
 
 void bind_windowed(py::module_& module) {
-  py::class_<Windowed>(module, "Windowed", "Windowed coefficients, and what the window did.")
-      .def_readonly("harmonics", &Windowed::radiance, "The windowed coefficients of radiance.")
-      .def_readonly("parameter", &Windowed::parameter, "Width in bands (hanning, lanczos), or lambda (min-laplacian).")
+  py::class_<WindowResult>(module, "WindowResult", "Windowed coefficients, and what the window did.")
+      .def_readonly("harmonics", &WindowResult::radiance, "The windowed coefficients of radiance.")
+      .def_readonly("parameter", &WindowResult::parameter,
+                    "Width in bands (hanning, lanczos), or lambda (min-laplacian).")
       .def_property_readonly(
-          "minimum_before", [](const Windowed& self) { return array_of(self.minimum_before); },
+          "minimum_before", [](const WindowResult& self) { return array_of(self.minimum_before); },
           "Least irradiance over all normals, by channel: (3,).")
       .def_property_readonly(
-          "minimum_after", [](const Windowed& self) { return array_of(self.minimum_after); },
+          "minimum_after", [](const WindowResult& self) { return array_of(self.minimum_after); },
           "The same of the windowed light.")
-      .def_readonly("factors", &Windowed::factors, "By what each band was multiplied.")
-      .def("__repr__", [](const Windowed& self) {
-        return "<welkin.Windowed: least irradiance " + text(self.minimum_before) + " -> " + text(self.minimum_after) +
-               ">";
+      .def_readonly("factors", &WindowResult::factors, "By what each band was multiplied.")
+      .def("__repr__", [](const WindowResult& self) {
+        return "<welkin.WindowResult: least irradiance " + text(self.minimum_before) + " -> " +
+               text(self.minimum_after) + ">";
       });
 }
 
@@ -166,15 +167,18 @@ void bind_harmonics(py::module_& module) {
            "lobe's factor. A uniform radiance of 1 gives pi.")
       .def("lambertian", &lambertian_from_irradiance, "lambertian(self)\n--\n\nOf irradiance: times 1/pi.")
       .def(
-          "turned",
-          [](const SphericalHarmonics& self, const py::object& turn) { return turned(self, turn_of(turn, "turn")); },
-          py::arg("turn"),
-          "turned(self, turn)\n"
+          "rotate",
+          [](const SphericalHarmonics& self, const py::object& rotation) {
+            return rotate(self, rotation_from(rotation, "rotation"));
+          },
+          py::arg("rotation"),
+          "rotate(self, rotation)\n"
           "--\n\n"
-          "Returns the light rotated: light from direction d then comes from turn @ d. `turn`: an orthogonal 3 x\n"
+          "Returns the light rotated: light from direction d then comes from rotation @ d. `rotation`: an orthogonal 3 "
+          "x\n"
           "3 matrix (also a mirror), or a quaternion (w, x, y, z). Takes microseconds for three bands.")
-      .def("with_bands", &with_bands, py::arg("bands"),
-           "with_bands(self, bands)\n"
+      .def("resized", &resized, py::arg("bands"),
+           "resized(self, bands)\n"
            "--\n\n"
            "Returns the coefficients with bands truncated, or added as zero.")
       .def(
@@ -204,7 +208,7 @@ void bind_harmonics(py::module_& module) {
           py::arg("window") = "min-laplacian", py::arg("width") = 0.0,
           "window(self, window='min-laplacian', width=0.0)\n"
           "--\n\n"
-          "Applies a window against ringing to radiance. Returns a `Windowed`. `window`: \"none\", \"hanning\",\n"
+          "Applies a window against ringing to radiance. Returns a `WindowResult`. `window`: \"none\", \"hanning\",\n"
           "\"lanczos\" (`width` in bands, 0: the number of bands) or \"min-laplacian\", the minimum for which no\n"
           "irradiance is negative.")
       .def(

@@ -1,4 +1,6 @@
 // Many cubemaps at once: the probes of a level.
+#include "many.h"
+
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -15,25 +17,6 @@
 #include "welkin/bake.h"
 
 namespace welkin::python {
-namespace {
-
-constexpr Named<TexelFormat> kTypes[] = {{"float16", TexelFormat::rgba16f}, {"float32", TexelFormat::rgba32f}};
-
-/// What a call about many cubemaps gives.
-struct ManyLights {
-  py::object coefficients = py::none();
-  py::list specular;
-  ProjectionDiagnostics diagnostics;
-  std::uint64_t peak_bytes = 0;
-  std::uint64_t values_clamped = 0;
-  std::size_t count = 0;
-};
-
-/// The cubemaps of an array (n, 6, size, size, channels), or of a list of whatever is one cubemap.
-struct Probes {
-  std::vector<Source> sources;
-  std::vector<CubemapView> views;
-};
 
 Probes probes_of(const py::object& pixels, Options& options) {
   if (is_file(pixels) || (!py::isinstance<py::sequence>(pixels) && !py::isinstance<py::array>(pixels))) {
@@ -56,6 +39,20 @@ Probes probes_of(const py::object& pixels, Options& options) {
   }
   return made;
 }
+
+namespace {
+
+constexpr Named<TexelFormat> kTypes[] = {{"float16", TexelFormat::rgba16f}, {"float32", TexelFormat::rgba32f}};
+
+/// Results of a call about many cubemaps.
+struct ManyLights {
+  py::object coefficients = py::none();
+  py::list specular;
+  ProjectionDiagnostics diagnostics;
+  std::uint64_t peak_bytes = 0;
+  std::uint64_t values_clamped = 0;
+  std::size_t count = 0;
+};
 
 /// An array (count, bands^2, 3), and its numbers as the library writes them.
 std::span<dvec3> room_for(std::size_t count, int bands, py::object& array) {
@@ -122,7 +119,7 @@ ManyLights bake_all(const py::object& pixels, const py::kwargs& given) {
   ManyLights made;
   made.count = probes.views.size();
   const std::vector<CubemapTarget> targets =
-      targets_in(made.specular, made.count, how.size, mips_of_chain(how), format);
+      targets_in(made.specular, made.count, how.size, default_mip_count(how), format);
   const std::span<dvec3> numbers = room_for(made.count, bands, made.coefficients);
   BakeResult result =
       call.run([&](const Control& control) { return bake_many(probes.views, targets, numbers, how, bands, control); });

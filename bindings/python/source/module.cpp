@@ -80,11 +80,12 @@ PYBIND11_MODULE(_welkin, module) {
   welkin::python::bind_harmonics(module);
   welkin::python::bind_engines(module);
   welkin::python::bind_projection(module);
-  welkin::python::bind_kernels(module);
+  welkin::python::bind_lobes(module);
   welkin::python::bind_reflections(module);
   welkin::python::bind_octahedral(module);
   welkin::python::bind_importance(module);
   welkin::python::bind_many(module);
+  welkin::python::bind_probes(module);
   welkin::python::bind_bake(module);
   welkin::python::bind_plan(module);
   welkin::python::bind_sky(module);

@@ -59,7 +59,7 @@ py::array places_of(const py::object& directions) {
   py::array_t<double> places(shape);
   double* out = places.mutable_data();
   for (std::size_t index = 0; index < asked.count(); ++index) {
-    for (const double place : octahedral_place(asked.at(index))) *out++ = place;
+    for (const double place : octahedral_encode(asked.at(index))) *out++ = place;
   }
   return places;
 }
@@ -75,7 +75,7 @@ py::array directions_at(const py::array_t<double, py::array::c_style | py::array
   double* const out = directions.mutable_data();
   const double* const in = places.data();
   for (std::size_t index = 0; index < static_cast<std::size_t>(places.size()) / 2; ++index) {
-    const dvec3 direction = octahedral_direction(in[2 * index], in[2 * index + 1]);
+    const dvec3 direction = octahedral_decode(in[2 * index], in[2 * index + 1]);
     std::copy_n(&direction.x, 3, out + 3 * index);
   }
   return directions;
@@ -107,13 +107,13 @@ void bind_octahedral(py::module_& module) {
       "Converts a `Chain`, level by level, or `SphericalHarmonics` to an `OctahedralMap`, which Godot's shaders\n"
       "read and `write_texture` writes. `border`: texels of level 0 that repeat the sphere beyond the edge; 0:\n"
       "one texel of the last level. Size and border must be multiples of 2^(levels - 1).");
-  module.def("octahedral_place", &places_of, py::arg("directions"),
-             "octahedral_place(directions)\n"
+  module.def("octahedral_encode", &places_of, py::arg("directions"),
+             "octahedral_encode(directions)\n"
              "--\n\n"
              "Encodes directions (..., 3) as positions on the square from (0, 0) to (1, 1), column first: (...,\n"
              "2).");
-  module.def("octahedral_direction", &directions_at, py::arg("places"),
-             "octahedral_direction(places)\n"
+  module.def("octahedral_decode", &directions_at, py::arg("places"),
+             "octahedral_decode(places)\n"
              "--\n\n"
              "Decodes positions (..., 2) to unit directions (..., 3).");
 }

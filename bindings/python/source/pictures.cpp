@@ -20,33 +20,33 @@ namespace {
 
 constexpr Named<ResampleFilter> kFilters[] = {{"area", ResampleFilter::area}, {"bilinear", ResampleFilter::bilinear}};
 
-dmat3 read_turn(Options& options) {
-  const py::handle given = options.take("turn");
-  return given ? turn_of(py::reinterpret_borrow<py::object>(given), "turn") : dmat3(1.0);
+dmat3 read_rotation(Options& options) {
+  const py::handle given = options.take("rotation");
+  return given ? rotation_from(py::reinterpret_borrow<py::object>(given), "rotation") : dmat3(1.0);
 }
 
 py::array cubemap_from(const py::object& pixels, int size, const py::kwargs& given) {
   Options options("to_cubemap", given);
   const Source source = source_of(pixels, options);
-  const dmat3 turn = read_turn(options);
+  const dmat3 rotation = read_rotation(options);
   ResampleFilter filter = ResampleFilter::area;
   options.read("filter", filter, kFilters);
   Call call("to_cubemap", options);
   options.finish();
   return array_of(
-      call.run([&](const Control& control) { return to_cubemap(source.view, size, turn, filter, control); }));
+      call.run([&](const Control& control) { return to_cubemap(source.view, size, rotation, filter, control); }));
 }
 
 py::array lat_long_from(const py::object& pixels, int height, const py::kwargs& given) {
   Options options("to_lat_long", given);
   const Source source = source_of(pixels, options);
-  const dmat3 turn = read_turn(options);
+  const dmat3 rotation = read_rotation(options);
   ResampleFilter filter = ResampleFilter::area;
   options.read("filter", filter, kFilters);
   Call call("to_lat_long", options);
   options.finish();
   return array_of(call.run(
-      [&](const Control& control) { return to_lat_long(source.view, 2 * height, height, turn, filter, control); }));
+      [&](const Control& control) { return to_lat_long(source.view, 2 * height, height, rotation, filter, control); }));
 }
 
 constexpr int kExposureSize = 32;  // texels of the faces by which an exposure is chosen
@@ -99,20 +99,21 @@ py::array tone_mapped(const py::object& pixels, int height, double exposure, con
 void bind_pictures(py::module_& module) {
   module.def(
       "to_cubemap", &cubemap_from, py::arg("pixels"), py::arg("size"),
-      "to_cubemap(pixels, size, *, turn=None, filter='area', layout=None, encoding=None, read=None, progress=None,\n"
+      "to_cubemap(pixels, size, *, rotation=None, filter='area', layout=None, encoding=None, read=None, "
+      "progress=None,\n"
       "           threads=None)\n"
       "--\n\n"
       "Resamples to six faces, (6, size, size, 3) float32, optionally rotated: direction d of the pixels becomes\n"
-      "direction turn @ d of the result.");
+      "direction rotation @ d of the result.");
+  module.def("to_lat_long", &lat_long_from, py::arg("pixels"), py::arg("height"),
+             "to_lat_long(pixels, height, *, rotation=None, filter='area', layout=None, encoding=None, read=None, "
+             "progress=None,\n"
+             "            threads=None)\n"
+             "--\n\n"
+             "Resamples to a lat-long, (height, 2 height, 3) float32, optionally rotated.");
   module.def(
-      "to_lat_long", &lat_long_from, py::arg("pixels"), py::arg("height"),
-      "to_lat_long(pixels, height, *, turn=None, filter='area', layout=None, encoding=None, read=None, progress=None,\n"
-      "            threads=None)\n"
-      "--\n\n"
-      "Resamples to a lat-long, (height, 2 height, 3) float32, optionally rotated.");
-  module.def(
-      "turn_about_y", [](double degrees) { return array_of(turn_about_y(degrees)); }, py::arg("degrees"),
-      "turn_about_y(degrees)\n"
+      "rotation_about_y", [](double degrees) { return array_of(rotation_about_y(degrees)); }, py::arg("degrees"),
+      "rotation_about_y(degrees)\n"
       "--\n\n"
       "Returns a rotation about y, from +z towards +x: (3, 3).");
   module.def(

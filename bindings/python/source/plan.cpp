@@ -51,7 +51,7 @@ PlanOfSource plan_of(const py::object& pixels, const py::kwargs& given) {
   const bool is_shape = py::isinstance<py::tuple>(pixels) && !pixels.cast<py::tuple>().empty() &&
                         py::isinstance<py::int_>(pixels.cast<py::tuple>()[0]);
   if (is_file(pixels)) {
-    file = probe_environment(input_of(pixels), read_group(options));
+    file = inspect_stored_environment(input_of(pixels), read_group(options));
   } else if (is_shape) {
     shape = shape_of_tuple(pixels.cast<py::tuple>());
   } else {

@@ -12,7 +12,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
-#include "kernels.h"
+#include "lobes.h"
 #include "results.h"
 #include "source.h"
 #include "welkin/resampling.h"
@@ -50,8 +50,8 @@ void read_lobe_roughness(Options& options, std::optional<RoughnessSchedule> sche
   if (!schedule)
     throw Error(ErrorCode::invalid_argument,
                 options.called("lobe_roughness") + " is \"fitted\", and roughness is a list; name a schedule");
-  if (!how.mips) how.mips = mips_of_chain(*schedule, how.size);
-  how.lobe_roughness = fitted_roughness_of_mips(*schedule, *how.mips, how.size);
+  if (!how.mips) how.mips = default_mip_count(*schedule, how.size);
+  how.lobe_roughness = fitted_mip_roughness(*schedule, *how.mips, how.size);
 }
 
 /// `roughness`: a list, or the name of a schedule.
@@ -63,8 +63,8 @@ std::optional<RoughnessSchedule> read_roughness(Options& options, PrefilterOptio
     return std::nullopt;
   }
   const auto schedule = value_of<RoughnessSchedule>(options.called("roughness"), given.cast<std::string>(), kSchedules);
-  if (!how.mips) how.mips = mips_of_chain(schedule, how.size);
-  how.roughness = roughness_of_mips(schedule, *how.mips, how.size);
+  if (!how.mips) how.mips = default_mip_count(schedule, how.size);
+  how.roughness = mip_roughness(schedule, *how.mips, how.size);
   return schedule;
 }
 
@@ -108,18 +108,18 @@ std::string words(const Chain& chain) {
          counted(static_cast<std::size_t>(chain.cubemap->levels()), "level");
 }
 
-/// `kernels`: a chain by these in place of GGX's lobes, with size, method, rms_error and policy of `how`.
-std::optional<KernelChainOptions> kernel_options(Options& options, const PrefilterOptions& how) {
-  const py::handle given = options.take("kernels");
+/// `lobes`: a chain by these in place of GGX's lobes, with size, method, rms_error and policy of `how`.
+std::optional<LobeChainOptions> kernel_options(Options& options, const PrefilterOptions& how) {
+  const py::handle given = options.take("lobes");
   if (!given) return std::nullopt;
-  std::vector<NamedKernel> kernels;
-  options.read("kernels", kernels);
+  std::vector<NamedLobe> lobes;
+  options.read("lobes", lobes);
   for (const char* const name : {"mips", "roughness", "lobe_roughness", "lobe", "spectra", "maximum_error"}) {
     if (!options.has(name)) continue;
-    throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for kernels");
+    throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for `lobes`");
   }
-  KernelChainOptions chain{how.size, {}, how.method, how.rms_error, how.pixels};
-  for (NamedKernel& each : kernels) chain.kernels.push_back(std::move(each.kernel));
+  LobeChainOptions chain{how.size, {}, how.method, how.rms_error, how.pixels};
+  for (NamedLobe& each : lobes) chain.lobes.push_back(std::move(each.lobe));
   return chain;
 }
 
@@ -127,28 +127,28 @@ Reflections prefilter(const py::object& pixels, const py::kwargs& given) {
   Options options("prefilter", given);
   const Source source = source_of(pixels, options);
   const PrefilterOptions how = prefilter_options(options, true);
-  const std::optional<KernelChainOptions> lobes = kernel_options(options, how);
+  const std::optional<LobeChainOptions> lobes = kernel_options(options, how);
   Call call("prefilter", options);
   options.finish();
   if (lobes) {
     return Reflections(
-        call.run([&](const Control& control) { return prefilter_by_kernels(source.view, *lobes, control); }));
+        call.run([&](const Control& control) { return prefilter_by_lobes(source.view, *lobes, control); }));
   }
   return Reflections(call.run([&](const Control& control) { return prefilter_specular(source.view, how, control); }));
 }
 
-/// By a roughness, or by a kernel.
+/// By a roughness, or by a lobe.
 py::array reference(const py::object& pixels, const py::object& lobe, const py::object& directions,
                     const py::kwargs& given) {
   Options options("reference_specular", given);
-  std::optional<ZonalKernel> kernel;
+  std::optional<ZonalLobe> zonal;
   double roughness = 0.0;
-  if (py::isinstance<NamedKernel>(lobe)) {
-    kernel = lobe.cast<const NamedKernel&>().kernel;
+  if (py::isinstance<NamedLobe>(lobe)) {
+    zonal = lobe.cast<const NamedLobe&>().lobe;
   } else if (py::isinstance<py::float_>(lobe) || PyNumber_Check(lobe.ptr()) != 0) {
     roughness = py::float_(lobe);
   } else {
-    throw py::type_error("reference_specular: the lobe is a roughness or a ZonalKernel");
+    throw py::type_error("reference_specular: the lobe is a roughness or a ZonalLobe");
   }
   const Source source = source_of(pixels, options);
   Call call("reference_specular", options);
@@ -157,8 +157,8 @@ py::array reference(const py::object& pixels, const py::object& lobe, const py::
   std::vector<dvec3> list(asked.count());
   for (std::size_t index = 0; index < list.size(); ++index) list[index] = asked.at(index);
   const std::vector<dvec3> values = call.run([&](const Control& control) {
-    return kernel ? reference_by_kernel(source.view, *kernel, list, control)
-                  : reference_specular(source.view, roughness, list, control);
+    return zonal ? reference_by_lobe(source.view, *zonal, list, control)
+                 : reference_specular(source.view, roughness, list, control);
   });
   return array_of(values).reshape(asked.shape);
 }
@@ -191,7 +191,7 @@ void bind_chains(py::module_& module) {
       .def_readonly("roughness", &MipRecord::roughness, "Perceptual, 0 to 1; GGX's alpha is its square.")
       .def_property_readonly(
           "method", [](const MipRecord& self) { return name(self.method); },
-          "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\"")
+          "\"copy\", \"spectral\", \"reference\", \"stored\", \"near_far\"")
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
       .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added one by one.")
       .def_readonly("lobe_roughness", &MipRecord::lobe_roughness,
@@ -294,7 +294,7 @@ void bind_reflections(py::module_& module) {
       });
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
-      ("prefilter(pixels, *, " + kPrefilterSignature + ", kernels=None, policy=None,\n" +
+      ("prefilter(pixels, *, " + kPrefilterSignature + ", lobes=None, policy=None,\n" +
        "          layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
        "Prefilters reflections, one roughness per mip. Returns `Reflections`. `roughness`: a list, or a schedule:\n"
        "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `lobe_roughness`: that of the "
@@ -306,14 +306,14 @@ void bind_reflections(py::module_& module) {
        "`rms_error`\n"
        "bounds a mip's relative rms error, `maximum_error` the relative error of any texel (None: ten times\n"
        "`rms_error`). `quality`: \"normal\", \"fast\" (rms_error 1e-2), \"reference\" (the integral, minutes);\n"
-       "`rms_error` takes precedence. `kernels`: a list of `ZonalKernel`, one per mip, in place of `lobe`.")
+       "`rms_error` takes precedence. `lobes`: a list of `ZonalLobe`, one per mip, in place of `lobe`.")
           .c_str());
   module.def("reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
              "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
              "                   threads=None)\n"
              "--\n\n"
              "Computes the reference for `prefilter` at directions (..., 3), in double over all texels: (..., 3).\n"
-             "`lobe`: the roughness of a GGX lobe, or a `ZonalKernel`.");
+             "`lobe`: the roughness of a GGX lobe, or a `ZonalLobe`.");
   module.def(
       "brdf_table", &table_of,
       "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n"
@@ -328,25 +328,25 @@ void bind_reflections(py::module_& module) {
       "Computes the mips of a cubemap. Returns a `Chain`. `filter`: \"solid-angle\" preserves the total radiance,\n"
       "\"box\" is that of graphics APIs.");
   module.def(
-      "roughness_of_mips",
+      "mip_roughness",
       [](const std::string& schedule, int mips, int size) {
-        return roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
+        return mip_roughness(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
       },
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
-      "roughness_of_mips(schedule, mips, size)\n"
+      "mip_roughness(schedule, mips, size)\n"
       "--\n\n"
       "Returns the perceptual roughness of each mip for a schedule.");
   module.def(
-      "fitted_roughness_of_mips",
+      "fitted_mip_roughness",
       [](const std::string& schedule, int mips, int size) {
-        return fitted_roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
+        return fitted_mip_roughness(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
       },
       py::arg("schedule"), py::arg("mips"), py::arg("size"),
-      "fitted_roughness_of_mips(schedule, mips, size)\n"
+      "fitted_mip_roughness(schedule, mips, size)\n"
       "--\n\n"
       "Returns the roughness of lobes that minimizes the error of linear lookups between mips.");
-  module.def("mip_of_roughness", &mip_of_roughness, py::arg("table"), py::arg("roughness"),
-             "mip_of_roughness(table, roughness)\n"
+  module.def("mip_for_roughness", &mip_for_roughness, py::arg("table"), py::arg("roughness"),
+             "mip_for_roughness(table, roughness)\n"
              "--\n\n"
              "Returns the fractional mip at which a shader finds a roughness.");
 }

@@ -143,7 +143,7 @@ py::array radiance_at(const Sky& sky, const py::object& directions, const py::ob
 }
 
 py::dict sun_of(const Sky& sky, const py::object& sun) {
-  const Sun found = sky.view.sun(vector_of(sun, "sun"));
+  const Sun found = sky.view.sun_light(vector_of(sun, "sun"));
   py::dict all;
   all["direction"] = array_of(found.direction);
   all["irradiance"] = array_of(found.irradiance);
@@ -315,6 +315,35 @@ void bind_sky_class(py::module_& module) {
       });
 }
 
+/// Seconds from 1970: a number, text, or a datetime that knows its time zone.
+double seconds_of(const py::object& date) {
+  if (py::isinstance<py::str>(date)) return unix_seconds(date.cast<std::string>());
+  if (!py::hasattr(date, "timestamp")) return date.cast<double>();
+  if (date.attr("tzinfo").is_none()) {
+    throw Error(ErrorCode::invalid_argument, "sun_position: the datetime has no time zone; pass one with tzinfo");
+  }
+  return date.attr("timestamp")().cast<double>();
+}
+
+py::dict sun_at(const py::object& date, double latitude, double longitude, const py::kwargs& given) {
+  Options options("sun_position", given);
+  SunObserver observer{.latitude_degrees = latitude, .longitude_degrees = longitude};
+  options.read("north", observer.north_azimuth_degrees);
+  options.read("refraction", observer.refraction);
+  options.read("pressure", observer.pressure_hpa);
+  options.read("temperature", observer.temperature_celsius);
+  options.finish();
+  const SunPosition sun = sun_position(seconds_of(date), observer);
+  py::dict made;
+  made["elevation"] = sun.elevation_degrees;
+  made["azimuth"] = sun.azimuth_degrees;
+  made["compass"] = sun.compass_degrees;
+  made["refraction"] = sun.refraction_degrees;
+  made["distance"] = sun.distance_au;
+  made["direction"] = array_of(sun.direction);
+  return made;
+}
+
 }  // namespace
 
 void bind_sky(py::module_& module) {
@@ -342,6 +371,14 @@ void bind_sky(py::module_& module) {
       "sun_direction(elevation, azimuth=0.0)\n"
       "--\n\n"
       "Returns the unit direction (3,) towards a sun, in degrees; azimuth from +z towards +x.");
+  module.def(
+      "sun_position", &sun_at, py::arg("date"), py::arg("latitude"), py::arg("longitude"),
+      "sun_position(date, latitude, longitude, *, north=180.0, refraction=False, pressure=1010.0, temperature=10.0)\n"
+      "--\n\n"
+      "Computes the sun's position by date and place, 1900 to 2099. `date`: text such as\n"
+      "\"2026-06-21T20:30+02:00\", a datetime with a time zone, or seconds since 1970. Degrees, positive in the\n"
+      "north and the east. `north`: its azimuth; 180 is -z, and east +x. Returns elevation, azimuth, compass,\n"
+      "refraction (degrees), distance (astronomical units) and direction (3,).");
 }
 
 }  // namespace welkin::python

@@ -122,17 +122,17 @@ constexpr std::array<Cut, 4> kCuts = {{
 /// The face at a place, turned by half a turn, with the rows of the picture: the faces of a view have one stride.
 std::vector<std::byte> turned_face(const Rows& picture, const std::byte* face, int size) {
   const py::ssize_t stride = picture.stride > 0 ? picture.stride : -picture.stride;
-  std::vector<std::byte> turned(static_cast<std::size_t>(stride * size));
+  std::vector<std::byte> rotated(static_cast<std::size_t>(stride * size));
   const auto texel = static_cast<std::size_t>(picture.texel);
   for (py::ssize_t row = 0; row < size; ++row) {
     // Rows of a picture that lies bottom-up go up in memory here too.
     const py::ssize_t place = picture.stride > 0 ? row : size - 1 - row;
     for (py::ssize_t column = 0; column < size; ++column) {
       const std::byte* const from = face + (size - 1 - row) * picture.stride + (size - 1 - column) * picture.texel;
-      std::memcpy(turned.data() + place * stride + column * picture.texel, from, texel);
+      std::memcpy(rotated.data() + place * stride + column * picture.texel, from, texel);
     }
   }
-  return turned;
+  return rotated;
 }
 
 Source cubemap_of_picture(const py::array& array, const Cut& cut, PixelFormat format) {

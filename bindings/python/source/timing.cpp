@@ -26,7 +26,7 @@ std::map<std::string, std::function<void()>> calls_on(const CubemapView& view, c
       {"bake", [=] { static_cast<void>(bake(view, small)); }},
       {"to_cubemap", [=] { static_cast<void>(to_cubemap(view, 4, dmat3(1.0))); }},
       {"irradiance", [&light] { static_cast<void>(irradiance_from_radiance(light)); }},
-      {"turned", [&light] { static_cast<void>(turned(light, turn_about_y(30.0))); }},
+      {"rotate", [&light] { static_cast<void>(rotate(light, rotation_about_y(30.0))); }},
       {"evaluate",
        [&light] {
          static_cast<void>(evaluate(light, {0.0, 1.0, 0.0}));

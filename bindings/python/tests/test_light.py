@@ -33,20 +33,20 @@ def test_texels_are_the_reference(picture):
 
 
 def test_schedules_are_named():
-    roughness = welkin.roughness_of_mips("filament", 5, 256)
+    roughness = welkin.mip_roughness("filament", 5, 256)
     chain = welkin.prefilter(np.ones((8, 16, 3), np.float32), size=256, mips=5, roughness="filament")
     np.testing.assert_allclose([mip.roughness for mip in chain.mips], roughness)
-    assert welkin.mip_of_roughness(roughness, roughness[2]) == pytest.approx(2)
+    assert welkin.mip_for_roughness(roughness, roughness[2]) == pytest.approx(2)
     with pytest.raises(welkin.InvalidArgument, match="unreal"):
         welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="steep")
 
 
 def test_lobes_are_fitted_to_lookups():
     pixels = np.random.default_rng(1).random((16, 32, 3), np.float32)
-    lobes = welkin.fitted_roughness_of_mips("filament", 4, 16)
+    lobes = welkin.fitted_mip_roughness("filament", 4, 16)
     chain = welkin.prefilter(pixels, size=16, mips=4, lobe_roughness="fitted")
     assert [mip.lobe_roughness for mip in chain.mips] == lobes
-    assert [mip.roughness for mip in chain.mips] == welkin.roughness_of_mips("filament", 4, 16)
+    assert [mip.roughness for mip in chain.mips] == welkin.mip_roughness("filament", 4, 16)
     assert chain.mips[0].error_between > 0 and chain.mips[-1].error_between is None
     same = welkin.prefilter(pixels, size=16, roughness=lobes)
     assert all((a == b).all() for a, b in zip(chain.levels, same.levels))
@@ -78,11 +78,11 @@ def test_a_bake_is_its_parts(picture):
 
 def test_lobes_are_those_of_kernels(picture):
     sheen = {"size": 16, "roughness": [0.5, 0.8], "lobe": "charlie"}
-    truth = welkin.prefilter(picture, size=16, kernels=[welkin.ZonalKernel.charlie(r) for r in sheen["roughness"]])
+    truth = welkin.prefilter(picture, size=16, lobes=[welkin.ZonalLobe.charlie(r) for r in sheen["roughness"]])
     light = welkin.bake(picture, specular=sheen, background=False, irradiance=False, brdf=False)
     assert all((a == b).all() for a, b in zip(light.specular.levels, truth.levels))
     spectra = [[1, 0.5, 0.25], [1, 0.25]]
-    truth = welkin.prefilter(picture, size=16, kernels=[welkin.ZonalKernel.from_spectrum(each) for each in spectra])
+    truth = welkin.prefilter(picture, size=16, lobes=[welkin.ZonalLobe.from_spectrum(each) for each in spectra])
     found = welkin.prefilter(picture, size=16, lobe="spectra", spectra=spectra)
     assert all((a == b).all() for a, b in zip(found.levels, truth.levels))
     probes = np.ones((2, 6, 8, 8, 3), np.float32)
@@ -156,7 +156,7 @@ def test_a_saved_sky_is_the_same(small_sky, tmp_path):
 
 
 def test_pictures_turn_and_change_shape(picture):
-    turned = welkin.to_lat_long(picture, 32, turn=welkin.turn_about_y(90))
+    turned = welkin.to_lat_long(picture, 32, rotation=welkin.rotation_about_y(90))
     np.testing.assert_array_equal(turned, np.roll(picture, -16, axis=1))
     cube = welkin.to_cubemap(picture, 32)
     assert truth.relative(welkin.project(cube).radiance.mean, welkin.project(picture).radiance.mean) < 1e-4

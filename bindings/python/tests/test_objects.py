@@ -28,6 +28,16 @@ def test_an_object_that_was_never_initialised_is_refused(kind):
     assert done.returncode == 0, (done.returncode, done.stderr)
 
 
+def test_a_subinterpreter_is_refused():  # it would wait forever
+    program = (
+        "try: import _interpreters as them\n"
+        "except ImportError: import _xxsubinterpreters as them\n"
+        "them.run_string(them.create(), 'try: import welkin\\nexcept ImportError as error: print(error)')"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert "main interpreter alone" in done.stdout, (done.returncode, done.stdout, done.stderr)
+
+
 def test_an_object_that_was_never_initialised_is_no_argument():
     light = welkin.SphericalHarmonics(3)
     unmade = welkin.SphericalHarmonics.__new__(welkin.SphericalHarmonics)
@@ -66,7 +76,7 @@ def test_harmonics_are_pickled_and_copied(picture):
 
 def test_harmonics_compare_divide_and_add_up(picture):
     light = welkin.project(picture).radiance
-    assert light == copy.copy(light) and light != 2 * light and light != light.with_bands(2) and light != 3
+    assert light == copy.copy(light) and light != 2 * light and light != light.resized(2) and light != 3
     with pytest.raises(TypeError, match="unhashable"):
         hash(light)  # their coefficients may be written to
     assert -light == light * -1
@@ -98,7 +108,7 @@ def test_directions_of_any_length_are_normalised_everywhere(picture, small_sky):
         "direct_irradiance": lambda d: welkin.direct_irradiance(picture, d),
         "reference_specular": lambda d: welkin.reference_specular(picture, 0.5, d),
         "density": table.density,
-        "octahedral_place": welkin.octahedral_place,
+        "octahedral_encode": welkin.octahedral_encode,
         "radiance": lambda d: small_sky.radiance(d, (0, 1, 0)),
         "sun": lambda d: small_sky.irradiance(d),
     }

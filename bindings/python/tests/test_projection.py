@@ -45,15 +45,15 @@ def test_basis_is_that_of_numpy(rng):
 
 def test_a_turned_picture_has_turned_coefficients(picture):
     quarter = np.roll(picture, 16, axis=1)  # texels move right by a quarter
-    turn = np.round(welkin.turn_about_y(-90.0))
+    turn = np.round(welkin.rotation_about_y(-90.0))
     expected = welkin.project(quarter).radiance.coefficients
-    assert truth.relative(welkin.project(picture).radiance.turned(turn).coefficients, expected) < 1e-6
+    assert truth.relative(welkin.project(picture).radiance.rotate(turn).coefficients, expected) < 1e-6
 
 
 def test_turns_keep_power_and_values(picture, rng):
     harmonics = welkin.project(picture, bands=5).radiance
     turn = truth.rotation(rng)
-    turned = harmonics.turned(turn)
+    turned = harmonics.rotate(turn)
     for band in range(5):
         part = slice(band**2, (band + 1) ** 2)
         before = np.linalg.norm(harmonics.coefficients[part], axis=0)
@@ -66,9 +66,9 @@ def test_turns_keep_power_and_values(picture, rng):
 def test_a_quaternion_is_its_matrix(picture):
     harmonics = welkin.project(picture).radiance
     half = np.radians(70) / 2
-    by_quaternion = harmonics.turned((2 * np.cos(half), 0, 2 * np.sin(half), 0))
+    by_quaternion = harmonics.rotate((2 * np.cos(half), 0, 2 * np.sin(half), 0))
     np.testing.assert_allclose(
-        by_quaternion.coefficients, harmonics.turned(welkin.turn_about_y(70)).coefficients, atol=1e-12
+        by_quaternion.coefficients, harmonics.rotate(welkin.rotation_about_y(70)).coefficients, atol=1e-12
     )
 
 
@@ -102,7 +102,7 @@ def test_bands_add_up(picture):
     np.testing.assert_allclose((twice - a).coefficients, a.coefficients)
     np.testing.assert_allclose(a.lerp(twice, 0.5).coefficients, (a * 1.5).coefficients)
     np.testing.assert_allclose((a * (1, 0, 2)).coefficients, a.coefficients * (1, 0, 2))
-    assert a.with_bands(5).bands == 5
+    assert a.resized(5).bands == 5
     assert a.product(a).bands == 5
 
 

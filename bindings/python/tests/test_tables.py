@@ -72,11 +72,11 @@ def test_an_octahedral_map_has_the_light_where_its_place_says(picture):
     assert level.shape == (64, 64, 3) and (octahedral.size, octahedral.border, len(octahedral)) == (64, 2, 1)
     at = (np.arange(60) + 0.5) / 60
     places = np.stack(np.meshgrid(at, at), axis=-1)  # column first
-    directions = welkin.octahedral_direction(places)
+    directions = welkin.octahedral_decode(places)
     np.testing.assert_allclose(level[2:-2, 2:-2], radiance(directions), rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(welkin.octahedral_place(directions), places, atol=1e-12)
+    np.testing.assert_allclose(welkin.octahedral_encode(directions), places, atol=1e-12)
     np.testing.assert_allclose(
-        welkin.octahedral_place([(0, 0, 1), (1, 0, 0), (0, 1, 0)]), [[0.5, 0.5], [1, 0.5], [0.5, 1]]
+        welkin.octahedral_encode([(0, 0, 1), (1, 0, 0), (0, 1, 0)]), [[0.5, 0.5], [1, 0.5], [0.5, 1]]
     )
 
 
@@ -93,41 +93,41 @@ def test_octahedral_maps_of_chains_are_written(picture, tmp_path):
 
 
 def test_the_lambert_lobe_gives_irradiance_over_pi(picture):
-    chain = welkin.prefilter(picture, size=8, kernels=[welkin.ZonalKernel.lambert()])
+    chain = welkin.prefilter(picture, size=8, lobes=[welkin.ZonalLobe.lambert()])
     expected = welkin.irradiance(picture, size=8, method="direct").cubemap / np.pi
     np.testing.assert_allclose(chain[0], expected, rtol=5e-3)
 
 
 def test_kernels_are_functions_or_spectra(picture):
-    phong = welkin.ZonalKernel.phong(3.0)
-    mine = welkin.ZonalKernel.from_function(lambda cosine: max(cosine, 0.0) ** 3)
+    phong = welkin.ZonalLobe.phong(3.0)
+    mine = welkin.ZonalLobe.from_function(lambda cosine: max(cosine, 0.0) ** 3)
     cosines = np.linspace(-1, 1, 9)
     np.testing.assert_allclose(mine.value(cosines), phong.value(cosines), atol=1e-6)
     np.testing.assert_allclose(phong.value(cosines), 4 / (2 * np.pi) * np.clip(cosines, 0, None) ** 3, atol=1e-9)
     np.testing.assert_allclose(mine.spectrum(6), phong.spectrum(6), atol=1e-6)
-    constant = welkin.prefilter(picture, size=4, kernels=[welkin.ZonalKernel.from_spectrum([1.0])])[0]
+    constant = welkin.prefilter(picture, size=4, lobes=[welkin.ZonalLobe.from_spectrum([1.0])])[0]
     np.testing.assert_allclose(
         constant, np.broadcast_to(welkin.project(picture).radiance.mean, constant.shape), rtol=1e-3
     )
     directions, _ = truth.cubemap_directions(4)
     reference = welkin.reference_specular(picture, phong, directions)
-    assert truth.relative(welkin.prefilter(picture, size=4, kernels=[phong])[0], reference) < 5e-3
-    assert welkin.ZonalKernel.charlie(0.4).roughness == 0.4 and phong.roughness == 0
-    roughness = welkin.charlie_roughness_of_mips(4, 64)
-    sheen = welkin.prefilter(picture, size=64, kernels=[welkin.ZonalKernel.charlie(r) for r in roughness])
+    assert truth.relative(welkin.prefilter(picture, size=4, lobes=[phong])[0], reference) < 5e-3
+    assert welkin.ZonalLobe.charlie(0.4).roughness == 0.4 and phong.roughness == 0
+    roughness = welkin.charlie_mip_roughness(4, 64)
+    sheen = welkin.prefilter(picture, size=64, lobes=[welkin.ZonalLobe.charlie(r) for r in roughness])
     np.testing.assert_allclose([mip.roughness for mip in sheen.mips], roughness)
 
 
 def test_wrong_kernels_are_said(picture):
     with pytest.raises(welkin.InvalidArgument, match="roughness"):
-        welkin.prefilter(picture, kernels=[welkin.ZonalKernel.lambert()], roughness=[0.5])
-    with pytest.raises(TypeError, match="kernels"):
-        welkin.prefilter(picture, kernels=[0.5])
+        welkin.prefilter(picture, lobes=[welkin.ZonalLobe.lambert()], roughness=[0.5])
+    with pytest.raises(TypeError, match="lobes"):
+        welkin.prefilter(picture, lobes=[0.5])
     with pytest.raises(welkin.InvalidArgument):
-        welkin.ZonalKernel.phong(-1)
+        welkin.ZonalLobe.phong(-1)
     with pytest.raises(ZeroDivisionError):
-        welkin.ZonalKernel.from_function(lambda cosine: 1 / 0)
-    with pytest.raises(TypeError, match="ZonalKernel"):
+        welkin.ZonalLobe.from_function(lambda cosine: 1 / 0)
+    with pytest.raises(TypeError, match="ZonalLobe"):
         welkin.reference_specular(picture, "rough", [(0, 1, 0)])
 
 
@@ -183,12 +183,12 @@ def test_these_objects_say_what_they_are(picture, faces):
     objects = [
         welkin.importance_table(picture),
         welkin.to_octahedral(welkin.project(picture).radiance),
-        welkin.ZonalKernel.charlie(0.3),
+        welkin.ZonalLobe.charlie(0.3),
         welkin.bake_many([faces], size=4),
     ]
     assert [repr(each) for each in objects] == [
         "<welkin.ImportanceTable: 64 x 32>",
         "<welkin.OctahedralMap: 256 x 256, border 1, 1 level>",
-        "<welkin.ZonalKernel: charlie, roughness 0.3>",
+        "<welkin.ZonalLobe: charlie, roughness 0.3>",
         "<welkin.ManyLights: 1 probe, 3 mips>",
     ]

@@ -12,8 +12,8 @@ PANORAMA = np.random.default_rng(2).random((8, 16, 3), dtype=np.float32)
 
 def harmonics() -> NDArray[np.float64]:
     found: welkin.Projection = welkin.project(FACES, bands=4, policy=welkin.PixelPolicy(clamp=10.0), threads=1)
-    light: welkin.SphericalHarmonics = found.radiance.turned(welkin.turn_about_y(20.0)) + 2 * found.radiance
-    windowed: welkin.Windowed = light.window("lanczos", width=4.0)
+    light: welkin.SphericalHarmonics = found.radiance.rotate(welkin.rotation_about_y(20.0)) + 2 * found.radiance
+    windowed: welkin.WindowResult = light.window("lanczos", width=4.0)
     form: welkin.EngineLight = welkin.engine_light(windowed.harmonics, "unity")
     assert form.vectors["unity_SHAr"].shape == (4,)
     dominant = light.dominant_light()
@@ -31,7 +31,7 @@ def reflections(folder: Path) -> list[NDArray[np.float32]]:
         PANORAMA, specular={"size": 16, "roughness": "linear", "mips": 3}, brdf=False, progress=shares.append
     )
     assert light.specular is not None and light.radiance is not None and shares[-1] == 1.0
-    sheen: welkin.Reflections = welkin.prefilter(FACES, size=8, kernels=[welkin.ZonalKernel.phong(4.0)])
+    sheen: welkin.Reflections = welkin.prefilter(FACES, size=8, lobes=[welkin.ZonalLobe.phong(4.0)])
     octahedral: welkin.OctahedralMap = welkin.to_octahedral(light.specular, size=32)
     welkin.write_texture(folder / "map.ktx2", octahedral, format="rgba32f")
     report = welkin.write_texture(str(folder / "sheen.dds"), sheen)

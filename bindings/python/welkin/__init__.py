@@ -10,6 +10,7 @@ Pixels are numpy arrays, read where they lie: (height, width, channels) is a lat
 +X -X +Y -Y +Z -Z of a cubemap; 3 or 4 channels of float32, float16 or uint8. Axes are right-handed, y up; a lat-long's
 centre looks along +z, with +x a quarter in from the left. Results are arrays on memory of the library's own.
 """
+from . import _interpreter  # first: it refuses where the extension would wait forever
 from . import _welkin
 from ._errors import (
     Cancelled,

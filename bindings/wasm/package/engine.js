@@ -1,9 +1,19 @@
 // What runs inside the worker: loads a WebAssembly module, hands it options and pixels, and takes results out of it.
 // It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
 import { CHAIN_NUMBERS } from './options.js';
+import { instanceWithThreads } from './threads.js';
 
-/** The modules, each of which also does what the ones before it do. */
-export const MODULES = ['project', 'prefilter', 'environment', 'codecs'];
+/** The modules and what each does, those that are quickest to load first. */
+export const MODULES = {
+  project: ['project'],
+  prefilter: ['project', 'prefilter'],
+  sky: ['project', 'prefilter', 'sky'],
+  environment: ['project', 'prefilter', 'bake'],
+  codecs: ['project', 'prefilter', 'bake', 'codecs'],
+  textures: ['textures'],
+};
+/** What the module with threads does. */
+const THREADED = ['project', 'prefilter', 'sky', 'bake'];
 
 /** `ErrorCode` of include/welkin/core.h, in its order; statuses begin at 1. */
 const CODES = ['invalid_argument', 'rejected_pixel', 'file_access', 'corrupt_file', 'unsupported_file', 'limit_exceeded',
@@ -16,6 +26,10 @@ export const FORMATS = {
   srgba8: [7, 4],
 };
 const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
+/** `TexelFormat` of include/welkin/image.h, `Supercompression` and `Bc6hEffort`. */
+const TEXELS = { rgba16f: 0, rgba32f: 1, b10g11r11: 2, e5b9g9r9: 3, 'uastc-hdr': 8 };
+const SUPERCOMPRESSIONS = ['none', 'zlib', 'zstd'];
+const EFFORTS = ['fast', 'normal', 'slow'];
 const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
 const TABLES = ['coarse', 'full'];
 
@@ -61,19 +75,26 @@ function systemFor(memory) {
   };
 }
 
+/** The exports and memory of a module with one thread. */
+function instanceOf(module, progress) {
+  let exports;
+  const system = systemFor(() => exports.memory.buffer);
+  const imports = {};
+  for (const { module: space, name } of WebAssembly.Module.imports(module)) {
+    imports[space] ??= {};
+    imports[space][name] = (space === 'welkin' ? { progress }[name] : system[name]) ?? system.missing;
+  }
+  exports = new WebAssembly.Instance(module, imports).exports;
+  exports._initialize?.();
+  return { exports, memory: exports.memory };
+}
+
 /** One instance of a module. */
 class Instance {
-  constructor(module, progress) {
-    const memory = () => this.exports.memory.buffer;
-    const system = systemFor(memory);
-    const helpers = { progress };
-    const imports = {};
-    for (const { module: space, name } of WebAssembly.Module.imports(module)) {
-      imports[space] ??= {};
-      imports[space][name] = (space === 'welkin' ? helpers[name] : system[name]) ?? system.missing;
-    }
-    this.exports = new WebAssembly.Instance(module, imports).exports;
-    this.exports._initialize?.();
+  constructor({ exports, memory, stop }) {
+    this.exports = exports;
+    this.memory = memory;
+    this.stop = stop ?? (() => {});
   }
 
   /** Copies parts, typed arrays or buffers, one behind the other: the only copy on the way in. */
@@ -86,7 +107,7 @@ class Instance {
     for (const part of parts) {
       const source = ArrayBuffer.isView(part)
         ? new Uint8Array(part.buffer, part.byteOffset, part.byteLength) : new Uint8Array(part);
-      new Uint8Array(this.exports.memory.buffer).set(source, at);
+      new Uint8Array(this.memory.buffer).set(source, at);
       at += part.byteLength;
     }
     return place;
@@ -96,11 +117,11 @@ class Instance {
     this.exports.welkin_free(place);
   }
 
-  /** Copies a result out: the only copy on the way back. */
+  /** Copies a result out: the only copy on the way back, and never shared. */
   take(index, Type) {
     const place = this.exports.welkin_result(index) >>> 0;
     const bytes = this.exports.welkin_result_bytes(index) >>> 0;
-    return new Type(this.exports.memory.buffer.slice(place, place + bytes));
+    return new Type(new Uint8Array(this.memory.buffer, place, bytes).slice().buffer);
   }
 
   /** Calls an entry with its options. Throws what it reports. */
@@ -113,7 +134,7 @@ class Instance {
       this.free(place);
     }
     if (status === 0) return;
-    const memory = new Uint8Array(this.exports.memory.buffer);
+    const memory = new Uint8Array(this.memory.buffer);
     const begin = this.exports.welkin_message() >>> 0;
     const code = OTHER_CODES[status] ?? CODES[status - 1] ?? 'unexpected';
     const text = code === 'out_of_memory' ? 'there is not enough memory'
@@ -134,6 +155,9 @@ function chain(request) {
 }
 
 function light(request) {
+  if (request.ktx2Format !== undefined) numberOf(Object.keys(TEXELS), request.ktx2Format, 'ktx2Format');
+  numberOf(SUPERCOMPRESSIONS, request.supercompression ?? 'none', 'supercompression');
+  numberOf(EFFORTS, request.ktx2Effort ?? 'normal', 'ktx2Effort');
   return [...chain(request), request.bands ?? 3, request.env ? 1 : 0, request.ktx2 ? 1 : 0,
     request.specular === false ? 0 : 1, request.background ?? 0];
 }
@@ -202,18 +226,44 @@ function backgroundOf(instance, index, { floats, mirrorX }) {
   return { size, format: floats ? 'rgba32f' : 'rgba16f', mirrored: Boolean(mirrorX), faces };
 }
 
-function lightOf(instance, request) {
-  const env = instance.take(4, Uint8Array);
-  const ktx2 = instance.take(5, Uint8Array);
+/** Calls an entry of the module of textures with a chain: floats, texels an edge, mips, and options behind them. */
+function packed(textures, entry, floats, size, mips, numbers, rest) {
+  const chain = textures.put([floats]);
+  const more = textures.put([Float64Array.from(numbers)]);
+  try {
+    textures.call(entry, [chain, size, mips, ...rest(more)]);
+    return textures.take(0, Uint8Array);
+  } finally {
+    textures.free(more);
+    textures.free(chain);
+  }
+}
+
+function ktx2Of(instance, textures, request) {
+  const numbers = instance.take(2, Float64Array);
+  const format = request.ktx2Format ?? (request.floats ? 'rgba32f' : 'rgba16f');
+  const roughness = Array.from({ length: numbers[1] }, (_, mip) => numbers[3 + 4 * mip]);
+  return packed(textures, 'welkin_pack_texture', instance.take(5, ArrayBufferOf), numbers[0], numbers[1], roughness,
+    (place) => [TEXELS[format], SUPERCOMPRESSIONS.indexOf(request.supercompression ?? 'none'),
+      EFFORTS.indexOf(request.ktx2Effort ?? 'normal'), request.mirrorX ? 1 : 0, place]);
+}
+
+function envOf(instance, textures, request, radiance) {
+  const size = request.size ?? 256;
+  return packed(textures, 'welkin_pack_env', instance.take(4, ArrayBufferOf), size, Math.floor(Math.log2(size)) + 1,
+    radiance, (place) => [request.bands ?? 3, place]);
+}
+
+function lightOf(instance, request, textures) {
   const radiance = instance.take(0, Float64Array);
   return {
     bands: request.bands ?? 3,
     radiance,
     sh: radiance,
     polynomial: polynomialOf(instance.take(1, Float64Array)),
-    specular: chainOf(instance, 2, request),
-    env: env.length > 0 ? env : null,
-    ktx2: ktx2.length > 0 ? ktx2 : null,
+    specular: request.specular === false ? null : chainOf(instance, 2, request),
+    env: request.env ? envOf(instance, textures, request, radiance) : null,
+    ktx2: request.ktx2 ? ktx2Of(instance, textures, request) : null,
     background: backgroundOf(instance, 6, request),
   };
 }
@@ -235,6 +285,24 @@ function source(instance, request) {
       `the pixels have ${bytes} bytes; ${texels} texels of ${request.format} have ${texels * format[1]}`);
   }
   return [instance.put(request.pixels), width, height, format[0], ...policy(request)];
+}
+
+/** Where the pixels of a file are and what they are: the file itself, or floats that another module unpacked. */
+function fileFor(instance, textures, request, name) {
+  if (!isPacked(request.bytes)) return [instance.put([request.bytes]), request.bytes.byteLength, 0, 0];
+  const bytes = textures.put([request.bytes]);
+  const its = textures.put([name]);
+  let shape;
+  try {
+    textures.call('welkin_unpack_texture', [bytes, request.bytes.byteLength, its]);
+    shape = textures.take(0, Float64Array);
+  } finally {
+    textures.free(bytes);
+    textures.free(its);
+  }
+  const pixels = textures.take(1, ArrayBufferOf);
+  textures.exports.welkin_release();
+  return [instance.put([pixels]), pixels.byteLength, ...shape];
 }
 
 const OPERATIONS = {
@@ -268,49 +336,85 @@ const OPERATIONS = {
     return chainOf(instance, 0, request);
   },
 
-  bake(instance, request) {
-    const bytes = instance.put([request.bytes]);
-    const name = instance.put([new TextEncoder().encode(`${request.name ?? 'environment'}\0`)]);
+  bake(instance, request, textures) {
+    const text = new TextEncoder().encode(`${request.name ?? 'environment'}\0`);
+    const [bytes, length, width, height] = fileFor(instance, textures, request, text);
+    const name = instance.put([text]);
     try {
-      instance.call('welkin_bake', [bytes, request.bytes.byteLength, name,
-        numberOf(LAYOUTS, request.layout ?? 'automatic', 'layout'), request.takeOutSun ? 1 : 0, ...policy(request),
-        ...light(request)]);
+      instance.call('welkin_bake', [bytes, length, name, numberOf(LAYOUTS, request.layout ?? 'automatic', 'layout'),
+        width, height, request.extractSun ? 1 : 0, ...policy(request), ...light(request)]);
     } finally {
       instance.free(bytes);
       instance.free(name);
     }
     const shape = instance.take(8, Float64Array);
     return {
-      ...lightOf(instance, request),
+      ...lightOf(instance, request, textures),
       sun: sunOf(instance.take(7, Float64Array)),
       source: { width: shape[0], height: shape[1] },
     };
   },
 
-  sky(instance, request) {
+  sky(instance, request, textures) {
     instance.call('welkin_sky', [request.sunElevation ?? 30, request.sunAzimuth ?? 0, request.altitude ?? 0,
       numberOf(AEROSOLS, request.aerosol ?? 'clear', 'aerosol'), numberOf(TABLES, request.tables ?? 'coarse', 'tables'),
       request.faceSize ?? 128, request.sunDisc ? 1 : 0, ...light(request)]);
-    return { ...lightOf(instance, request), sun: sunOf(instance.take(7, Float64Array)) };
+    return { ...lightOf(instance, request, textures), sun: sunOf(instance.take(7, Float64Array)) };
+  },
+
+  /** Light by the sun's elevation, for `SkyLight`. */
+  skyCurve(instance, request) {
+    const elevations = instance.put([request.elevations]);
+    try {
+      instance.call('welkin_sky_curve', [request.altitude ?? 0, numberOf(AEROSOLS, request.aerosol ?? 'clear', 'aerosol'),
+        numberOf(TABLES, request.tables ?? 'coarse', 'tables'), elevations, request.elevations.length]);
+    } finally {
+      instance.free(elevations);
+    }
+    return { radiance: instance.take(0, Float64Array), direct: instance.take(1, Float64Array),
+      angularRadius: instance.take(2, Float64Array)[0] };
+  },
+
+  sunPosition(instance, request) {
+    const { date, latitude, longitude } = request;
+    const text = typeof date === 'string' ? instance.put([new TextEncoder().encode(`${date}\0`)]) : 0;
+    try {
+      instance.call('welkin_sun_by_date', [text, Number(date) / 1000, latitude, longitude, request.north ?? 180,
+        request.refraction ? 1 : 0, request.pressure ?? 1010, request.temperature ?? 10]);
+    } finally {
+      if (text !== 0) instance.free(text);
+    }
+    const [elevation, azimuth, compass, refraction, distance, ...direction] = instance.take(0, Float64Array);
+    return { elevation, azimuth, compass, refraction, distance, direction };
   },
 };
 
 /** How files begin whose texels others' libraries unpack: OpenEXR, PNG, .env. */
 const CODED = [[0x76, 0x2f, 0x31, 0x01], [0x89, 0x50, 0x4e, 0x47], [0x86, 0x16, 0x87, 0x96]];
 const KTX2 = [0xab, 0x4b, 0x54, 0x58];
+const KTX2_FORMAT = 12;
 const KTX2_SCHEME = 44; // where the supercompression is named: 0 is none
+const ASTC = [1000066000, 1000066013]; // Vulkan's formats from ... to
 
-function takesCodec(file) {
-  const bytes = ArrayBuffer.isView(file) ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength) : new Uint8Array(file);
-  const begins = (magic) => magic.every((byte, k) => bytes[k] === byte);
-  return CODED.some(begins) || (begins(KTX2) && bytes[KTX2_SCHEME] !== 0);
+const bytesOf = (file) => (ArrayBuffer.isView(file) ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength) : new Uint8Array(file));
+const beginsWith = (bytes, magic) => magic.every((byte, k) => bytes[k] === byte);
+
+/** A KTX2 file that the module of textures unpacks. */
+function isPacked(file) {
+  const bytes = bytesOf(file);
+  if (!beginsWith(bytes, KTX2) || bytes.length < 80) return false;
+  const format = new DataView(bytes.buffer, bytes.byteOffset).getUint32(KTX2_FORMAT, true);
+  return bytes[KTX2_SCHEME] !== 0 || (format >= ASTC[0] && format <= ASTC[1]);
 }
 
-/** Which of the modules is the first that can do it; undefined where none can. An .env holds PNG pictures. */
-function firstFor(operation, request) {
-  if (operation === 'bake' && takesCodec(request.bytes)) return 3;
-  if (request.env && (operation === 'bake' || operation === 'sky')) return 3;
-  return { project: 0, prefilter: 1, bake: 2, sky: 2 }[operation];
+/** What the module must be able to do that does it; undefined where none can. */
+function needOf(operation, request) {
+  if (operation === 'bake') return CODED.some((magic) => beginsWith(bytesOf(request.bytes), magic)) ? 'codecs' : 'bake';
+  return { project: 'project', prefilter: 'prefilter', sky: 'sky', skyCurve: 'sky', sunPosition: 'sky' }[operation];
+}
+
+function needsTextures(operation, request) {
+  return Boolean(request.env || request.ktx2 || (operation === 'bake' && isPacked(request.bytes)));
 }
 
 /** All that buffers of a result need to be handed over instead of copied. */
@@ -321,53 +425,95 @@ export function buffersOf(value, found = new Set()) {
   return found;
 }
 
-/** Runs requests, one at a time. `load(name)` resolves to a compiled module. */
+/** Runs requests, one at a time. `load(name)` resolves to a compiled module, `makeThread` is as `instanceWithThreads`
+ * takes it; null where no memory can be shared. */
 export class Engine {
-  constructor(load) {
+  constructor(load, makeThread) {
     this.load = load;
-    this.instances = [];
+    this.makeThread = makeThread;
+    this.instances = {};
     this.report = () => {};
   }
 
-  /** The smallest module that does it, or a larger one that is there already. */
-  async instanceFor(operation, request) {
-    const least = firstFor(operation, request);
-    if (least === undefined) throw failure('invalid_argument', `there is no operation "${operation}"`);
-    for (let k = least; k < MODULES.length; ++k) if (this.instances[k]) return this.instances[k];
-    const module = await this.load(MODULES[least]);
-    this.instances[least] = new Instance(module, (share) => this.report(share));
-    return this.instances[least];
+  async add(name, make) {
+    this.instances[name] = new Instance(await make(await this.load(name), (share) => this.report(share)));
+    return this.instances[name];
   }
 
-  async run(operation, request, report = () => {}) {
-    const instance = await this.instanceFor(operation, request);
+  /** The smallest module that can do what is needed, or a larger one that is there already; with threads if there shall
+   * be some. */
+  async instanceFor(need, threads) {
+    if (threads > 1 && this.makeThread && THREADED.includes(need)) {
+      return this.instances.threads ?? this.add('threads', (module, progress) =>
+        instanceWithThreads(module, progress, threads, this.makeThread));
+    }
+    const names = Object.keys(MODULES).filter((name) => MODULES[name].includes(need));
+    const there = names.find((name) => this.instances[name]);
+    return there ? this.instances[there] : this.add(names[0], instanceOf);
+  }
+
+  async run(operation, request, report = () => {}, threads = 1) {
+    const need = needOf(operation, request);
+    if (need === undefined) throw failure('invalid_argument', `there is no operation "${operation}"`);
+    const [instance, textures] = await Promise.all([this.instanceFor(need, threads),
+      needsTextures(operation, request) ? this.instanceFor('textures') : undefined]);
     this.report = report;
     try {
-      const result = OPERATIONS[operation](instance, request);
-      instance.exports.welkin_release();
+      const result = OPERATIONS[operation](instance, request, textures);
+      for (const one of [instance, textures]) one?.exports.welkin_release();
       return result;
     } catch (error) {
       if (error?.welkin) throw error;
-      // A trap: what the instance holds cannot be relied on any more.
-      this.instances = this.instances.map((other) => (other === instance ? undefined : other));
+      // A trap: what the instances hold cannot be relied on any more.
+      for (const name of Object.keys(this.instances)) {
+        if (![instance, textures].includes(this.instances[name])) continue;
+        this.instances[name].stop();
+        delete this.instances[name];
+      }
       throw failure('unexpected', String(error?.message ?? error));
     }
   }
+}
+
+/** Six faces of bytes that arrive in slices on a port of their own: the page copies and posts a few MB per task. */
+function arrived({ port, faceBytes }) {
+  return new Promise((resolve, reject) => {
+    const faces = Array.from({ length: 6 }, () => new Uint8Array(faceBytes));
+    let left = 6 * faceBytes;
+    const end = (settle, value) => { port.close(); settle(value); };
+    port.onmessage = ({ data }) => {
+      if (data === null) return end(reject, failure('cancelled', 'the faces did not arrive'));
+      faces[data.face].set(new Uint8Array(data.slice), data.offset);
+      left -= data.slice.byteLength;
+      return left > 0 ? undefined : end(resolve, faces);
+    };
+  });
+}
+
+function read(blob) {
+  return blob.arrayBuffer().catch((error) => {
+    throw failure('file_access', `the file could not be read: ${error.message}`);
+  });
 }
 
 /** Connects an engine to a port: `{ id, operation, request }` comes in, `{ id, progress }`, `{ id, result }` or
  * `{ id, error }` goes out. */
 export function serve(engine, post) {
   const kReportEvery = 30; // ms
-  return async ({ id, operation, request }) => {
+  return async ({ id, operation, request, threads }) => {
     let reported = -Infinity;
     try {
+      if (request.port) request.pixels = await arrived(request);
+      if (request.bytes instanceof Blob) request.bytes = await read(request.bytes);
+      let share = 0;
       const result = await engine.run(operation, request, (progress) => {
         const now = performance.now();
         if (!request.progress || (progress < 1 && now - reported < kReportEvery)) return;
         reported = now;
+        share = progress;
         post({ id, progress }, []);
-      });
+      }, threads);
+      if (request.progress && share < 1) post({ id, progress: 1 }, []); // the last share may be another thread's
       post({ id, result }, [...buffersOf(result)]);
     } catch (error) {
       post({ id, error: { code: error.code ?? 'unexpected', message: error.message ?? String(error) } }, []);

@@ -88,6 +88,16 @@ export interface Projection extends SphericalHarmonics {
 /** Projects a cubemap: six faces +X -X +Y -Y +Z -Z, RGB or RGBA, top row first; or all six in one array. */
 export function projectCubemap(faces: Pixels[] | Pixels, options?: ProjectionOptions): Promise<Projection>;
 
+/** Part of a face: `offset` in bytes, and bytes that are transferred to the worker. */
+export interface FaceSlice { face: number; offset: number; slice: ArrayBuffer }
+
+/**
+ * Projects six faces of `size` x `size` texels that arrive in slices, so that no task of the page copies them all. Every
+ * byte must come once. If the generator throws, the promise is rejected with its error.
+ */
+export function projectSlices(slices: AsyncIterable<FaceSlice> | Iterable<FaceSlice>,
+  options: ProjectionOptions & { size: number; format: PixelFormat }): Promise<Projection>;
+
 /** Projects an equirectangular image. Its centre looks along +z; +x lies a quarter of the width from the left edge. */
 export function projectEquirect(pixels: Pixels, options: ProjectionOptions & { width: number; height: number }):
   Promise<Projection>;
@@ -160,10 +170,19 @@ export interface LightOptions extends ChainOptions {
   bands?: number;
   /** Makes a specular chain. Default: true. */
   specular?: boolean;
-  /** Makes a file in Babylon.js's format, prefiltered, with its polynomial. Needs the module of codecs. */
+  /** Makes a file in Babylon.js's format, prefiltered, with its polynomial. Loads the module of textures. */
   env?: boolean;
-  /** Makes a KTX2 file of the chain. */
+  /** Makes a KTX2 file of the chain, mirrored if `mirrorX` is set. Loads the module of textures. */
   ktx2?: boolean;
+  /**
+   * Format of the KTX2 file's texels: 'uastc-hdr' has one byte per texel, as three.js's KTX2Loader uploads it to phones
+   * (ASTC) and desktops (BC6H). Default: as the chain, 'rgba16f' or 'rgba32f'.
+   */
+  ktx2Format?: 'rgba16f' | 'rgba32f' | 'b10g11r11' | 'e5b9g9r9' | 'uastc-hdr';
+  /** Search effort of the encoder of 'uastc-hdr'. Default: 'normal'. */
+  ktx2Effort?: 'fast' | 'normal' | 'slow';
+  /** Supercompression of the KTX2 file. Default: 'none'. */
+  supercompression?: 'none' | 'zlib' | 'zstd';
   /** Texels per edge of a sharp cubemap. Default: none. */
   background?: number;
 }
@@ -193,11 +212,11 @@ export interface BakeOptions extends CallOptions, PixelOptions, LightOptions {
   name?: string;
   layout?: 'automatic' | 'lat-long' | 'vertical-strip' | 'horizontal-strip' | 'horizontal-cross' | 'vertical-cross';
   /** Extracts the sun from an equirectangular image as a directional light. */
-  takeOutSun?: boolean;
+  extractSun?: boolean;
 }
 
-/** Bakes an environment from the bytes of a file, a Blob or a Response: Radiance .hdr, PFM, KTX2 and DDS. OpenEXR, PNG,
- * Babylon.js's .env (with PNG images) and KTX2 compressed by zlib need the module of codecs. */
+/** Bakes an environment from the bytes of a file, a Blob or a Response: Radiance .hdr, PFM, KTX2 and DDS. OpenEXR, PNG and
+ * Babylon.js's .env (with PNG images) load the module of codecs, KTX2 with zlib or Zstandard that of textures. */
 export function bakeEnvironment(file: ArrayBuffer | ArrayBufferView | Blob | Response, options?: BakeOptions):
   Promise<Light & { source: { width: number; height: number } }>;
 
@@ -220,9 +239,91 @@ export interface SkyOptions extends CallOptions, LightOptions {
 /** Computes a sky and its light. */
 export function sky(options?: SkyOptions): Promise<Light>;
 
-/** Sets the folder of the worker and the modules (`path`, default that of this file), and the maximum number of workers
- * (`workers`, default 1). */
-export function configure(options: { path?: string | null; workers?: number }): void;
+export interface SkyLightOptions extends ChainOptions {
+  /** Texels per edge of the reflections; 0 for none. Default: 32. */
+  size?: number;
+  altitude?: number;
+  aerosol?: 'clear' | 'hazy' | 'dusty' | 'polluted';
+  tables?: 'coarse' | 'full';
+  /** Change of the sun's elevation in degrees after which reflections are computed again. Default: 0.5. */
+  specularThreshold?: number;
+  /** Time to blend from old reflections to new ones, in the caller's seconds. Default: 0.5. */
+  blendSeconds?: number;
+}
+
+/** A chain of reflections with its part in a frame. */
+export interface SkyReflections {
+  specular: Chain;
+  /** Degrees by which the chain is rotated about the vertical, from +z towards +x: the sun's azimuth. */
+  azimuth: number;
+  /** Factor of its light. */
+  weight: number;
+}
+
+export interface SkyLightFrame {
+  /** False until the first light has arrived: all light is black. */
+  ready: boolean;
+  /** True if nothing is being computed or blended. */
+  settled: boolean;
+  /** Three bands of radiance of sky and ground without the sun's disc. */
+  radiance: Float64Array;
+  sun: Sun;
+  /** Newer and older reflections: none, one or two. */
+  reflections: SkyReflections[];
+}
+
+/**
+ * A sky whose sun moves. The worker computes the light by the sun's elevation once, and reflections after each
+ * `specularThreshold`; `update` interpolates and rotates, and never waits.
+ */
+export class SkyLight {
+  constructor(options?: SkyLightOptions);
+  /** Degrees; azimuth from +z towards +x. */
+  setSun(elevation: number, azimuth: number): void;
+  /** Factor of all light. */
+  setIntensity(intensity: number): void;
+  /** Returns the light of a frame, `seconds` after the one before; the same object every time. */
+  update(seconds: number): SkyLightFrame;
+  readonly counters: { frames: number; speculars: number; failures: number };
+  /** Error of the last job that failed, or null. */
+  readonly error: WelkinError | null;
+  dispose(): void;
+}
+
+export interface SunOptions extends CallOptions {
+  /** Azimuth of north, degrees from +z towards +x. Default: 180: north is -z, east +x. */
+  north?: number;
+  /** Raises the sun by the refraction of air. Default: false. */
+  refraction?: boolean;
+  /** Of the air at the observer, hPa. Default: 1010. */
+  pressure?: number;
+  /** Of the air at the observer, degrees Celsius. Default: 10. */
+  temperature?: number;
+}
+
+/** The centre of the sun's disc: degrees, astronomical units, and the unit vector towards it. */
+export interface SunPosition {
+  elevation: number;
+  /** From +z towards +x, as `sunAzimuth` of `sky`. */
+  azimuth: number;
+  /** From north through east. */
+  compass: number;
+  /** Part of the elevation that is due to refraction. */
+  refraction: number;
+  distance: number;
+  direction: Triple;
+}
+
+/** Computes the sun's position by date (a Date, milliseconds since 1970, or text with a time zone such as
+ * '2026-06-21T20:30+02:00'; 1900 to 2099) and place (degrees, positive in the north and the east). */
+export function sunPosition(date: Date | number | string, latitude: number, longitude: number, options?: SunOptions):
+  Promise<SunPosition>;
+
+/** Sets the folder of the worker and the modules (`path`, default that of this file), the maximum number of workers
+ * (`workers`, default 1), and the number of threads of each worker that is created from now on (`threads`, default 1). Threads
+ * need memory that can be shared: in Node.js always, on a page with the headers COOP and COEP; elsewhere one thread
+ * computes, with the same bits. Throws a `WelkinError` ('invalid_argument') for a count that is no whole number of 1 or more. */
+export function configure(options: { path?: string | null; workers?: number; threads?: number }): void;
 
 /** Ends all workers and frees their memory; jobs are rejected. The next call creates new ones. */
 export function dispose(): void;

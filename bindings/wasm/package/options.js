@@ -20,15 +20,17 @@ export const CHAIN_NUMBERS = {
   fitLookups: 'flag',
 };
 const CHAIN = ['for', ...Object.keys(CHAIN_NUMBERS), 'mirrorX'];
-const LIGHT = [...CHAIN, 'bands', 'specular', 'env', 'ktx2', 'background'];
+const LIGHT = [...CHAIN, 'bands', 'specular', 'env', 'ktx2', 'ktx2Format', 'ktx2Effort', 'supercompression', 'background'];
 
 const OPTIONS = {
   projectCubemap: [...CALL, ...SOURCE, ...PROJECTION],
   projectEquirect: [...CALL, ...SOURCE, ...PROJECTION, ...EQUIRECT],
   prefilterCubemap: [...CALL, ...SOURCE, ...CHAIN],
   prefilterEquirect: [...CALL, ...SOURCE, ...CHAIN, ...EQUIRECT],
-  bakeEnvironment: [...CALL, ...PIXELS, ...LIGHT, 'name', 'layout', 'takeOutSun'],
+  bakeEnvironment: [...CALL, ...PIXELS, ...LIGHT, 'name', 'layout', 'extractSun'],
   sky: [...CALL, ...LIGHT, 'sunElevation', 'sunAzimuth', 'altitude', 'aerosol', 'tables', 'faceSize', 'sunDisc'],
+  SkyLight: [...CHAIN, 'altitude', 'aerosol', 'tables', 'specularThreshold', 'blendSeconds'],
+  sunPosition: [...CALL, 'north', 'refraction', 'pressure', 'temperature'],
 };
 
 /** What an engine's shaders need of a chain. */

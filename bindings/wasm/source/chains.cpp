@@ -29,10 +29,10 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   if (wanted.lobe == LobeFamily::charlie || wanted.lobe == LobeFamily::lambert) {
     if (mips != 0) wanted.mips = mips;
   } else {
-    wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
-    wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+    wanted.mips = mips != 0 ? mips : default_mip_count(schedule, wanted.size);
+    wanted.roughness = mip_roughness(schedule, *wanted.mips, wanted.size);
     if (options.flag(first + kChainFitted))
-      wanted.lobe_roughness = fitted_roughness_of_mips(schedule, *wanted.mips, wanted.size);
+      wanted.lobe_roughness = fitted_mip_roughness(schedule, *wanted.mips, wanted.size);
   }
   if (bounded) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)
@@ -49,13 +49,17 @@ void give_texels(const Cubemap& chain, bool floats) {
   results().push_back({texels.get(), bytes, {texels, texels.get()}});
 }
 
-void give_chain(const PrefilteredSpecular& chain, bool floats) {
+void give_numbers(const PrefilteredSpecular& chain) {
   std::vector<double> numbers{static_cast<double>(chain.cubemap.size()), static_cast<double>(chain.mips.size())};
   for (const MipRecord& mip : chain.mips) {
     numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0),
                                    mip.error_between.value_or(-1.0)});
   }
   give(std::move(numbers));
+}
+
+void give_chain(const PrefilteredSpecular& chain, bool floats) {
+  give_numbers(chain);
   give_texels(chain.cubemap, floats);
 }
 

@@ -29,6 +29,8 @@ enum ChainOption {
 /// Results: numbers (size, mips, then for each mip its size, roughness and estimated errors at it and between it and
 /// the next, negative where there is none), then the texels level by level, face by face, RGBA.
 void give_chain(const PrefilteredSpecular& chain, bool floats);
+/// Only the numbers.
+void give_numbers(const PrefilteredSpecular& chain);
 /// Only the texels.
 void give_texels(const Cubemap& chain, bool floats);
 

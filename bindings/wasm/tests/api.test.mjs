@@ -120,7 +120,7 @@ test('a .hdr file is baked: harmonics, reflections, KTX2', async () => {
 
 test('a sun is taken out of a picture', async () => {
   const file = radianceFile(256, 128, (x, y) => (x === 64 && y === 32 ? [9e4, 9e4, 9e4] : [0.2, 0.3, 0.5]));
-  const light = await welkin.bakeEnvironment(file, { specular: false, takeOutSun: true });
+  const light = await welkin.bakeEnvironment(file, { specular: false, extractSun: true });
   assert.ok(light.sun.irradiance[0] > 1 && light.sun.direction[1] > 0.5, JSON.stringify(light.sun));
   near(light.radiance[0], 0.2 * Math.sqrt(4 * Math.PI), 0.01);
 });
@@ -130,6 +130,19 @@ test('a computed sky is bluer than its sun', async () => {
   assert.ok(light.radiance[2] > light.radiance[0]);
   assert.ok(light.sun.irradiance[0] > light.sun.irradiance[2] && light.sun.direction[0] > 0.5);
   assert.equal(light.specular.size, 16);
+});
+
+test('the sun stands where astropy has it', async () => {
+  const sun = await welkin.sunPosition('2026-06-21T20:30+02:00', 52.5, 13.4);
+  near(sun.elevation, 6.9232, 3e-4);
+  near(sun.compass, 299.9915, 7e-6);
+  near(sun.azimuth, 180 - sun.compass, 1e-9);
+  assert.deepEqual(await welkin.sunPosition(new Date('2026-06-21T18:30:00Z'), 52.5, 13.4), sun);
+  const raised = await welkin.sunPosition(Date.UTC(2026, 5, 21, 18, 30), 52.5, 13.4, { refraction: true, north: 0 });
+  near(raised.elevation - raised.refraction, sun.elevation, 1e-9);
+  near(raised.azimuth, -sun.compass + 360, 1e-9);
+  await assert.rejects(welkin.sunPosition('2026-06-21T20:30', 52.5, 13.4), /no time zone/);
+  await assert.rejects(welkin.sunPosition(new Date(NaN), 52.5, 13.4), /1900 to 2099/);
 });
 
 test('errors are rejections with a code and words', async () => {

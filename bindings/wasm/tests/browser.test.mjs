@@ -68,6 +68,52 @@ test('a page whose worker bakes a 4k .hdr never stutters, and three.js is lit by
   if (process.env.WELKIN_WASM_QUIET) assert.ok(longest < 20, `the longest frame has ${longest} ms, that of the idle page ${idle} ms`);
 });
 
+test('a sky whose sun moves in every frame costs the page next to nothing', { skip }, async () => {
+  const { page, result } = await shown('/pages/moving_sky.html');
+  await page.screenshot({ path: path.join(work, 'moving_sky.png') });
+  const sorted = (values) => values.slice().sort((a, b) => a - b);
+  const at = (values, share) => sorted(values)[Math.floor(share * (values.length - 1))].toFixed(2);
+  console.log(`first sky ${Math.round(result.first)} ms; ${result.frames.length} frames, p50 ${at(result.frames, 0.5)}, p99 ${
+    at(result.frames, 0.99)}, longest ${at(result.frames, 1)} ms; update p50 ${at(result.updates, 0.5)}, p99 ${
+    at(result.updates, 0.99)}, longest ${at(result.updates, 1)} ms; ${result.speculars} chains, long tasks ${result.blocked}`);
+  assert.equal(result.failures, 0);
+  assert.ok(result.speculars > 1 && result.pixel[0] + result.pixel[1] + result.pixel[2] > 0, JSON.stringify(result));
+  if (process.env.WELKIN_WASM_QUIET) assert.deepEqual(result.blocked, []);
+});
+
+test('a page that may share memory computes on threads, one that may not on one, with the same bits', { skip }, async () => {
+  writeFileSync(path.join(work, 'threads.html'), `<!doctype html>
+    <script type="importmap">{ "imports": { "#platform": "/package/platform-browser.js" } }</script><script type="module">
+    import * as welkin from '/package/index.js';
+    async function show() {
+      welkin.configure({ threads: 3 });
+      const faces = Array.from({ length: 6 }, (_, face) => Float32Array.from({ length: 4 * 256 * 256 }, (_, k) => (k * (face + 3)) % 7));
+      const chain = () => welkin.prefilterCubemap(faces, { size: 64 });
+      const [first, again] = [await chain(), await chain()];
+      const sums = (one) => one.mips.map((mip) => mip.faces.map((face) => face.reduce((sum, value, k) => (sum * 31 + value * (k + 1)) % 2147483647, 7)));
+      return { isolated: crossOriginIsolated, first: sums(first), again: sums(again) };
+    }
+    window.shown = show().then((result) => ({ result }), (error) => ({ error: String(error) }));
+    </script>`);
+  const alone = await shown('/made/threads.html');
+  const isolated = await serve({ package: packageFolder, made: work }, true);
+  try {
+    const page = await browser.newPage();
+    await page.goto(`${isolated.address}/made/threads.html`);
+    const { result, error } = await page.evaluate(() => window.shown);
+    assert.equal(error, undefined);
+    assert.equal(alone.result.isolated, false);
+    assert.equal(result.isolated, true);
+    assert.deepEqual(result.first, alone.result.first);
+    assert.deepEqual(result.again, result.first);
+    for (const name of ['welkin-threads.wasm', 'thread.js']) assert.ok(isolated.asked.has(`/package/${name}`), name);
+    assert.ok(!server.asked.has('/package/welkin-threads.wasm'));
+    await page.close();
+  } finally {
+    isolated.close();
+  }
+});
+
 test('a plain script tag does the same, and reads OpenEXR', { skip }, async () => {
   const { file, radiance } = JSON.parse(readFileSync(path.join(source, 'bindings/wasm/tests/data/files.json'), 'utf8'))
     .find(({ name }) => name === 'piz_half.exr');

@@ -65,3 +65,25 @@ test('an .env file is one that Babylon.js reads', async () => {
   assert.ok(radiance[0] > 0);
   assert.equal((await welkin.sky({ size: 16, faceSize: 16, env: true })).env[0], 0x86);
 });
+
+test('a chain becomes UASTC HDR with Zstandard, which is read again', async () => {
+  const file = radianceFile(64, 32, (x, y) => [1 + x / 32, 2, 1 + y / 16]);
+  const options = { size: 64, for: 'three', specular: false, ktx2: true };
+  const plain = await welkin.bakeEnvironment(file, { ...options, ktx2Format: 'uastc-hdr' });
+  const packed = await welkin.bakeEnvironment(file, { ...options, ktx2Format: 'uastc-hdr', supercompression: 'zstd' });
+  const halves = await welkin.bakeEnvironment(file, { ...options, supercompression: 'zlib' });
+  assert.ok(packed.ktx2.length < plain.ktx2.length && plain.ktx2.length < halves.ktx2.length);
+  const view = new DataView(packed.ktx2.buffer);
+  assert.equal(view.getUint32(12, true), 1000066000);
+  assert.equal(view.getUint32(44, true), 2);
+  assert.equal(packed.ktx2[view.getUint32(48, true) + 12], 167);
+  const wanted = await welkin.bakeEnvironment(halves.ktx2, { specular: false });
+  for (const { ktx2 } of [plain, packed]) {
+    const read = await welkin.bakeEnvironment(ktx2, { specular: false });
+    assert.deepEqual(read.source, { width: 64, height: 384 });
+    read.radiance.forEach((value, k) => assert.ok(Math.abs(value - wanted.radiance[k]) < 0.01 * wanted.radiance[0]));
+  }
+  await assert.rejects(welkin.bakeEnvironment(packed.ktx2.subarray(0, 900), { name: 'short.ktx2' }),
+    { code: 'corrupt_file', message: /short\.ktx2/ });
+  await assert.rejects(welkin.bakeEnvironment(file, { ...options, ktx2Format: 'png' }), /ktx2Format is "png"; it may be/);
+});

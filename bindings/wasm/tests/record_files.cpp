@@ -120,8 +120,8 @@ void print_light(const std::string& name, const std::vector<std::byte>& file, bo
   std::printf("]");
   if (with_files) {
     welkin::PrefilterOptions chain{.size = 16};
-    chain.mips = welkin::mips_of_chain(welkin::RoughnessSchedule::babylon, 16);
-    chain.roughness = welkin::roughness_of_mips(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
+    chain.mips = welkin::default_mip_count(welkin::RoughnessSchedule::babylon, 16);
+    chain.roughness = welkin::mip_roughness(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
     const welkin::PrefilteredSpecular light = welkin::prefilter_specular(view, chain);
     std::vector<std::byte> texture;
     welkin::TextureOptions options{.format = welkin::TexelFormat::rgba16f};
@@ -134,8 +134,8 @@ void print_light(const std::string& name, const std::vector<std::byte>& file, bo
     welkin::write_texture({texture, "a.ktx2"}, light.cubemap.views(), options);
     print_hash("ktx2", texture);
     chain.mips = welkin::full_chain_levels(16);
-    chain.roughness = welkin::roughness_of_mips(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
-    chain.lobe_roughness = welkin::fitted_roughness_of_mips(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
+    chain.roughness = welkin::mip_roughness(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
+    chain.lobe_roughness = welkin::fitted_mip_roughness(welkin::RoughnessSchedule::babylon, *chain.mips, 16);
     std::vector<std::byte> env;
     welkin::write_babylon_environment({env, "a.env"},
                                       welkin::to_babylon(welkin::prefilter_specular(view, chain).cubemap, radiance));

@@ -241,8 +241,8 @@ class HeapResource final : public memory_resource {
 }  // namespace welkin::detail::standard
 
 namespace welkin {
-
-#ifdef __cpp_lib_jthread
+// MinGW-w64: std::stop_callback may hang when it is destroyed as it is called.
+#if defined(__cpp_lib_jthread) && !defined(__MINGW32__)
 using std::nostopstate;
 using std::stop_callback;
 using std::stop_source;

@@ -120,7 +120,7 @@ static void values_out_of_range(void) {
   welkin_engine_light form = {.struct_size = sizeof form};
   REFUSED("bands", welkin_irradiance_from_radiance(0, numbers, numbers));
   REFUSED("bands", welkin_evaluate(17, numbers, numbers, numbers));
-  REFUSED("engine", welkin_engine_light_from_radiance(3, numbers, 12, 0, &form));
+  REFUSED("engine", welkin_engine_light_from_radiance(3, numbers, 99, 0, &form));
   REFUSED("OpenEXR", welkin_engine_light_from_radiance(3, numbers, 1, 0, &form)); /* has no form of its own */
   free(pixels_of(&cubemap));
 }

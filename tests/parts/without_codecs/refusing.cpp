@@ -88,6 +88,9 @@ void pictures(const Path& folder) {
   refused(png, "WELKIN_PNG", [&] { welkin::write_environment(png, picture.view()); });
   put(png, "\x89PNG\r\n\x1a\n");
   refused(png, "WELKIN_PNG", [&] { (void)welkin::read_environment(png); });
+  const Path jpeg = folder / "even.jpg";
+  put(jpeg, "\xff\xd8\xff\xe0");
+  refused(jpeg, "WELKIN_JPEG", [&] { (void)welkin::read_environment(jpeg); });
 
   welkin::Worker worker;
   refused(exr, "WELKIN_EXR", [&] { (void)worker.post(welkin::ProjectFile{exr}).get(); });
@@ -120,8 +123,7 @@ void textures(const Path& folder) {
   for (const Packing& packing : {Packing{welkin::Supercompression::zstd, 2, "WELKIN_ZSTD"},
                                  Packing{welkin::Supercompression::zlib, 3, "WELKIN_ZLIB"}}) {
     const Path path = folder / (std::string(packing.option) + ".ktx2");
-    welkin::TextureOptions options;
-    options.supercompression = packing.kind;
+    welkin::TextureOptions options{.supercompression = packing.kind};
     refused(path, packing.option, [&] { welkin::write_texture(path, mips, options); });
     const std::vector<float> table(3, 1.0F);
     refused(path, packing.option, [&] { welkin::write_texture_2d(path, 1, 1, table.data(), options); });

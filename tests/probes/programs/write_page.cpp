@@ -43,6 +43,7 @@ BakedProbes made_up() {
     }
     probes.validity.push_back(1.0F);
     probes.passes.push_back(k % 5 == 3 ? 1 : k % 7 == 4 ? 255 : 0);
+    probes.offsets.push_back(dvec3(0.01, -0.02, 0.03) * static_cast<double>(k));
     for (int texel = 0; texel < 64; ++texel) {
       const double mean = number(random, 0.2, 1.5);
       probes.distances.push_back(static_cast<float>(mean));
@@ -87,6 +88,7 @@ vec3 probe_coefficient(int probe, int index) {
   return vec3(number_of(probe, 3 * index), number_of(probe, 3 * index + 1), number_of(probe, 3 * index + 2));
 }
 float probe_share(int probe) { return number_of(probe, 27); }
+vec3 probe_offset(int probe) { return vec3(0.01, -0.02, 0.03) * float(probe); }
 vec2 probe_distance(int probe, int column, int row) {
   int place = 28 + 2 * (row * 8 + column);
   return vec2(number_of(probe, place), number_of(probe, place + 1));
@@ -111,6 +113,7 @@ float3 probe_coefficient(int probe, int index) {
   return float3(number_of(probe, 3 * index), number_of(probe, 3 * index + 1), number_of(probe, 3 * index + 2));
 }
 float probe_share(int probe) { return number_of(probe, 27); }
+float3 probe_offset(int probe) { return float3(0.01, -0.02, 0.03) * float(probe); }
 float2 probe_distance(int probe, int column, int row) {
   int place = 28 + 2 * (row * 8 + column);
   return float2(number_of(probe, place), number_of(probe, place + 1));
@@ -143,6 +146,7 @@ fn probe_coefficient(probe : i32, index : i32) -> vec3f {
   return vec3f(number_of(probe, 3 * index), number_of(probe, 3 * index + 1), number_of(probe, 3 * index + 2));
 }
 fn probe_share(probe : i32) -> f32 { return number_of(probe, 27); }
+fn probe_offset(probe : i32) -> vec3f { return vec3f(0.01, -0.02, 0.03) * f32(probe); }
 fn probe_distance(probe : i32, column : i32, row : i32) -> vec2f {
   let place = 28 + 2 * (row * 8 + column);
   return vec2f(number_of(probe, place), number_of(probe, place + 1));
@@ -307,7 +311,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
 void write_all(const std::filesystem::path& folder) {
   const BakedProbes probes = made_up();
   std::mt19937 random(11);
-  std::vector<double> places;
+  std::vector<double> positions;
   std::vector<double> wanted;
   // three.js moves a place by half a spacing along the normal, axis by axis: the same where spacings are.
   BakedProbes even = probes;
@@ -320,7 +324,7 @@ void write_all(const std::filesystem::path& folder) {
     const dvec3 normal = glm::normalize(dvec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)));
     // Floats of both sides are the same.
     const dvec3 light = probe_irradiance(probes, dvec3(vec3(surface)), dvec3(vec3(normal)), {.normal_bias = kBias});
-    for (const dvec3& each : {surface, normal}) places.insert(places.end(), {each.x, each.y, each.z, 0.0});
+    for (const dvec3& each : {surface, normal}) positions.insert(positions.end(), {each.x, each.y, each.z, 0.0});
     wanted.insert(wanted.end(), {light.x, light.y, light.z});
     const dvec3 in_three = probe_irradiance(even, dvec3(vec3(surface)), dvec3(vec3(normal)), plain);
     three_wanted.insert(three_wanted.end(), {in_three.x, in_three.y, in_three.z});
@@ -332,7 +336,7 @@ void write_all(const std::filesystem::path& folder) {
   write(folder / "probes.wgsl", wgsl);
   std::ostringstream page;
   page << "<!doctype html><meta charset=utf-8><body><script src=three.js></script><script>\nconst floats = " << kFloats
-       << ";\nconst numbers = " << list_of(numbers_of(probes)) << ";\nconst places = " << list_of(places)
+       << ";\nconst numbers = " << list_of(numbers_of(probes)) << ";\nconst places = " << list_of(positions)
        << ";\nconst wanted = " << list_of(wanted) << ";\nconst threeWanted = " << list_of(three_wanted)
        << ";\nconst atlas = " << list_of(atlas.halves) << ";\nconst atlasSize = " << list_of(atlas.size)
        << ";\nconst counts = " << list_of(kGrid.counts) << ";\nconst origin = [-1, 0.5, 2]"

@@ -1,0 +1,15 @@
+// As left_out.cpp, in the module of textures: the encoder of BC6H. UASTC HDR serves the GPUs that read BC6H.
+#include <span>
+#include <vector>
+
+#include "image/bc6h_encoder.h"
+#include "welkin/core.h"
+
+namespace welkin::image {
+
+Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/,
+                                       const Bc6hOptions& /*options*/, const Control& /*control*/) {
+  throw Error(ErrorCode::unsupported_file, "WebAssembly's modules are built without an encoder of BC6H");
+}
+
+}  // namespace welkin::image

@@ -1,0 +1,246 @@
+// JPEG with a gain map (Ultra HDR, ISO 21496-1) as rows of linear light.
+#include "files/jpeg.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/mat3x3.hpp>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/codecs.h"
+#include "files/layout.h"
+#include "files/primaries.h"
+#include "files/row_source.h"
+#include "image/pixels.h"
+#include "platform/file.h"
+#include "platform/text.h"
+
+namespace welkin::files {
+namespace {
+
+/// The two images of a file, and how samples of the base become light.
+struct Pair {
+  JpegSegments base, map;
+  std::array<float, 256> light{};  ///< of the base's samples
+  std::optional<glm::dmat3> matrix;
+};
+
+/// Rows of a gain map, spread over the base picture: texels are areas of both, and between the centres of the map's
+/// its samples are interpolated linearly, as graphics hardware does; beyond the outermost centres they stay.
+class GainRows {
+ public:
+  GainRows(const FileInput& input, const Pair& pair)
+      : pair_(pair),
+        decoder_(input, pair.map),
+        curve_(*pair.map.gain_map),
+        upper_(decoder_.row_bytes()),
+        lower_(upper_) {
+    decoder_.decode_row(lower_.data());
+    upper_ = lower_;
+  }
+
+  /// Factors for a row of the base picture, three a texel. Rows are asked for from the top.
+  void factors(int row, float* rgb) {
+    const TwoSamples vertical = place(row, pair_.base.height, pair_.map.height);
+    while (next_ <= vertical.second) {
+      std::swap(upper_, lower_);
+      decoder_.decode_row(lower_.data());
+      ++next_;
+    }
+    // `lower_` is row next_ - 1: the second one, or in the last rows the first one too.
+    const std::vector<std::uint8_t>& first = vertical.first == next_ - 1 ? lower_ : upper_;
+    const auto channels = static_cast<std::size_t>(pair_.map.components);
+    for (int column = 0; column < pair_.base.width; ++column, rgb += 3) {
+      const TwoSamples across = place(column, pair_.base.width, pair_.map.width);
+      const std::size_t left = channels * static_cast<std::size_t>(across.first);
+      const std::size_t right = channels * static_cast<std::size_t>(across.second);
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        const std::size_t of = channel < channels ? channel : 0;
+        const double above = mixed(first[left + of], first[right + of], across.share);
+        const double below = mixed(lower_[left + of], lower_[right + of], across.share);
+        rgb[channel] = static_cast<float>(curve_.factor(channel, above + (below - above) * vertical.share));
+      }
+    }
+  }
+
+ private:
+  struct TwoSamples {
+    int first, second;
+    double share;  ///< of the second
+  };
+
+  static TwoSamples place(int texel, int texels, int samples) {
+    const double at = (texel + 0.5) * samples / texels - 0.5;
+    const double within = std::clamp(at, 0.0, samples - 1.0);
+    const int first = std::min(static_cast<int>(within), samples - 1);
+    return {first, std::min(first + 1, samples - 1), within - first};
+  }
+
+  static double mixed(double a, double b, double share) { return a + (b - a) * share; }
+
+  const Pair& pair_;
+  JpegDecoder decoder_;
+  GainCurve curve_;
+  std::vector<std::uint8_t> upper_, lower_;
+  int next_ = 1;  // row of the map that is decoded next
+};
+
+class JpegReader final : public RowReader {
+ public:
+  JpegReader(const FileInput& input, const Pair& pair) : input_(input), pair_(pair) { open(); }
+
+  void read(int first_row, int row_count, float* rgb) override {
+    if (first_row < next_row_) open();
+    while (next_row_ < first_row) next(nullptr);
+    for (int row = 0; row < row_count; ++row, rgb += 3 * static_cast<std::size_t>(pair_.base.width)) next(rgb);
+  }
+
+ private:
+  void open() {
+    base_ = std::make_unique<JpegDecoder>(input_, pair_.base);
+    gains_ = std::make_unique<GainRows>(input_, pair_);
+    coded_.resize(base_->row_bytes());
+    next_row_ = 0;
+  }
+
+  void next(float* rgb) {
+    base_->decode_row(coded_.data());
+    if (rgb != nullptr) {
+      gains_->factors(next_row_, rgb);
+      apply(rgb);
+    }
+    ++next_row_;
+  }
+
+  // From factors to light.
+  void apply(float* rgb) const {
+    const GainMap& map = *pair_.map.gain_map;
+    const auto channels = static_cast<std::size_t>(pair_.base.components);
+    for (int column = 0; column < pair_.base.width; ++column, rgb += 3) {
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        const std::uint8_t code =
+            coded_[channels * static_cast<std::size_t>(column) + (channel < channels ? channel : 0)];
+        const double light =
+            (pair_.light[code] + map.base_offset[channel]) * rgb[channel] - map.alternate_offset[channel];
+        rgb[channel] = static_cast<float>(light);
+      }
+    }
+    if (pair_.matrix)
+      files::apply(*pair_.matrix, rgb - 3 * pair_.base.width, static_cast<std::size_t>(pair_.base.width));
+  }
+
+  const FileInput& input_;  // the source's
+  const Pair& pair_;
+  std::unique_ptr<JpegDecoder> base_;
+  std::unique_ptr<GainRows> gains_;
+  std::vector<std::uint8_t> coded_;
+  int next_row_ = 0;
+};
+
+class JpegSource final : public RowSource {
+ public:
+  JpegSource(EnvironmentInfo info, FileInput input, const Pair& pair, std::uint64_t memory_limit_bytes)
+      : RowSource(std::move(info), std::move(input)), pair_(pair), memory_limit_bytes_(memory_limit_bytes) {}
+
+  [[nodiscard]] int natural_rows() const override { return 1; }
+  [[nodiscard]] bool sequential() const override { return true; }
+
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    return JpegDecoder::memory_bytes(pair_.base) + JpegDecoder::memory_bytes(pair_.map) +
+           2 * rgb_bytes(pair_.map.width, 1) + rgb_bytes(pair_.base.width, 1);
+  }
+
+  [[nodiscard]] const char* smaller_reader() const override {
+    return pair_.base.buffered || pair_.map.buffered ? "save it as a baseline JPEG: as it is, it must be decoded whole"
+                                                     : RowSource::smaller_reader();
+  }
+
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    if (reader_bytes() > memory_limit_bytes_) {
+      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
+                                 "takes " + std::to_string(reader_bytes()) + " bytes to decode, above the limit of " +
+                                     std::to_string(memory_limit_bytes_) + "; raise the limit, or " + smaller_reader());
+    }
+    return std::make_unique<JpegReader>(input(), pair_);
+  }
+
+ private:
+  Pair pair_;
+  std::uint64_t memory_limit_bytes_;
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
+  throw platform::file_error(ErrorCode::unsupported_file, path, reason);
+}
+
+/// The base picture and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if the
+/// base is already the picture of high dynamic range.
+Pair pair_of(platform::ByteFile& file) {
+  const std::vector<JpegSegments> pictures = jpeg_pictures(file);
+  const auto map =
+      std::find_if(pictures.begin() + 1, pictures.end(), [](const JpegSegments& one) { return one.gain_map; });
+  if (map == pictures.end()) {
+    refuse(file.path(),
+           pictures.size() > 1
+               ? "is a JPEG without a gain map that is known: its second image has no metadata of Ultra HDR "
+                 "or ISO 21496-1; export it as Ultra HDR, OpenEXR or Radiance .hdr"
+               : "is a JPEG without a gain map: 8 bits hold no light brighter than white, so a bake of it "
+                 "would be dim; use the HDR original, as Ultra HDR, OpenEXR or Radiance .hdr");
+  }
+  if (!map->gain_map->from_base) {
+    refuse(file.path(),
+           "is a JPEG whose gain map leads down to an ordinary image; export it as Ultra HDR, OpenEXR or "
+           "Radiance .hdr");
+  }
+  return {pictures[0], *map, {}, {}};
+}
+
+void tell_gains(EnvironmentInfo& info, const JpegSegments& map) {
+  const GainMap& gains = *map.gain_map;
+  const auto [least, most] = std::pair(*std::min_element(gains.minimum.begin(), gains.minimum.end()),
+                                       *std::max_element(gains.maximum.begin(), gains.maximum.end()));
+  const auto text = [](double stops) { return platform::number_text(stops, std::chars_format::general, 4); };
+  info.notes.push_back("its gain map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
+                       " texels, " + (map.components == 1 ? "grey, " : "in colour, ") + text(least) + " to " +
+                       text(most) + " stops, is applied in full, as " +
+                       (gains.by_iso ? "ISO 21496-1 states" : "Ultra HDR's XMP states"));
+}
+
+std::optional<glm::dmat3> matrix_of(const JpegSegments& base, Primaries wanted, EnvironmentInfo& info) {
+  if (base.has_other_profile) info.notes.emplace_back("its ICC profile is not applied: it has no three primaries");
+  if (!base.primaries) return std::nullopt;
+  const Chromaticities& stated = *base.primaries;
+  return rec709_from_stated({stated.red.x, stated.red.y, stated.green.x, stated.green.y, stated.blue.x, stated.blue.y,
+                             stated.white.x, stated.white.y},
+                            "its ICC profile", wanted, info);
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions& options) {
+  Pair pair = pair_of(file);
+  EnvironmentInfo info;
+  info.path = file.path();
+  info.format = FileFormat::jpeg;
+  info.compression = "discrete cosine transform";
+  info.storage = pair.base.buffered ? "progressive" : "scanline";
+  info.width = pair.base.width;
+  info.height = pair.base.height;
+  const bool grey = pair.base.components == 1;
+  for (const char* name : grey ? std::vector{"Y"} : std::vector{"R", "G", "B"})
+    info.channels.push_back({name, ChannelType::uint8});
+  tell_gains(info, pair.map);
+  const bool linear = options.transfer == Transfer::linear;
+  if (linear) info.notes.emplace_back("samples are read as linear, as requested");
+  for (std::size_t code = 0; code < pair.light.size(); ++code) {
+    const double encoded = static_cast<double>(code) / 255.0;
+    pair.light[code] = static_cast<float>(linear ? encoded : image::linear_from_srgb(encoded));
+  }
+  pair.matrix = matrix_of(pair.base, options.primaries, info);
+  decide_layout(info, options.layout, std::nullopt);
+  return std::make_unique<JpegSource>(std::move(info), input_of(file), pair, options.memory_limit_bytes);
+}
+
+}  // namespace welkin::files

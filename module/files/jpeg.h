@@ -1,0 +1,64 @@
+// JPEG files that hold a base picture and, behind it, the JPEG of its gain map.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "files/gain_map.h"
+#include "files/primaries.h"
+#include "platform/file.h"
+#include "welkin/environment_file.h"
+
+namespace welkin::files {
+
+/// The contents of one JPEG image's markers. (ITU-T T.81, annex B.)
+struct JpegSegments {
+  std::uint64_t begin = 0;  ///< place of its first byte in the file
+  std::uint64_t end = 0;    ///< behind its last one
+  int width = 0;
+  int height = 0;
+  int bits = 0;
+  int components = 0;
+  bool buffered = false;                    ///< must be decoded whole: progressive, or in several scans
+  std::optional<GainMap> gain_map;          ///< that this picture is
+  std::optional<Chromaticities> primaries;  ///< of its ICC profile, if they are not sRGB's
+  bool has_other_profile = false;           ///< an ICC profile that names no primaries
+};
+
+/// The pictures of a file, in their order. They are looked for where they lie, one behind the other: the places that an
+/// MPF segment or XMP states are wrong once a tool has added a segment.
+/// Throws `Error` (corrupt_file, file_access) and unsupported_file for what is no JPEG of 8 bits with 1 or 3
+/// components.
+[[nodiscard]] std::vector<JpegSegments> jpeg_pictures(platform::ByteFile& file);
+
+/// Rows of one picture by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits a sample. Bits do not depend on
+/// the machine: the slow integer transform, and libjpeg's own interpolation of colours.
+class JpegDecoder {
+ public:
+  /// Throws `Error`: corrupt_file, file_access.
+  JpegDecoder(const FileInput& input, const JpegSegments& picture);
+  ~JpegDecoder();
+
+  JpegDecoder(const JpegDecoder&) = delete;
+  JpegDecoder& operator=(const JpegDecoder&) = delete;
+
+  [[nodiscard]] std::size_t row_bytes() const noexcept;
+
+  /// The next row, to `row_bytes()` bytes. The last one reads the image to its end. Throws `Error`:
+  /// corrupt_file, file_access.
+  void decode_row(std::uint8_t* row);
+
+  /// An upper bound on what one holds in memory.
+  [[nodiscard]] static std::uint64_t memory_bytes(const JpegSegments& picture) noexcept;
+
+ private:
+  struct State;  // libjpeg's, whose header defines common words as macros
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace welkin::files

@@ -1,0 +1,226 @@
+// The sun's place in the sky of an observer on Earth.
+//
+// The method is that of Reda and Andreas 2004, "Solar position algorithm for solar radiation applications", Solar
+// Energy 76 (5), with its series cut off. Equations by their numbers in NREL/TP-560-34302 (2008). What is left out, in
+// degrees: terms of longitude below 2e-6 rad (0.0003 in total), latitude of the ecliptic (0.0003), all but four terms
+// of nutation (0.0002), polar motion (0.0001), the ellipsoid in parallax (0.00001).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "platform/text.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
+
+namespace welkin {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kArcSecond = 1.0 / (360.0 * 3600.0);  // turns
+constexpr double kDay = 86400.0;                       // seconds
+constexpr double kEpoch = 10957.5;                     // days from 1970 to J2000, the noon of 2000-01-01
+constexpr double kCentury = 36525.0;                   // days
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+void require(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  refuse(std::string(name) + " is " + platform::number_text(value) + "; it must be from " + platform::number_text(low) +
+         " to " + platform::number_text(high));
+}
+
+/// One term of the series of table A4.2: amplitude cos(phase + rate x millennia).
+struct Term {
+  double amplitude;  ///< 1e-8 rad
+  double phase;      ///< rad
+  double rate;       ///< rad per Julian millennium
+};
+
+/// L0 of table A4.2 from 2e-6 rad on, without its constant.
+constexpr std::array<Term, 25> kLongitude{{
+    {3341656.0, 4.6692568, 6283.07585},
+    {34894.0, 4.6261, 12566.1517},
+    {3497.0, 2.7441, 5753.3849},
+    {3418.0, 2.8289, 3.5231},
+    {3136.0, 3.6277, 77713.7715},
+    {2676.0, 4.4181, 7860.4194},
+    {2343.0, 6.1352, 3930.2097},
+    {1324.0, 0.7425, 11506.7698},
+    {1273.0, 2.0371, 529.691},
+    {1199.0, 1.1096, 1577.3435},
+    {990.0, 5.233, 5884.927},
+    {902.0, 2.045, 26.298},
+    {857.0, 3.508, 398.149},
+    {780.0, 1.179, 5223.694},
+    {753.0, 2.533, 5507.553},
+    {505.0, 4.583, 18849.228},
+    {492.0, 4.205, 775.523},
+    {357.0, 2.92, 0.067},
+    {317.0, 5.849, 11790.629},
+    {284.0, 1.899, 796.298},
+    {271.0, 0.315, 10977.079},
+    {243.0, 0.345, 5486.778},
+    {206.0, 4.806, 2544.314},
+    {205.0, 1.869, 5573.143},
+    {202.0, 2.458, 6069.777},
+}};
+
+/// The first terms of L1, 1e-8 rad per millennium.
+constexpr std::array<Term, 2> kLongitudeRate{{{206059.0, 2.678235, 6283.07585}, {4303.0, 2.6351, 12566.1517}}};
+
+/// The first terms of R0, 1e-8 astronomical units.
+constexpr std::array<Term, 2> kDistance{{{1670700.0, 3.0984635, 6283.07585}, {13956.0, 3.05525, 12566.1517}}};
+
+double cosine_of(double radians) { return math::sine_cosine_of_turns(radians / kTurn).cosine; }
+
+template <std::size_t Count>
+double sum_of(const std::array<Term, Count>& terms, double millennia) {
+  double sum = 0.0;
+  for (const Term& term : terms) sum += term.amplitude * cosine_of(term.phase + term.rate * millennia);
+  return sum;
+}
+
+/// A polynomial of Espenak and Meeus 2006, "Five Millennium Canon of Solar Eclipses" (NASA/TP-2006-214141), section
+/// 2.8: seconds from universal to terrestrial time, by years since `origin`.
+struct DeltaTime {
+  double until;  ///< year
+  double origin;
+  std::array<double, 6> coefficients;
+};
+
+constexpr std::array<DeltaTime, 7> kDeltaTimes{{
+    {1920.0, 1900.0, {-2.79, 1.494119, -0.0598939, 0.0061966, -0.000197, 0.0}},
+    {1941.0, 1920.0, {21.20, 0.84493, -0.076100, 0.0020936, 0.0, 0.0}},
+    {1961.0, 1950.0, {29.07, 0.407, -1.0 / 233.0, 1.0 / 2547.0, 0.0, 0.0}},
+    {1986.0, 1975.0, {45.45, 1.067, -1.0 / 260.0, -1.0 / 718.0, 0.0, 0.0}},
+    {2005.0, 2000.0, {63.86, 0.3345, -0.060374, 0.0017275, 0.000651814, 0.00002373599}},
+    {2050.0, 2000.0, {62.92, 0.32217, 0.005589, 0.0, 0.0, 0.0}},
+    {2150.0, 1820.0, {-205.724, 0.5628, 0.0032, 0.0, 0.0, 0.0}},  // -20 + 32 u^2 - 0.5628 (2150 - y)
+}};
+
+/// An error of a second moves the sun by 0.00001 degrees.
+double delta_time_seconds(double year) {
+  const DeltaTime* row = kDeltaTimes.data();
+  while (row + 1 < kDeltaTimes.data() + kDeltaTimes.size() && year >= row->until) ++row;
+  double sum = 0.0;
+  for (std::size_t k = row->coefficients.size(); k-- > 0;) sum = sum * (year - row->origin) + row->coefficients[k];
+  return sum;
+}
+
+/// What the sun's place among the stars and the Earth's rotation are at a moment, in turns.
+struct Apparent {
+  double right_ascension;
+  double declination;
+  double sidereal_time;  ///< of Greenwich, apparent
+  double distance_au;
+};
+
+Apparent apparent_sun(double unix_seconds) {
+  const double days = unix_seconds / kDay - kEpoch;  // universal time, from J2000
+  const double delta = delta_time_seconds(2000.0 + days / 365.25);
+  const double centuries = (days + delta / kDay) / kCentury;  // terrestrial time (7)
+  const double t = centuries / 10.0;                          // (8)
+
+  // Longitude of the Earth and distance (9 to 12), and of the sun (13).
+  const double linear = 628331966747.0 + sum_of(kLongitudeRate, t) + 52919.0 * t;
+  const double earth = (175347046.0 + sum_of(kLongitude, t) + linear * t) / (1e8 * kTurn);
+  const double distance = 1.00013989 + 1e-8 * sum_of(kDistance, t);
+
+  // Nutation: the four largest terms (Meeus, "Astronomical Algorithms", chapter 22), which stand for equations 15
+  // to 23.
+  const auto node = math::sine_cosine_of_turns((125.04452 - 1934.136261 * centuries) / 360.0);
+  const auto sun = math::sine_cosine_of_turns(2.0 * (280.4665 + 36000.7698 * centuries) / 360.0);
+  const auto moon = math::sine_cosine_of_turns(2.0 * (218.3165 + 481267.8813 * centuries) / 360.0);
+  const double in_longitude = -17.20 * node.sine - 1.32 * sun.sine - 0.23 * moon.sine + 0.42 * node.sine * node.cosine;
+  const double in_obliquity = 9.20 * node.cosine + 0.57 * sun.cosine + 0.10 * moon.cosine -
+                              0.09 * (node.cosine - node.sine) * (node.cosine + node.sine);
+  // Obliquity (24, 25), aberration (26), apparent longitude (27).
+  const double obliquity = (84381.448 - 46.815 * centuries + in_obliquity) * kArcSecond;
+  const double longitude = earth + 0.5 + (in_longitude - 20.4898 / distance) * kArcSecond;
+
+  // Sidereal time at Greenwich (28, 29), by whole days apart so that no digits are lost.
+  const auto tilt = math::sine_cosine_of_turns(obliquity);
+  const double rotation = 280.46061837 / 360.0 + (days - std::floor(days)) + 0.98564736629 / 360.0 * days +
+                          0.000387933 / 360.0 * centuries * centuries;
+  const double sidereal = rotation + in_longitude * kArcSecond * tilt.cosine;
+
+  // Right ascension and declination (30, 31) for latitude 0.
+  const auto along = math::sine_cosine_of_turns(longitude);
+  const double y = along.sine * tilt.cosine;
+  const double z = along.sine * tilt.sine;
+  return {math::turns_of(y, along.cosine), math::turns_of(z, std::sqrt(1.0 - z * z)), sidereal, distance};
+}
+
+/// Degrees by which air raises what stands at an elevation (42, without its correction below the horizon: under an
+/// elevation of -0.575 degrees the ray would meet the ground, and the angle falls off as the tangent grows).
+double refraction_at(double elevation_degrees, const SunObserver& observer) {
+  constexpr double kLowest = -0.575;
+  const auto tangent = [](double degrees) {
+    const auto angle = math::sine_cosine_of_turns(degrees / 360.0);
+    return angle.sine / angle.cosine;
+  };
+  const double seen = std::max(elevation_degrees, kLowest);
+  const double raised = 1.02 / 60.0 / tangent(seen + 10.3 / (seen + 5.11));
+  const double fall = elevation_degrees < kLowest ? tangent(kLowest) / tangent(elevation_degrees) : 1.0;
+  return std::max(0.0, observer.pressure_hpa / 1010.0 * 283.0 / (273.0 + observer.temperature_celsius) * raised * fall);
+}
+
+void check(double unix_seconds, const SunObserver& observer) {
+  // 1900-01-01 and 2100-01-01.
+  if (!(unix_seconds >= -25567.0 * kDay && unix_seconds < 47482.0 * kDay)) {
+    refuse("sun_position: the date is " + platform::number_text(unix_seconds) +
+           " s after 1970; the sun's place is computed from 1900 to 2099");
+  }
+  require("the observer's latitude", observer.latitude_degrees, -90.0, 90.0);
+  require("the observer's longitude", observer.longitude_degrees, -360.0, 360.0);
+  require("the azimuth of north", observer.north_azimuth_degrees, -1e6, 1e6);
+  require("the air's pressure in hPa", observer.pressure_hpa, 0.0, 2000.0);
+  require("the air's temperature in degrees Celsius", observer.temperature_celsius, -120.0, 100.0);
+}
+
+/// Degrees, from -180 to below 180.
+double wrapped(double turns) { return (turns - std::floor(turns + 0.5)) * 360.0; }
+
+}  // namespace
+
+SunPosition sun_position(double unix_seconds, const SunObserver& observer) {
+  const platform::FloatingPointScope floating_point;
+  check(unix_seconds, observer);
+  const Apparent sun = apparent_sun(unix_seconds);
+  const double hour_angle = sun.sidereal_time + observer.longitude_degrees / 360.0 - sun.right_ascension;  // (32)
+  const auto hour = math::sine_cosine_of_turns(hour_angle - std::floor(hour_angle));
+  const auto place = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
+  const auto declination = math::sine_cosine_of_turns(sun.declination);
+  const double south = declination.cosine * hour.cosine * place.sine - declination.sine * place.cosine;
+  const double west = declination.cosine * hour.sine;
+  const double up = declination.sine * place.sine + declination.cosine * hour.cosine * place.cosine;
+  const double level = std::sqrt(south * south + west * west);
+
+  SunPosition position;
+  // Elevation (41), less the parallax (33): 8.794 arc seconds seen from the mean distance, for a sun on the horizon.
+  position.elevation_degrees = 360.0 * (math::turns_of(up, level) - 8.794 * kArcSecond / sun.distance_au * level);
+  if (observer.refraction) {
+    position.refraction_degrees = refraction_at(position.elevation_degrees, observer);
+    position.elevation_degrees += position.refraction_degrees;
+  }
+  position.elevation_degrees = std::clamp(position.elevation_degrees, -90.0, 90.0);
+  // From south towards east, which the axes have as from +z towards +x where north lies at 180 degrees (45, 46).
+  const double from_south = math::turns_of(-west, south);
+  position.azimuth_degrees = wrapped(from_south + (observer.north_azimuth_degrees - 180.0) / 360.0);
+  const double compass = wrapped(0.5 - from_south);
+  position.compass_degrees = compass < 0.0 ? compass + 360.0 : compass;
+  position.distance_au = sun.distance_au;
+  position.direction = sun_direction(position.elevation_degrees, position.azimuth_degrees);
+  return position;
+}
+
+SunPosition sun_position(std::string_view date, const SunObserver& observer) {
+  return sun_position(unix_seconds(date), observer);
+}
+
+}  // namespace welkin

@@ -1,0 +1,293 @@
+// Chains by kernels: each mip is the integral over its kernel, against the truth and closed forms.
+#include "image/geometry.h"
+#include "reflections/lobe.h"
+#include "reflections/prefilter_support.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
+
+namespace welkin::test {
+namespace {
+
+std::vector<ZonalLobe> named_kernels() {
+  return {ZonalLobe::charlie(0.125), ZonalLobe::charlie(0.35), ZonalLobe::charlie(1.0),
+          ZonalLobe::lambert(),      ZonalLobe::phong(20.0),   ZonalLobe::blinn(64.0)};
+}
+
+/// Errors of all mips against the truth, at some `probes` texels each.
+void check_kernels(const EnvironmentView& view, const std::vector<ZonalLobe>& kernels, int size, std::size_t probes) {
+  const PrefilteredSpecular result = prefilter_by_lobes(view, {.size = size, .lobes = kernels});
+  for (std::size_t level = 0; level < result.mips.size(); ++level) {
+    const std::vector<glm::dvec3> all = centres(result.mips[level].size);
+    const std::size_t step = std::max<std::size_t>(1, all.size() / probes);
+    std::vector<glm::dvec3> some;
+    for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+    const auto truth = reference_by_lobe(view, kernels[level], some);
+    const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
+    CAPTURE(level, result.mips[level].bands, result.mips[level].bright_texels, error.rms, error.maximum,
+            *result.mips[level].error_estimate);
+    CHECK(error.rms < 1e-3);
+    CHECK(error.maximum < 1e-2);
+    CHECK(error.rms < 2.0 * *result.mips[level].error_estimate);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Every content is blurred by kernels to within the bounds", "[zonal][truth]") {
+  for (const Content content :
+       {Content::random, Content::high_range, Content::sun_disc, Content::blocks, Content::one_texel_sun}) {
+    CAPTURE(std::string(name(content)));
+    check_kernels(make_lat_long(content, 128, 64, 17).view(), named_kernels(), 32, 6);
+  }
+}
+
+TEST_CASE("Cubemaps are blurred by kernels to within the bounds", "[zonal][truth]") {
+  for (const Content content : {Content::high_range, Content::blocks, Content::one_texel_sun}) {
+    CAPTURE(std::string(name(content)));
+    check_kernels(make_cubemap(content, 32, 3, 17).view(), named_kernels(), 32, 5);
+  }
+}
+
+TEST_CASE("Odd sizes are blurred by kernels to within the bounds", "[zonal][truth]") {
+  const std::vector<ZonalLobe> kernels{ZonalLobe::charlie(0.2), ZonalLobe::lambert(), ZonalLobe::phong(7.0)};
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {7, 5}, {65, 33}}) {
+    CAPTURE(width, height);
+    check_kernels(make_lat_long(Content::random, width, height, 4).view(), kernels, 7, 5);
+  }
+}
+
+TEST_CASE("Chains by kernels have the same bits on any number of threads", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::high_range, 64, 32, 5);
+  const LobeChainOptions options{.size = 16, .lobes = {ZonalLobe::charlie(0.3), ZonalLobe::phong(30.0)}};
+  std::vector<float> first;
+  for (const int threads : {1, 2, 5}) {
+    std::vector<float> values;
+    run_with_threads(threads, [&] {
+      const PrefilteredSpecular result = prefilter_by_lobes(source.view(), options);
+      for (int level = 0; level < 2; ++level) {
+        const auto own = level_values(result.cubemap, level);
+        values.insert(values.end(), own.begin(), own.end());
+      }
+    });
+    if (first.empty()) first = values;
+    CHECK(values == first);
+  }
+}
+
+TEST_CASE("Even light goes through every kernel as it is", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::uniform, 64, 32, 0);
+  std::vector<ZonalLobe> kernels = named_kernels();
+  kernels.push_back(ZonalLobe::from_spectrum({2.0, 1.0, -0.5}));
+  const PrefilteredSpecular result = prefilter_by_lobes(source.view(), {.size = 64, .lobes = kernels});
+  for (int level = 0; level < result.cubemap.levels(); ++level) {
+    const auto values = level_values(result.cubemap, level);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double expected = k % 3 == 0 ? 0.5 : (k % 3 == 1 ? 1.0 : 2.0);
+      REQUIRE(std::abs(static_cast<double>(values[k]) - expected) < 3e-6 * expected);
+    }
+  }
+}
+
+TEST_CASE("A harmonic is multiplied by the kernel's own coefficient", "[zonal]") {
+  // 2 + P_2(y), sampled at texels' centres of a map fine enough that it is the harmonic
+  TestLatLong source = make_lat_long(Content::uniform, 512, 256, 0);
+  for (int row = 0; row < 256; ++row) {
+    const double y = image::lat_long_direction(512, 256, 0.5, row + 0.5).y;
+    std::fill_n(source.pixels.begin() + std::ptrdiff_t{3} * 512 * row, 3 * 512,
+                static_cast<float>(2.0 + 1.5 * y * y - 0.5));
+  }
+  const std::vector<ZonalLobe> kernels = named_kernels();
+  const PrefilteredSpecular result = prefilter_by_lobes(source.view(), {.size = 32, .lobes = kernels});
+  for (std::size_t level = 0; level < kernels.size(); ++level) {
+    const double factor = kernels[level].spectrum(3)[2];
+    const auto directions = centres(result.mips[level].size);
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      const double y = directions[k].y;
+      const auto got = static_cast<double>(result.cubemap.face(static_cast<int>(level), 0)[3 * k]);
+      CAPTURE(level, factor, y);
+      REQUIRE(std::abs(got - (2.0 + factor * (1.5 * y * y - 0.5))) < 5e-5);
+    }
+  }
+}
+
+TEST_CASE("A spectrum that ends far above 0 is integrated to 1e-6, and its mips err by no more than estimated",
+          "[zonal][slow]") {
+  for (const int rows : {28, 56, 112}) {
+    TestLatLong sky = make_lat_long(Content::uniform, 2 * rows, rows, 0);
+    for (int row = 0; row < rows; ++row) {
+      const double y = image::lat_long_direction(2 * rows, rows, 0.5, row + 0.5).y;
+      std::fill_n(sky.pixels.begin() + std::ptrdiff_t{6} * rows * row, 6 * rows, static_cast<float>(1.0 + 0.5 * y));
+    }
+    std::vector<double> factors(16);
+    for (std::size_t l = 0; l < factors.size(); ++l) factors[l] = std::exp(-0.005 * static_cast<double>(l * (l + 1)));
+    const ZonalLobe kernel = ZonalLobe::from_spectrum(factors);
+    // across the axis of a gradient every kernel leaves its mean
+    CHECK(std::abs(reference_by_lobe(sky.view(), kernel, {{1.0, 0.0, 0.0}}).front().x - 1.0) < 1e-6);
+    const PrefilteredSpecular result = prefilter_by_lobes(sky.view(), {.size = 8, .lobes = {kernel}});
+    const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(sky.view(), kernel, centres(8)));
+    CAPTURE(rows, error.rms, *result.mips[0].error_estimate);
+    CHECK(error.rms <= *result.mips[0].error_estimate);
+  }
+}
+
+TEST_CASE("Kernels have their closed forms", "[zonal]") {
+  SECTION("Charlie's first coefficients") {
+    for (const double roughness : {0.11, 0.25, 0.5, 1.0}) {
+      const double p = 0.5 / (roughness * roughness);
+      const std::vector<double> spectrum = ZonalLobe::charlie(roughness).spectrum(3);
+      CHECK(std::abs(spectrum[1] - 2.0 / (p + 3.0)) < 1e-10);
+      CHECK(std::abs(spectrum[2] - (9.0 / ((p + 3.0) * (p + 4.0)) - 0.5)) < 1e-10);
+      const double c = 1.0 / (1.0 + p);
+      const double peak = (p + 1.0) * (p + 2.0) / (2.0 * std::numbers::pi) * c * std::pow(1.0 - c, p);
+      CHECK(std::abs(ZonalLobe::charlie(roughness).value(c) - peak) < 1e-9 * peak);
+    }
+  }
+  SECTION("Lambert's") {
+    const std::vector<double> spectrum = ZonalLobe::lambert().spectrum(6);
+    const std::vector<double> expected{1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0};
+    for (std::size_t l = 0; l < expected.size(); ++l) CHECK(std::abs(spectrum[l] - expected[l]) < 1e-12);
+    CHECK(std::abs(ZonalLobe::lambert().value(0.3) - 0.3 / std::numbers::pi) < 1e-12);
+    CHECK(ZonalLobe::lambert().value(-0.3) == 0.0);
+  }
+  SECTION("Phong's and Blinn's values, where the lobe is narrow too") {
+    for (const double power : {0.5, 1.0, 20.0, 5000.0}) {
+      for (const double c : {0.1, 0.9, 0.9999}) {
+        const double phong = (power + 1.0) / (2.0 * std::numbers::pi);
+        CHECK(std::abs(ZonalLobe::phong(power).value(c) - phong * std::pow(c, power)) < 1e-8 * phong);
+      }
+    }
+    CHECK(std::abs(ZonalLobe::blinn(0.0).value(0.4) - ZonalLobe::lambert().value(0.4)) < 1e-12);
+  }
+  SECTION("A function of the caller's is the kernel with a name") {
+    const ZonalLobe own = ZonalLobe::from_function([](double c) { return c > 0.0 ? 7.0 * c * c * c : 0.0; });
+    const std::vector<double> spectrum = own.spectrum(64);
+    const std::vector<double> named = ZonalLobe::phong(3.0).spectrum(64);
+    for (std::size_t l = 0; l < named.size(); ++l) CHECK(std::abs(spectrum[l] - named[l]) < 1e-11);
+  }
+  SECTION("A spectrum is what it was made of, and its values are their sum") {
+    const ZonalLobe own = ZonalLobe::from_spectrum({2.0, 1.0, 0.5});
+    CHECK(own.spectrum(4) == std::vector<double>{1.0, 0.5, 0.25, 0.0});
+    CHECK(std::abs(own.value(0.5) - (1.0 + 3.0 * 0.5 * 0.5 + 5.0 * 0.25 * -0.125) / (4.0 * std::numbers::pi)) < 1e-11);
+  }
+}
+
+TEST_CASE("Kernels that cannot be are refused, and those that are too sharp for the bands", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::random, 32, 16, 1);
+  const auto chain = [&](const ZonalLobe& kernel) {
+    return thrown_by([&] { static_cast<void>(prefilter_by_lobes(source.view(), {.size = 8, .lobes = {kernel}})); })
+        .code;
+  };
+  CHECK(chain(ZonalLobe::phong(1e6)) == ErrorCode::limit_exceeded);
+  CHECK_NOTHROW(prefilter_by_lobes(source.view(), {.size = 8, .lobes = {ZonalLobe::charlie(kMinCharlieRoughness)}}));
+  const auto refused = [](const auto& make) {
+    return thrown_by([&] { static_cast<void>(make()); }).code == ErrorCode::invalid_argument;
+  };
+  CHECK(refused([] { return ZonalLobe::charlie(0.0); }));
+  CHECK(refused([] { return ZonalLobe::phong(std::numeric_limits<double>::quiet_NaN()); }));
+  CHECK(refused([] { return ZonalLobe::from_function([](double) { return 0.0; }); }));
+  CHECK(refused([] { return ZonalLobe::from_function([](double c) { return 1.0 / (c - c); }); }));
+  CHECK(refused([] { return ZonalLobe::from_function([](double c) { return std::sin(1e9 * c) + 2.0; }); }));
+  CHECK(refused([] { return ZonalLobe::from_function(nullptr); }));
+  CHECK(refused([] { return ZonalLobe::from_function([](double c) { return c + 2.0; }, {1.0}); }));
+  CHECK(refused([] { return ZonalLobe::from_spectrum({}); }));
+  CHECK(refused([] { return ZonalLobe::from_spectrum({0.0, 1.0}); }));
+  CHECK(refused([&] { return prefilter_by_lobes(source.view(), {.size = 8}); }));
+  CHECK(refused([&] {
+    return prefilter_by_lobes(source.view(), {.size = 1, .lobes = {ZonalLobe::lambert(), ZonalLobe::lambert()}});
+  }));
+  CHECK(refused([&] {
+    return prefilter_by_lobes(source.view(),
+                              {.lobes = {ZonalLobe::lambert()}, .method = static_cast<PrefilterMethod>(9)});
+  }));
+}
+
+TEST_CASE("Kernels take bands by the energy of the picture", "[zonal]") {
+  const auto bands = [](Content content, double roughness) {
+    const TestLatLong source = make_lat_long(content, 64, 32, 5);
+    const PrefilteredSpecular result =
+        prefilter_by_lobes(source.view(), {.size = 8, .lobes = {ZonalLobe::charlie(roughness)}});
+    CHECK(*result.mips[0].error_estimate < 1e-3);
+    // the first look at the energies foresees what the second one needs
+    CHECK(std::ranges::count(result.pixels.passes, std::string("analyse"), &PassRecord::name) <= 2);
+    return result.mips[0].bands;
+  };
+  CHECK(bands(Content::smooth, 0.11) < bands(Content::blocks, 0.11));
+  CHECK(bands(Content::blocks, 0.11) < 400);
+  CHECK(bands(Content::blocks, 0.11) < bands(Content::blocks, 0.05));
+}
+
+TEST_CASE("A kernel's table is the kernel wherever it is seen", "[zonal]") {
+  for (const ZonalLobe& kernel : {ZonalLobe::charlie(0.05), ZonalLobe::charlie(0.5), ZonalLobe::phong(400.0)}) {
+    const reflections::Lobe& lobe = *kernel.lobe();
+    const reflections::KernelTable& table = lobe.table();
+    const double end = (table.first_cell + table.cells()) / table.cells_of_s;
+    CHECK(table.first_cell / table.cells_of_s <= lobe.nearest());
+    CHECK(end >= lobe.farthest());
+    CHECK(end - lobe.nearest() < 1.01 * (lobe.farthest() - lobe.nearest()) + 1e-3);
+    for (double s = 0.0; s < 1.0; s += 1.37e-4) {
+      const double truth = kernel.value(1.0 - 2.0 * s * s);
+      const double position = s * table.cells_of_s - table.first_cell;
+      CAPTURE(s);
+      if (s < lobe.nearest() || s > lobe.farthest()) {
+        REQUIRE(std::abs(truth) < 1e-9 * lobe.peak());
+      } else {
+        const auto cell = std::min(static_cast<std::size_t>(position), table.lines.size() / 2 - 1);
+        const double line = static_cast<double>(table.lines[2 * cell]) +
+                            (position - static_cast<double>(cell)) * static_cast<double>(table.lines[2 * cell + 1]);
+        REQUIRE(std::abs(line - truth) < 4e-6 * lobe.peak());
+      }
+    }
+  }
+}
+
+TEST_CASE("Sheen of roughness 0.05 is within the bounds", "[zonal][truth]") {
+  check_kernels(make_lat_long(Content::blocks, 64, 32, 17).view(), {ZonalLobe::charlie(0.05)}, 16, 4);
+}
+
+TEST_CASE("Sheen of a panel of lamps is within the bounds", "[zonal][truth]") {
+  TestLatLong studio = make_lat_long(Content::uniform, 64, 32, 1);
+  for (float& value : studio.pixels) value = 1e-2F;
+  for (int row = 8; row < 12; ++row)
+    std::fill_n(studio.pixels.begin() + std::ptrdiff_t{3} * (64 * row + 20), 3 * 4, 500.0F);
+  check_kernels(studio.view(), {ZonalLobe::charlie(0.1), ZonalLobe::charlie(0.5)}, 16, 1536);
+}
+
+TEST_CASE("A kernel's mip whose estimate exceeds the bound is integrated, or refused", "[zonal][truth]") {
+  const TestLatLong lamp = make_lat_long(Content::one_texel_sun, 32, 16, 1);
+  LobeChainOptions options{.size = 4, .lobes = {ZonalLobe::charlie(0.1)}, .rms_error = 2e-5};
+  const PrefilteredSpecular made = prefilter_by_lobes(lamp.view(), options);
+  CHECK(made.mips[0].method == MipMethod::reference);
+  CHECK(*made.mips[0].error_estimate <= 2e-5);
+  const auto refused = [&] {
+    const ThrownError thrown = thrown_by([&] { static_cast<void>(prefilter_by_lobes(lamp.view(), options)); });
+    return thrown.code == ErrorCode::limit_exceeded && thrown.says("raise rms_error");
+  };
+  options.method = PrefilterMethod::spectral;
+  CHECK(refused());
+  options.method = PrefilterMethod::automatic;
+  options.lobes = {ZonalLobe::charlie(0.05)};
+  options.size = 32;  // whose integral takes minutes
+  CHECK(refused());
+}
+
+TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
+  const TestCubemap source = make_cubemap(Content::high_range, 7, 3, 2);
+  const ZonalLobe kernel = ZonalLobe::charlie(0.6);
+  const PrefilteredSpecular result =
+      prefilter_by_lobes(source.view(), {.size = 3, .lobes = {kernel}, .method = PrefilterMethod::reference});
+  const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(source.view(), kernel, centres(3)));
+  CHECK(error.maximum < 1e-6);
+}
+
+TEST_CASE("Roughness of a sheen chain is as glTF's sample renderer looks it up", "[zonal]") {
+  const std::vector<double> roughness = charlie_mip_roughness(5, 256);
+  const std::vector<double> expected{kMinCharlieRoughness, 1.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0, 4.0 / 7.0};
+  for (std::size_t mip = 0; mip < expected.size(); ++mip) CHECK(std::abs(roughness[mip] - expected[mip]) < 1e-15);
+  CHECK(charlie_mip_roughness(9, 256).back() == 1.0);
+  CHECK(charlie_mip_roughness(1, 1).front() == kMinCharlieRoughness);
+}
+
+}  // namespace welkin::test

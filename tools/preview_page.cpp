@@ -1,0 +1,103 @@
+#include "tools/preview_page.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "embedded_texts.h"
+#include "jobs/control.h"
+#include "tools/json.h"
+#include "tools/text.h"
+#include "welkin/image.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr int kLargestMip = 128, kLargestEnvironment = 256;
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8U | (k < count ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kLetters[group >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
+/// Nine bits a channel and an exponent for all, as WebGL's RGB9_E5. (OpenGL ES 3.0, 3.8.3.2.)
+std::uint32_t shared_exponent(const float* rgb) {
+  constexpr int kBits = 9, kBias = 15;
+  constexpr float kLargest = 65408.0F;
+  std::array<float, 3> light{};
+  for (std::size_t k = 0; k < 3; ++k) light[k] = rgb[k] > 0.0F ? std::min(rgb[k], kLargest) : 0.0F;  // of NaN too
+  const float brightest = std::max({light[0], light[1], light[2]});
+  int exponent = 0;
+  (void)std::frexp(brightest, &exponent);  // brightest is below 2^exponent
+  exponent = std::max(exponent, -kBias);
+  const auto code = [&](float value) {
+    return static_cast<std::uint32_t>(std::lround(std::ldexp(value, kBits - exponent)));
+  };
+  if (code(brightest) == 1U << kBits) ++exponent;
+  return code(light[0]) | code(light[1]) << 9U | code(light[2]) << 18U |
+         static_cast<std::uint32_t>(exponent + kBias) << 27U;
+}
+
+/// Levels of a cubemap in packed floats, from one of at most `largest` texels on.
+Json levels_json(std::vector<CubemapView> levels, int largest, std::size_t& first, const Control& control) {
+  for (first = 0; first + 1 < levels.size() && levels[first].size > largest;) ++first;
+  levels.erase(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(first));
+  std::vector<std::uint32_t> words;
+  for (const CubemapView& level : levels) {
+    jobs::throw_if_cancelled(control);
+    for (const auto& face : level.faces) {
+      const auto* texel = static_cast<const float*>(face);
+      for (int i = 0; i < level.size * level.size; ++i, texel += 3) words.push_back(shared_exponent(texel));
+    }
+  }
+  return {{"size", levels[0].size}, {"levels", levels.size()}, {"texels", base64(std::as_bytes(std::span(words)))}};
+}
+
+Json table_json(const BrdfTable& table) {
+  std::vector<float> values;  // scale and bias, without sheen
+  for (std::size_t i = 0; i < table.values.size(); i += static_cast<std::size_t>(table.channels)) {
+    values.insert(values.end(), {table.values[i], table.values[i + 1]});
+  }
+  return {{"width", table.options.width},
+          {"height", table.options.height},
+          {"values", base64(std::as_bytes(std::span(values)))}};
+}
+
+}  // namespace
+
+void write_preview_page(const BakeResult& light, const ToneMap& tone_map, const std::filesystem::path& file,
+                        const Control& control) {
+  std::size_t first = 0;
+  Json data = {{"exposureStops", tone_map.stops()}};
+  data["chain"] = levels_json(light.specular->cubemap.views(), kLargestMip, first, control);
+  std::vector<double> roughness;
+  for (std::size_t mip = first; mip < light.specular->mips.size(); ++mip)
+    roughness.push_back(light.specular->mips[mip].roughness);
+  data["roughness"] = roughness;
+  std::size_t unused = 0;
+  if (light.background)
+    data["environment"] = levels_json(light.background->views(), kLargestEnvironment, unused, control);
+  if (light.irradiance) data["irradiance"] = levels_json({light.irradiance->view()}, kLargestMip, unused, control);
+  if (light.brdf) data["brdf"] = table_json(*light.brdf);
+  std::string page = embedded_text("preview.html");
+  constexpr std::string_view kPlace = ">DATA<";
+  page.replace(page.find(kPlace) + 1, kPlace.size() - 2, data.one_line());
+  write_text_file(file, page);
+}
+
+}  // namespace welkin::tool
