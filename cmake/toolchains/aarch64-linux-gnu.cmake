@@ -14,6 +14,9 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 
+# A header of libjpeg is of one processor, and lies where only a compiler of that processor looks.
+set(CMAKE_CXX_STANDARD_INCLUDE_DIRECTORIES "${welkin_arm_packages}/usr/include/aarch64-linux-gnu")
+
 # Libraries that libraries need.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${welkin_arm_packages}/usr/lib/aarch64-linux-gnu")
 set(CMAKE_SHARED_LINKER_FLAGS_INIT "${CMAKE_EXE_LINKER_FLAGS_INIT}")
