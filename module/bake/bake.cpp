@@ -36,7 +36,7 @@ namespace welkin {
 namespace baking {
 namespace {
 
-/// What a pass came to.
+/// What a pass came to, where that is not what was planned.
 struct Outcome {
   PassAction action = PassAction::run;
   std::string reason{};
@@ -45,9 +45,9 @@ struct Outcome {
 
 /// What a store has found goes to the result.
 template <class Value, class Result>
-Outcome take(Found<Value>& found, Result& result) {
+std::optional<Outcome> take(Found<Value>& found, Result& result) {
   result = std::move(found.value);
-  return {PassAction::reuse, found.where, found.milliseconds};
+  return Outcome{PassAction::reuse, found.where, found.milliseconds};
 }
 
 class Baking {
@@ -68,7 +68,7 @@ class Baking {
 
  private:
   static constexpr std::size_t kSkipped = static_cast<std::size_t>(-1);
-  using Work = Outcome (Baking::*)(const Control&);
+  using Work = std::optional<Outcome> (Baking::*)(const Control&);  ///< nothing: as planned
 
   struct Step {
     Outcome outcome;
@@ -143,15 +143,12 @@ class Baking {
       for (const BakePass earlier : step.after) after.push_back(steps_[static_cast<std::size_t>(earlier)].pass);
       const Work work = work_of(step.pass);
       steps_[k].pass = add_pass(
-          step.weight, [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); },
+          step.weight,
+          [this, k, work](const Control& control) {
+            if (auto outcome = (this->*work)(control)) steps_[k].outcome = std::move(*outcome);
+          },
           passes(std::move(after)));
     }
-  }
-
-  /// As planned.
-  [[nodiscard]] Outcome done(BakePass pass) const {
-    const PlannedPass& planned = plan_.step(pass).planned;
-    return {planned.action, planned.reason};
   }
 
   // Its passes.
@@ -166,13 +163,13 @@ class Baking {
     return specular || background || irradiance || !described;
   }
 
-  Outcome sanitize(const Control& control) {
-    if (!wants_sanitized()) return {PassAction::skip, "every result of the pixels was found in the cache"};
+  std::optional<Outcome> sanitize(const Control& control) {
+    if (!wants_sanitized()) return Outcome{PassAction::skip, "every result of the pixels was found in the cache"};
     sanitized_.emplace(source_.pixels(), options_.pixels, control);
     // A projection tells as much of the pixels, and is kept itself.
     if (find_ != kSkipped && !plan_.runs(BakePass::project)) store_->keep(*sanitized_);
-    if (sanitized_->bytes() == 0) return {PassAction::reuse, "source pixels are already valid RGB floats"};
-    return {PassAction::run, "a copy as RGB floats, with the pixel policy applied"};
+    if (sanitized_->bytes() == 0) return Outcome{PassAction::reuse, "source pixels are already valid RGB floats"};
+    return Outcome{PassAction::run, "a copy as RGB floats, with the pixel policy applied"};
   }
 
   /// What `work` makes of the sanitized pixels, a lat-long or a cubemap.
@@ -181,7 +178,7 @@ class Baking {
     return sanitized_->cubemap() ? work(sanitized_->cube()) : work(sanitized_->lat_long());
   }
 
-  Outcome fill_background(const Control& control) {
+  std::optional<Outcome> fill_background(const Control& control) {
     if (found_.background) return take(*found_.background, result_.background);
     Cubemap older = std::move(result_.background).value_or(Cubemap());
     Cubemap& chain = result_.background.emplace(
@@ -193,7 +190,7 @@ class Baking {
       reflections::fill_level(*sanitized_, chain, 0, control);
     }
     if (chain.levels() == 1) keep_background();
-    return done(BakePass::background);
+    return {};
   }
 
   void keep_background() {
@@ -215,13 +212,13 @@ class Baking {
                     });
   }
 
-  Outcome fill_levels(const Control& control) {
-    if (found_.background) return {PassAction::reuse, found_.background->where};
-    if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
+  std::optional<Outcome> fill_levels(const Control& control) {
+    if (found_.background) return Outcome{PassAction::reuse, found_.background->where};
+    if (plan_.stored_background && copy_stored_levels()) return {};
     fill_mips(*result_.background, options_.background->mip_filter, control);
     keep_background();
-    if (plan_.stored_background) return {PassAction::run, "the source's own levels are not all finite"};
-    return done(BakePass::background_mips);
+    if (plan_.stored_background) return Outcome{PassAction::run, "the source's own levels are not all finite"};
+    return {};
   }
 
   /// Below level 0, which went through all the others' policies. False if some are no numbers: then nothing is copied.
@@ -238,25 +235,25 @@ class Baking {
     return true;
   }
 
-  Outcome take_specular(const Control& control) {
+  std::optional<Outcome> take_specular(const Control& control) {
     result_.specular = source_.take_specular(control);
-    return done(BakePass::specular);
+    return {};
   }
 
-  Outcome prefilter(const Control& control) {
+  std::optional<Outcome> prefilter(const Control& control) {
     if (find_ == kSkipped) {
       result_.specular = prefiltered(*plan_.prefilter, control);
       describe_pixels();
-      return done(BakePass::specular);
+      return {};
     }
     std::optional<PrefilteredSpecular> made;
     if (found_.missing_specular) made = prefiltered(*found_.missing_specular, {control.stop, control.progress});
     result_.specular = store_->whole_specular(std::move(made));
     describe_pixels();
-    if (found_.specular_where.empty()) return done(BakePass::specular);
+    if (found_.specular_where.empty()) return {};
     const char* const others = found_.missing_specular ? ", the others computed" : "";
-    return {found_.missing_specular ? PassAction::run : PassAction::reuse, found_.specular_where + others,
-            found_.specular_milliseconds};
+    return Outcome{found_.missing_specular ? PassAction::run : PassAction::reuse, found_.specular_where + others,
+                   found_.specular_milliseconds};
   }
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
@@ -276,12 +273,12 @@ class Baking {
     reflections::describe_pixels(clean, {}, *result_.specular);
   }
 
-  Outcome project_source(const Control& control) {
+  std::optional<Outcome> project_source(const Control& control) {
     if (takes_light()) {
       projection_ = Projection{resized(source_.take_radiance(control), options_.bands), {}};
-      return done(BakePass::project);
+      return {};
     }
-    Outcome outcome = done(BakePass::project);
+    std::optional<Outcome> outcome;
     if (found_.projection) {
       outcome = take(*found_.projection, projection_);
     } else {
@@ -307,8 +304,8 @@ class Baking {
     return source_.project(projecting, control);
   }
 
-  Outcome fill_irradiance(const Control& control) {
-    Outcome outcome = done(BakePass::irradiance);
+  std::optional<Outcome> fill_irradiance(const Control& control) {
+    std::optional<Outcome> outcome;
     if (found_.irradiance) {
       outcome = take(*found_.irradiance, irradiance_);
     } else {
@@ -336,18 +333,18 @@ class Baking {
     if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics)) store_->keep_irradiance(*irradiance_);
   }
 
-  Outcome look_up_brdf(const Control& control) {
+  std::optional<Outcome> look_up_brdf(const Control& control) {
     bool made = false;
     result_.brdf = reflections::shared_brdf(*options_.brdf, control, made);
-    if (made) return done(BakePass::brdf);
-    return {PassAction::reuse, "computed before; it does not depend on the environment"};
+    if (made) return {};
+    return Outcome{PassAction::reuse, "computed before; it does not depend on the environment"};
   }
 
-  Outcome make_octahedral(const Control& control) {
+  std::optional<Outcome> make_octahedral(const Control& control) {
     if (found_.octahedral) return take(*found_.octahedral, result_.octahedral);
     result_.octahedral = to_octahedral(result_.specular->cubemap, *plan_.octahedral, control);
     if (find_ != kSkipped && plan_.prefilter) store_->keep_octahedral(*result_.octahedral);
-    return done(BakePass::octahedral);
+    return {};
   }
 
   // To the caller's memory.
