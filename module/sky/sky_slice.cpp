@@ -25,6 +25,7 @@ Taps taps_at(double position, int count) noexcept {
   return taps;
 }
 
+// For lengths of an interval that is empty on the ground or at the top: positions there are all 0.
 double inverse_or_0(double value) noexcept { return value > 0.0 ? 1.0 / value : 0.0; }
 
 }  // namespace
@@ -96,6 +97,7 @@ void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicT
   }
 }
 
+// The mean over views is all that a ratio between suns needs; its scale is divided out again (sun_brightness.h).
 void SkySlice::set_brightness() {
   const auto suns = static_cast<std::size_t>(suns_);
   std::vector<double> sums(suns);
@@ -215,6 +217,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
     const double g = asymmetries[c];
     run.asymmetry[c] = g;
+    // The phase functions without their denominator and 1 + nu^2; (1 - g) (1 + g) keeps the digits of 1 - g^2 for g
+    // near 1.
     run.aerosol_scale[c] = run.henyey_greenstein
                                ? (1.0 - g) * (1.0 + g) / (4.0 * std::numbers::pi)
                                : 3.0 / (8.0 * std::numbers::pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g);
@@ -267,6 +271,9 @@ int angles_of(const SkyTableOptions& options) {
 
 /// By channel how much more the aerosol scatters than molecules do, relative to the first channel; how much more of it
 /// there is where there are no molecules to tell its colour.
+/// Single scattering by either kind of matter is its coefficient beta times nearly the same light, so that at one place
+/// M_c / M_0 ~ (beta_M,c / beta_M,0) L_c / L_0 and R_c / R_0 ~ (beta_R,c / beta_R,0) L_c / L_0. Their quotient is
+/// M_c = M_0 (R_c / R_0) (beta_M,c / beta_M,0) (beta_R,0 / beta_R,c).
 struct AerosolColour {
   glm::dvec3 by_molecules{0.0};
   glm::dvec3 alone{0.0};
@@ -391,8 +398,9 @@ std::vector<const Constituent*> matter_of(const Atmosphere& atmosphere) {
   return matter;
 }
 
-/// Altitudes from 0 to `altitude` between which every density is smooth and, where an exponential one starts, steps are
-/// short against its scale height at first and double from there.
+/// Altitudes from 0 to `altitude` between which every density is smooth. From each place where a density may start
+/// anew, steps are the smallest scale height at first and grow by half from one to the next, as an exponential one
+/// falls.
 std::vector<double> panels_of(const std::vector<const Constituent*>& matter, double altitude) {
   double finest = altitude;
   std::vector<double> breaks{0.0, altitude};
@@ -424,6 +432,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
   const glm::dvec3 night = NightLight(tables, 0.0).irradiance();
   for (int node = 0; node < kGroundNodes; ++node) {
     const double root = 2.0 * node / (kGroundNodes - 1) - 1.0;
+    // The inverse of root = sign(mu_s) sqrt|mu_s|.
     const double mu_s = root * std::abs(root);
     glm::dvec3 irradiance = sky_irradiance(tables, mapping, 0.0, mu_s) + night;
     if (mu_s > 0.0) irradiance += mu_s * fold.sunlight() * sun_share(tables, mapping, 0.0, mu_s);
@@ -437,6 +446,10 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 
 // Seen from where it ends, a ray of length d goes up with the cosine mu_g = (rho^2 - d^2) / (2 R d), and comes through
 // an altitude whose tangent distance is u at s = sqrt((R mu_g)^2 + u^2) - R mu_g: smooth in u, the horizon's too.
+// r^2 = R^2 + d^2 + 2 R d mu_g gives R mu_g = (rho^2 - d^2) / (2 d) = (rho - d) (rho + d) / (2 d) (`tangent`), and
+// u^2 = s^2 + 2 R mu_g s the distance s. ds/du = u / sqrt((R mu_g)^2 + u^2) is at most 1, and 1 all along the horizon's
+// ray (mu_g = 0), where ds/dh is infinite: so the nodes of one rule in u, whose densities are computed once, serve all
+// rays.
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
   constexpr int order = 6;
