@@ -103,6 +103,8 @@ std::vector<double> AirModel::cut_at(const std::vector<double>& breaks, double f
     double at = shells.back();
     while (shells.size() < kMaxShells) {
       const double step = kLargestExponent / std::max(steepness(at, breaks[i], faint), 1e-300);
+      // A rest of less than 0.3 steps is left with the step before it: its exponent is at most 1.3 times
+      // `kLargestExponent`, and no shell is so thin that its nodes would be wasted.
       if (!(at + 1.3 * step < breaks[i])) break;
       at += step;
       shells.push_back(at);
@@ -179,6 +181,7 @@ void add_crossing(const DensityLayer& layer, double level, double low, double hi
 }
 
 /// a s exp(s h) + l = 0: the formula is convex or concave, so it turns at most once.
+/// s h = log(-l / (a s)); the formula's second derivative a s^2 exp(s h) has one sign.
 double turning_point(const DensityLayer& layer) {
   const double ratio = -layer.linear_term_per_m / (layer.exponential_term * layer.exponential_scale_per_m);
   return ratio > 1e-300 && ratio < 1e300 ? math::logarithm(ratio) / layer.exponential_scale_per_m : -1.0;
@@ -229,6 +232,8 @@ constexpr double kSmallestMoment = 0.01;
 
 /// Moments of the cosine times a function of moments chi, of which one is lost:
 /// (2 l + 1) x P_l = (l + 1) P_(l+1) + l P_(l-1).
+/// A function of the moments chi is Sum (2 l + 1) / (4 pi) chi_l P_l; its product with x is integrated against P_l with
+/// the recurrence. Twice in a row loses two moments, which is why `aerosol_moments` starts with two more.
 std::vector<double> times_cosine(const std::vector<double>& chi) {
   std::vector<double> moments(chi.size() - 1);
   for (std::size_t l = 0; l < moments.size(); ++l) {
@@ -249,6 +254,8 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int 
   }
   if (atmosphere.aerosol_phase == AerosolPhase::cornette_shanks) {
     const std::vector<double> squared = times_cosine(times_cosine(chi));
+    // The integral of (1 + x^2) times Henyey-Greenstein's: 1 + (1 + 2 g^2) / 3 = 2 (2 + g^2) / 3, the inverse of
+    // Cornette and Shanks' factor 3/2 / (2 + g^2).
     const double whole = chi[0] + squared[0];
     for (std::size_t l = 0; l < squared.size(); ++l) chi[l] = (chi[l] + squared[l]) / whole;
   }
@@ -280,6 +287,7 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   }
   spectrum.rayleigh.assign(static_cast<std::size_t>(spectrum.bands), 0.0);
   spectrum.rayleigh[0] = 1.0;
+  // 3 / (16 pi) (1 + x^2) = (P_0 + P_2 / 2) / (4 pi), and 5 chi_2 = 1/2.
   spectrum.rayleigh[2] = 0.1;
   return spectrum;
 }
@@ -316,6 +324,7 @@ std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders) {
   return shares;
 }
 
+// (l + 1) P_(l+1) = (2 l + 1) x P_l - l P_(l-1), from P_0 = 1: stable for |x| <= 1.
 double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept {
   double before = 0.0;
   double here = 1.0;
@@ -351,6 +360,9 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
 
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {
   constexpr double quarter_over_pi = 0.07957747154594767;  // 1 / (4 pi)
+  // 1 + g^2 - 2 g nu = (1 - g)^2 + 2 g (1 - nu) = (1 + g)^2 - 2 g (1 + nu): the first has no cancellation where the
+  // lobe is forward, the second where it is backward. A lobe that is turned away from the axis has a large gap and a
+  // negative slope. Cornette and Shanks' 3 / (8 pi) / (2 + g^2) is 1.5 / (2 + g^2) times 1 / (4 pi).
   const double ahead = backwards ? -g : g;
   const bool cornette = atmosphere.aerosol_phase == AerosolPhase::cornette_shanks;
   AerosolLobe lobe{};

@@ -213,6 +213,7 @@ const float* RayLight::sunlight(const SolverKernels& kernels, const AirModel& ai
     const double here = air.bottom_radius() + node.altitude;
     SunlitSample sample{};
     light.at(node.altitude, sample);
+    // mu_s' = (r mu_s + s nu) / r', where the lanes differ in mu_s and nu alone: both ratios are the sample's.
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(node.distance / here);
     const double view_cosine = std::clamp((radius * ray_.zenith_cosine + node.distance) / here, -1.0, 1.0);
@@ -307,6 +308,8 @@ SourceSample sample_of(const ScatteringPanel& panel, const ScatteringSource& sou
   sample.start_ratio = panel.start_ratio;
   sample.distance_ratio = panel.distance_ratio;
   sample.view_cosine = panel.view_cosine;
+  // Linear in height. Brightness is mixed with the same shares, so that at a node of suns the source is the mix of both
+  // heights'.
   const float shares[2] = {1.0F - panel.height_fraction, panel.height_fraction};
   for (std::size_t k = 0; k < 2; ++k) {
     sample.steps[k] = source.steps.data() + (height + k) * source.shape.sun_steps();

@@ -32,7 +32,7 @@ SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
 /// What (l, m) is divided by before it is interpolated: a coefficient is sin^m(zenith angle) times an even function,
 /// so this leaves a smooth function of the sine of the elevation.
 /// sin^m of an even m > 0 over sin^2 is a power of sin^2 = 1 - cos^2, a polynomial in the cosine; dividing by all of
-/// sin^m would multiply errors of nodes beside the zenith by its inverse.
+/// sin^m would multiply errors of nodes next to the zenith by its inverse.
 double foot(int m, double zenith_sine) { return m == 0 ? 1.0 : (m % 2 == 1 ? zenith_sine : zenith_sine * zenith_sine); }
 
 double horizon_of(const SkyView& view) {

@@ -58,6 +58,7 @@ ViewLookup SkySlice::view_lookup(double mu) const noexcept {
   ViewLookup point;
   point.ground = meets_ground(bottom, inside_, mu);
   const double position = mapping_.view_position(inside_, mu, point.ground, views_);
+  // Either half of the nodes is an axis of its own: no cubic reads across the horizon, where radiance jumps.
   point.taps = taps_at(point.ground ? position : position - half, half);
   if (point.ground) {
     point.distance = distance_to_ground(bottom, inside_, mu);
@@ -182,6 +183,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.rho_squared = inside_ * (2.0 * bottom + inside_);
   run.shell = std::max(0.0, shortest * (2.0 * bottom + thickness + inside_));
   run.shortest = shortest;
+  // Positions of rays to the top are (d - shortest) (half - 1) / (longest - shortest), of rays to the ground
+  // (half - 1) - (d - h) (half - 1) / (rho - h), each bent afterwards (TableMapping).
   run.to_sky = (half - 1) * inverse_or_0(longest - shortest);
   run.to_ground = (half - 1) * inverse_or_0(rho - inside_);
   run.view_bend = mapping_.view_bend();
@@ -251,6 +254,7 @@ struct Blend {
 Blend blend_at(double position, int count) { return {cubic_at(position, count), std::min(count, 4)}; }
 
 /// Node `node` of a slice's axis among the tables' nodes.
+/// The node's place on the shorter axis is linear: node (table_nodes - 1) / (nodes - 1).
 Blend node_of(int node, int nodes, int table_nodes) {
   if (nodes == table_nodes) return {{node, {1.0, 0.0, 0.0, 0.0}}, 1};
   return blend_at(static_cast<double>(node) * (table_nodes - 1) / (nodes - 1), table_nodes);
@@ -333,6 +337,7 @@ std::vector<float> rows_at(const SkyTables& tables, const TableMapping& mapping,
     if (weight == 0.0F) continue;
     add_texels(tables, static_cast<std::size_t>(heights.cubic.first + i) * count, count, weight, rows.data());
   }
+  // The cubic over heights may swing below 0 where light ends, at the edge of the planet's shadow.
   for (float& value : rows) value = value > 0.0F ? value : 0.0F;
   if (options.layout == ScatteringLayout::compact) {
     const AerosolColour colour(tables.atmosphere, fold);
@@ -398,8 +403,8 @@ std::vector<const Constituent*> matter_of(const Atmosphere& atmosphere) {
   return matter;
 }
 
-/// Altitudes from 0 to `altitude` between which every density is smooth. From each place where a density may start
-/// anew, steps are the smallest scale height at first and grow by half from one to the next, as an exponential one
+/// Altitudes from 0 to `altitude` between which every density is smooth. From each place where a density may jump or
+/// bend, steps are the smallest scale height at first and grow by half from one to the next, as an exponential density
 /// falls.
 std::vector<double> panels_of(const std::vector<const Constituent*>& matter, double altitude) {
   double finest = altitude;

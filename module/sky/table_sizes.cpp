@@ -127,6 +127,7 @@ SourceShape source_shape(const SkyTableOptions& options, const AirModel& air, co
   // b x / (1 + b - x) = y: the node at x lies at y. As y nears x, b grows beyond all bounds, and nothing is bent.
   const double x = 1.0 / (shape.heights - 1);
   const double y = mapping.height_coordinate(kMaxScaleHeights * air.scale_height());
+  // x = (1 + b) y / (y + b) gives b = y (1 - x) / (x - y).
   if (y < x) shape.height_bend = y * (1.0 - x) / (x - y);
   return shape;
 }
