@@ -48,6 +48,7 @@ AirModel::AirModel(const Atmosphere& atmosphere)
     breaks.insert(breaks.end(), own.begin(), own.end());
     for (const DensityLayer& layer : matter->density) {
       const double slope = std::abs(layer.exponential_scale_per_m);
+      // 1 / slope < scale_height_ without dividing by a slope of 0.
       if (layer.exponential_term != 0.0 && slope * scale_height_ > 1.0) scale_height_ = 1.0 / slope;
     }
   }

@@ -69,6 +69,7 @@ RayPanels::RayPanels(const AirModel& air) {
 }
 
 void RayPanels::add(double place, double length) noexcept {
+  // Ends that rounding cannot tell apart would make panels of no length; places come in rising order.
   if (place > ends_.back() + 1e-12 * length && place < length * (1.0 - 1e-12)) ends_.push_back(place);
 }
 
@@ -167,6 +168,7 @@ bool RayNodes::try_panel(const AirModel& air, const Ray& ray, const Extinctions&
   }
   std::array<double, 4> after{};
   for (std::size_t c = 0; c < 3; ++c) {
+    // Only a channel of which more than kFaintest is left counts: the others' samples may be coarse.
     const double depth = optical_depth(extinctions[c], whole);
     after[c] = -depth;
     if (!last_chance && depth > kThickest && transmittance_[c] > kFaintest) return false;
@@ -203,6 +205,7 @@ void RayNodes::place(const AirModel& air, const Ray& ray, const Extinctions& ext
     double from = ends[panel - 1];
     pending_.assign(1, ends[panel]);
     while (!pending_.empty()) {
+      // Light from behind is at most kDark of what it would be without the air before it.
       if (*std::max_element(transmittance_.begin(), transmittance_.end()) < kDark) return;
       // Panels are halved from the far end of a stack, so that they come out in order and `transmittance_` is always
       // that of `from`. `left` is the number of panels that are still certain to come: when they would fill what is

@@ -190,6 +190,8 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
           sum += weight * aerosol_phase(lobe, nu);
         }
       }
+      // The sum is what the directions hold of a unit of light that is scattered once. Where all of them are far from a
+      // narrow lobe it is small and no measure of the lobe, which is then left as it is.
       lobe_scale_.push_back(sum > kSmallestLobe ? 1.0 / sum : 1.0);
     }
   }
@@ -197,6 +199,7 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
 
 // Linear in the angle between 513 nodes: arccos by atan2, whose digits do not suffer near 0.
 double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexcept {
+  // 1 - cosine^2 as a product keeps its digits next to the vertical.
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
   const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
@@ -213,6 +216,8 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   const int last = options.orders + (rest ? kRestOrders : 0);
   const double steps = 2.0 * last - 1.0;  // an order's rays, and between two orders the source
   // Orders that turn out to be needed beyond those halve what is left.
+  // done(step) = 1 - 2^(steps - 1 - step) / steps beyond the planned steps: 1 - 1 / steps before the last one, and half
+  // of the rest with each that follows, so that progress rises and never reaches 1 early.
   const auto done = [&](int step) { return step < steps ? step / steps : 1.0 - std::exp2(steps - 1.0 - step) / steps; };
   const auto part = [&](int step) { return jobs::part_of(control, done(step), done(step + 1)); };
   OrderSums sums;

@@ -173,6 +173,8 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
 namespace welkin::sky {
 namespace {
 
+// Cells at the rim count by a straight rim (`covered`): on a plane, discs of 48 such cells per radius have their area
+// to 6e-5.
 constexpr double kFinest = 1.0 / 48.0;  // of the disc's radius: cells are cut down to that size
 constexpr int kMinCuts = 3;             // of a texel that the rim goes through
 constexpr double kLargestTurns = 1.0 / 32.0;
@@ -287,6 +289,7 @@ class Coverage {
     bound.horizon_extent = spread(a.y, b.y, c.y, d.y) / std::max(horizon_sine_, 1e-3);
     bound.steradians = picture_.area(cell, a, b, c, d);
     if (picture_.large(cell)) return bound;
+    // The horizon's measure is an elevation to first order, and `radius` a chord: a tenth more covers the difference.
     bound.outside = bound.within_disc < -bound.radius || bound.above_horizon < -1.1 * bound.radius;
     bound.inside = bound.within_disc > bound.radius && bound.above_horizon > 1.1 * bound.radius;
     return bound;
@@ -326,6 +329,7 @@ class Coverage {
 };
 
 /// The disc's centre or, from below the horizon, the place above it on the horizon.
+/// That has y = cos_h, and x and z scaled to the horizon's sine.
 glm::dvec3 highest(const VisibleDisc& disc) {
   if (disc.centre.y >= disc.horizon_cosine) return disc.centre;
   const double level = std::sqrt(disc.centre.x * disc.centre.x + disc.centre.z * disc.centre.z);
@@ -354,6 +358,7 @@ std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int si
   const glm::dvec3 position = highest(disc);
   const int face = image::face_of(position);
   const image::Frame& frame = image::face_frame(face);
+  // A direction p meets the face's plane at p / (p . normal), where u and v run from -1 to 1 over `size` texels.
   const double scale = 0.5 * size / glm::dot(position, frame.normal);
   const int column = texel_of(0.5 * size + scale * glm::dot(position, frame.u), size);
   const int row = texel_of(0.5 * size + scale * glm::dot(position, frame.v), size);
@@ -371,6 +376,7 @@ std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int w
   }
   const glm::dvec3 position = highest(disc);
   const double level = std::sqrt(position.x * position.x + position.z * position.z);
+  // Rows are even in latitude from 1/4 turn down to -1/4, columns in longitude from +1/2 turn down to -1/2.
   const int row = texel_of((0.25 - math::turns_of(position.y, level)) * 2.0 * height, height);
   const int column = texel_of((0.5 - math::turns_of(position.x, position.z)) * width, width);
   sort_and_fill(found,

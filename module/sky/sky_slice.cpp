@@ -80,6 +80,8 @@ Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
 }
 
 void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept {
+  // The bend q belongs to the sun: it is computed once for all azimuths. Weights are those of `cubic_at`, multiplied
+  // out.
   const double bend = mapping_.azimuth_bend(mu_s);
   for (std::size_t i = 0; i < cosines.size(); ++i) {
     const double position = TableMapping::bent_azimuth(cosines[i], bend) * (azimuths_ - 1);
@@ -132,6 +134,7 @@ SunLookup SkySlice::sun_lookup(double mu_s) const noexcept {
   for (int i = 0; i < 4; ++i) {
     const float node = brightness_[static_cast<std::size_t>((point.taps.first + i) * kSunSteps)];
     ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMaxRatio);
+    // Sum_i w_i B row_i / B_i: the ratio to the brightness here goes into the weights (SunTaps).
     point.taps.weights[i] *= ratios[i];
   }
   point.ratios[0] = ratios[point.between];
@@ -439,6 +442,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
     const double root = 2.0 * node / (kGroundNodes - 1) - 1.0;
     // The inverse of root = sign(mu_s) sqrt|mu_s|.
     const double mu_s = root * std::abs(root);
+    // A Lambertian ground under the irradiance E, sky, night and sun together, sends albedo E / pi in all directions.
     glm::dvec3 irradiance = sky_irradiance(tables, mapping, 0.0, mu_s) + night;
     if (mu_s > 0.0) irradiance += mu_s * fold.sunlight() * sun_share(tables, mapping, 0.0, mu_s);
     for (int c = 0; c < 3; ++c) {
@@ -455,6 +459,9 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 // u^2 = s^2 + 2 R mu_g s the distance s. ds/du = u / sqrt((R mu_g)^2 + u^2) is at most 1, and 1 all along the horizon's
 // ray (mu_g = 0), where ds/dh is infinite: so the nodes of one rule in u, whose densities are computed once, serve all
 // rays.
+// For mu_g > 0 the slope has a corner at u ~ R mu_g, which the first panel's nodes see as less sharp than it is: of 64
+// views the node next to the horizon has lengths that are wrong by up to 0.5 %, and light by up to 1.3e-3 of the
+// ground's (Bruneton's Earth at 440 nm, altitudes from 10 m to 60 km); nodes further down have less.
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
   constexpr int order = 6;

@@ -40,6 +40,9 @@ SunPaths::SunPaths(const AirModel& air, const TableMapping& mapping, const Size&
   lengths_ = lengths_of(air, std::move(rays), control);
 }
 
+// x = share ((Y + b) / Y) y / (y + b) + (1 - share) y / Y is 1 at y = Y, the zenith. At the horizon
+// dx/dy = rational / b + linear: on the Earth's ground (aerosol of scale height 1.2 km, b = 0.078) 256 nodes stand
+// 0.021 degrees apart there.
 SunPaths::Axis SunPaths::axis(double altitude) const noexcept {
   const double horizon = horizon_cosine(mapping_.bottom_radius(), altitude);
   const double whole = 1.0 - horizon;
@@ -169,6 +172,8 @@ SettingSun::SettingSun(const Atmosphere& atmosphere, double altitude_m) noexcept
       stretch((atmosphere.bottom_radius_m + altitude_m) / atmosphere.bottom_radius_m),
       radius(atmosphere.sun_angular_radius_degrees * (std::numbers::pi / 180.0)) {}
 
+// Smoothstep over the disc's rise. The part of an even disc above a straight horizon, 1/2 + (asin s + s
+// sqrt(1 - s^2)) / pi with s = 2 t - 1, differs from it by at most 0.039, and needs an arcsine.
 double SettingSun::visible_share(double sun_zenith_cosine) const noexcept {
   const double elevation = (sun_zenith_cosine - horizon) * stretch;
   if (!(radius > 0.0)) return elevation > 0.0 ? 1.0 : 0.0;
@@ -186,6 +191,8 @@ glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mappin
   const double nearest = (mapping.bottom_radius() + altitude) * std::sqrt(std::max(0.0, (1.0 - mu) * (1.0 + mu)));
   if (mu >= 0.0 || nearest >= top) return glm::dvec3(1.0);
   // The ray comes in on the far side: from there, towards the ground, it is as long as any.
+  // mu' = -sqrt(top^2 - b^2) / top, as in view_kernels.cpp: the ray runs on through the air, past the lowest point, to
+  // the top again.
   const double entry = -std::sqrt((top - nearest) * (top + nearest)) / top;
   return transmittance_to_top(tables, mapping, thickness, entry);
 }

@@ -68,6 +68,7 @@ WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places
 }
 
 /// Position and fade of suns whose zenith cosine is known.
+/// `TableMapping::sun_coordinate`, and `sun_fade`'s smoothstep from the nadir to the lowest sun.
 WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places& places) {
   const DoubleLanes distance = to_top(constant(run.bottom) * mu_s, run.sun_tangent_squared);
   const DoubleLanes a = xsimd::max(distance - constant(run.sun_thickness), constant(0.0)) * constant(run.sun_scale);
@@ -285,6 +286,8 @@ WELKIN_INLINE SunTaps sun_taps_at(const SkyRun& run, double position) {
 }
 
 /// The interpolated row of one direction.
+/// Cubics over suns, then azimuths, then views, each held to the range of its two middle rows: 64 rows of eight floats,
+/// or 16 if the slice was reduced to the run's sun, which all directions share.
 WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps& view, const CubicTaps& azimuth,
                                const SunTaps& sun, float* row) {
   Row views[4];
@@ -321,6 +324,7 @@ WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double p
   for (int c = 0; c < 3; ++c) {
     float through = 0.0F;
     for (int i = 0; i < 4; ++i) through = through + view.weights[i] * reach[i * kSkyColour + c];
+    // A cubic through transmittances may leave [0, 1] where they fall fast, next to the horizon.
     through = positive(through) < 1.0F ? positive(through) : 1.0F;
     rgb[c] = rgb[c] + through * (ground[c] + t * (ground[kSkyColour + c] - ground[c]));
   }
