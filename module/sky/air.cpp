@@ -80,6 +80,8 @@ bool AirModel::fainter(double share, std::size_t constituent, double altitude) c
 
 // The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
 // end (falling ones) or at the upper (rising ones).
+// Exponents of several kinds of matter do not add up: Gauss's rule has to integrate each by itself, and the steepest
+// decides.
 double AirModel::steepness(double low, double high, double faint) const noexcept {
   double steepest = 0.0;
   for (std::size_t i = 0; i < matter_.size(); ++i) {
@@ -281,6 +283,8 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
     spectrum.forward = left_out;
     for (double& moment : spectrum.aerosol) moment = (moment - left_out) / (1.0 - left_out);
   } else if (spectrum.bands == kMaxSourceBands && std::abs(left_out) > kSmallestMoment) {
+    // The window 1 - c sin^2((pi / 2) l / bands), c the moment at the cut: it is 1 at l = 0, so that no light is lost,
+    // falls to 1 - c at the cut, and leaves lobes alone that are not cut by much.
     for (int l = 0; l < spectrum.bands; ++l) {
       const double cosine = math::sine_cosine_of_turns(0.25 * l / spectrum.bands).cosine;
       spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);

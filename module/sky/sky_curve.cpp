@@ -65,6 +65,7 @@ SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, cons
     : bands(options.bands),
       axis(options.nodes, -1.0, horizon_of(view)),
       disc(view.tables()->atmosphere, view.altitude_m()),
+      // The whole disc's irradiance has no values below the horizon: all nodes are above it.
       direct_axis(kSunNodes * options.nodes, horizon_of(view), horizon_of(view)) {
   bake_sky(projector, control);
   bake_sun(view);
@@ -109,6 +110,8 @@ void SkyCurve::Nodes::bake_sky(const SkyProjector& projector, const Control& con
   extrapolate_end(count - 1, -1);
   extrapolate_end(0, 1);
   for (std::size_t c = 0; c < 3; ++c) {
+    // (0, 0), the mean radiance, is nowhere negative and leads; other coefficients fall with it by decades in the
+    // twilight, while their ratio to it changes slowly.
     sky::set_slopes_of_positive(sky, count, c);
     for (std::size_t i = 1; i < sky::even_count(bands); ++i) sky::set_slopes_by_ratio(sky, count, i * 3 + c, c);
   }

@@ -460,7 +460,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 // ray (mu_g = 0), where ds/dh is infinite: so the nodes of one rule in u, whose densities are computed once, serve all
 // rays.
 // For mu_g > 0 the slope has a corner at u ~ R mu_g, which the first panel's nodes see as less sharp than it is: of 64
-// views the node next to the horizon has lengths that are wrong by up to 0.5 %, and light by up to 1.3e-3 of the
+// views the node next to the horizon has lengths that are wrong by up to 0.53 %, and light by up to 1.3e-3 of the
 // ground's (Bruneton's Earth at 440 nm, altitudes from 10 m to 60 km); nodes further down have less.
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
