@@ -159,11 +159,15 @@ class SkyPlanner {
       skip(SkyPass::view, "no pass uses the scattering tables");
     } else {
       const SkyTableOptions& tables = options_.tables;
+      // A slice has the texels of one height, eight floats each: three channels and a padding of both kinds of
+      // scattering.
       const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
       add(SkyPass::view, "slice of the tables at the altitude", 8 * sizeof(float) * static_cast<std::uint64_t>(texels));
     }
     const std::string bands = std::to_string(options_.bands) + " bands";
     if (plan_.curve) {
+      // A value and a slope for each channel of the bands (bands + 1) / 2 coefficients that are even in the azimuth: 3
+      // bands (bands + 1) doubles per node of the sky's curve.
       const std::uint64_t bytes =
           static_cast<std::uint64_t>(options_.curve.nodes) *
           (3 * static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands + 1) + 24) *

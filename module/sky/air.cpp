@@ -48,6 +48,7 @@ AirModel::AirModel(const Atmosphere& atmosphere)
     breaks.insert(breaks.end(), own.begin(), own.end());
     for (const DensityLayer& layer : matter->density) {
       const double slope = std::abs(layer.exponential_scale_per_m);
+      // 1 / slope < scale_height_ without dividing by a slope of 0.
       if (layer.exponential_term != 0.0 && slope * scale_height_ > 1.0) scale_height_ = 1.0 / slope;
     }
   }
@@ -79,6 +80,8 @@ bool AirModel::fainter(double share, std::size_t constituent, double altitude) c
 
 // The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
 // end (falling ones) or at the upper (rising ones).
+// Exponents of several kinds of matter do not add up: Gauss's rule has to integrate each by itself, and the steepest
+// decides.
 double AirModel::steepness(double low, double high, double faint) const noexcept {
   double steepest = 0.0;
   for (std::size_t i = 0; i < matter_.size(); ++i) {
@@ -103,6 +106,8 @@ std::vector<double> AirModel::cut_at(const std::vector<double>& breaks, double f
     double at = shells.back();
     while (shells.size() < kMaxShells) {
       const double step = kLargestExponent / std::max(steepness(at, breaks[i], faint), 1e-300);
+      // A rest of less than 0.3 steps is left with the step before it: its exponent is at most 1.3 times
+      // `kLargestExponent`, and no shell is so thin that its nodes would be wasted.
       if (!(at + 1.3 * step < breaks[i])) break;
       at += step;
       shells.push_back(at);
@@ -179,6 +184,7 @@ void add_crossing(const DensityLayer& layer, double level, double low, double hi
 }
 
 /// a s exp(s h) + l = 0: the formula is convex or concave, so it turns at most once.
+/// s h = log(-l / (a s)); the formula's second derivative a s^2 exp(s h) has one sign.
 double turning_point(const DensityLayer& layer) {
   const double ratio = -layer.linear_term_per_m / (layer.exponential_term * layer.exponential_scale_per_m);
   return ratio > 1e-300 && ratio < 1e300 ? math::logarithm(ratio) / layer.exponential_scale_per_m : -1.0;
@@ -229,6 +235,8 @@ constexpr double kSmallestMoment = 0.01;
 
 /// Moments of the cosine times a function of moments chi, of which one is lost:
 /// (2 l + 1) x P_l = (l + 1) P_(l+1) + l P_(l-1).
+/// A function of the moments chi is Sum (2 l + 1) / (4 pi) chi_l P_l; its product with x is integrated against P_l with
+/// the recurrence. Twice in a row loses two moments, which is why `aerosol_moments` starts with two more.
 std::vector<double> times_cosine(const std::vector<double>& chi) {
   std::vector<double> moments(chi.size() - 1);
   for (std::size_t l = 0; l < moments.size(); ++l) {
@@ -249,6 +257,8 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int 
   }
   if (atmosphere.aerosol_phase == AerosolPhase::cornette_shanks) {
     const std::vector<double> squared = times_cosine(times_cosine(chi));
+    // The integral of (1 + x^2) times Henyey-Greenstein's: 1 + (1 + 2 g^2) / 3 = 2 (2 + g^2) / 3, the inverse of
+    // Cornette and Shanks' factor 3/2 / (2 + g^2).
     const double whole = chi[0] + squared[0];
     for (std::size_t l = 0; l < squared.size(); ++l) chi[l] = (chi[l] + squared[l]) / whole;
   }
@@ -273,6 +283,8 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
     spectrum.forward = left_out;
     for (double& moment : spectrum.aerosol) moment = (moment - left_out) / (1.0 - left_out);
   } else if (spectrum.bands == kMaxSourceBands && std::abs(left_out) > kSmallestMoment) {
+    // The window 1 - c sin^2((pi / 2) l / bands), c the moment at the cut: it is 1 at l = 0, so that no light is lost,
+    // falls to 1 - c at the cut, and leaves lobes alone that are not cut by much.
     for (int l = 0; l < spectrum.bands; ++l) {
       const double cosine = math::sine_cosine_of_turns(0.25 * l / spectrum.bands).cosine;
       spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);
@@ -280,6 +292,7 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   }
   spectrum.rayleigh.assign(static_cast<std::size_t>(spectrum.bands), 0.0);
   spectrum.rayleigh[0] = 1.0;
+  // 3 / (16 pi) (1 + x^2) = (P_0 + P_2 / 2) / (4 pi), and 5 chi_2 = 1/2.
   spectrum.rayleigh[2] = 0.1;
   return spectrum;
 }
@@ -316,6 +329,7 @@ std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders) {
   return shares;
 }
 
+// (l + 1) P_(l+1) = (2 l + 1) x P_l - l P_(l-1), from P_0 = 1: stable for |x| <= 1.
 double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept {
   double before = 0.0;
   double here = 1.0;
@@ -351,6 +365,9 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
 
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {
   constexpr double quarter_over_pi = 0.07957747154594767;  // 1 / (4 pi)
+  // 1 + g^2 - 2 g nu = (1 - g)^2 + 2 g (1 - nu) = (1 + g)^2 - 2 g (1 + nu): the first has no cancellation where the
+  // lobe is forward, the second where it is backward. A lobe that is turned away from the axis has a large gap and a
+  // negative slope. Cornette and Shanks' 3 / (8 pi) / (2 + g^2) is 1.5 / (2 + g^2) times 1 / (4 pi).
   const double ahead = backwards ? -g : g;
   const bool cornette = atmosphere.aerosol_phase == AerosolPhase::cornette_shanks;
   AerosolLobe lobe{};

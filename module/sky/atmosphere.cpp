@@ -156,6 +156,8 @@ std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m) {
   if (!(half_width_m > 0.0) || !std::isfinite(half_width_m)) {
     refuse("the tent's half width is " + platform::number_text(half_width_m) + " m; it must be above 0 and finite");
   }
+  // 1 - |h - centre| / half width: h / w + 1 - c / w below the centre, -h / w + 1 + c / w above it. Densities are
+  // clamped at 0, which ends the tent on both sides.
   const double slope = 1.0 / half_width_m;
   const double centre = centre_m / half_width_m;
   return {{.thickness_m = centre_m, .linear_term_per_m = slope, .constant_term = 1.0 - centre},
@@ -183,6 +185,7 @@ glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees) {
   }
   const math::SineCosine elevation = math::sine_cosine_of_turns(elevation_degrees / 360.0);
   const math::SineCosine azimuth = math::sine_cosine_of_turns(azimuth_degrees / 360.0);
+  // y is up, and the azimuth is counted from +z towards +x.
   return {azimuth.sine * elevation.cosine, elevation.sine, azimuth.cosine * elevation.cosine};
 }
 

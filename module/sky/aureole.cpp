@@ -23,18 +23,21 @@ constexpr double kShallow = 1e-4;
 constexpr double kLonger = 1.2;
 constexpr double kThickestGlow = 4.0;  ///< tau, beyond which light has been turned by more than little
 
+// y = x / (1 + x) holds all depths in [0, 1): even where they are small, and 32 at the last node.
 double depth_of(std::size_t node) {
   const double y = kDeepest * static_cast<double>(node) / (kDepths - 1.0);
   return y / (1.0 - y);
 }
 
 /// (exp(-x (1 - chi)) - exp(-x)) / x - chi, and its first term where x is small.
+/// exp(-x) (exp(x chi) - 1) / x = (1 - x) (chi + x chi^2 / 2) + O(x^2) = chi - x chi + x chi^2 / 2.
 double change(double x, double chi) {
   if (x < kShallow) return -x * chi * (1.0 - 0.5 * chi);
   return (math::exponential(-x * (1.0 - chi)) - math::exponential(-x)) / x - chi;
 }
 
 /// chi_0 and on, until they are negligible beside f.
+/// g^l = kLastMoment f at l = log(kLastMoment f) / log(g); only forward lobes come here, 0 < g < 1.
 std::vector<double> moments_of(const Atmosphere& atmosphere, double g, double forward) {
   const auto count = static_cast<int>(math::logarithm(kLastMoment * forward) / math::logarithm(g));
   return aerosol_moments(atmosphere, g, std::max(count, kNarrowBands + 1));
@@ -97,6 +100,10 @@ std::vector<double> once_table(const Atmosphere& atmosphere, double g, double fo
 
 /// The same where the share is large. Beyond the bands P + D is exp(-x) P and what falls as the square of chi, so that
 /// bands that are left out do not ring.
+/// With tau = x / f and chi_f = chi / f, the moment of P + D in a band beyond those that are kept is
+/// chi + f ((exp(-x (1 - chi_f)) - exp(-x)) / x - chi_f) = exp(-x) (exp(tau chi) - 1) / tau = exp(-x) (chi + `more`),
+/// `more` = (exp(tau chi) - 1 - tau chi) / tau = tau chi^2 / 2 + ... The part exp(-x) chi of all bands is exp(-x) P in
+/// closed form, added at the end; only the rest is summed by bands, divided by P.
 std::vector<double> narrow_once_table(const Atmosphere& atmosphere, double g, double forward) {
   const std::vector<double> chi = moments_of(atmosphere, g, forward);
   const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
@@ -121,6 +128,8 @@ std::vector<double> narrow_once_table(const Atmosphere& atmosphere, double g, do
 }
 
 /// S / P.
+/// S_l = once(tau) chi_l + often(tau, chi_l): the first part is once(tau) P in closed form, and the second falls as
+/// chi^2, so that its sum of bands is cut where nothing is left. tau = x / f, longer by `kLonger`.
 std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double forward) {
   const std::vector<double> chi = moments_of(atmosphere, g, forward);
   std::vector<double> moments(chi.size() * kDepths);
@@ -208,6 +217,8 @@ Aureole::Factors Aureole::factors(std::size_t channel, double cosine, double dep
   return {at(lobe.once), at(lobe.glow)};
 }
 
+// Bands that are kept have chi_f = 1, where the change is (1 - exp(-x)) / x - 1 < 0, times f. With a glow all light is
+// seen as S.
 double Aureole::loss(std::size_t channel, double chi, double depth) const noexcept {
   const Lobe& lobe = this->lobe(channel);
   if (lobe.glow.empty()) return -lobe.forward * change(std::max(0.0, depth), 1.0);

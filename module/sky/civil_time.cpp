@@ -78,6 +78,8 @@ int days_of_month(int year, int month) {
 
 /// Days from 1970-01-01, in the Gregorian calendar. Years begin in March, so that the leap day is their last.
 int days_from_1970(int year, int month, int day) {
+  // From March on months have 31, 30, 31, 30, 31 days again and again, 153 in five: (153 m + 2) / 5 days lie before
+  // month m (March: 0). 719468 days lie between 0000-03-01 and 1970-01-01.
   const int shifted = month <= 2 ? year - 1 : year;
   const int of_year = (153 * (month > 2 ? month - 3 : month + 9) + 2) / 5 + day - 1;
   return 365 * shifted + shifted / 4 - shifted / 100 + shifted / 400 + of_year - 719468;

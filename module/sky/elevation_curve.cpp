@@ -9,13 +9,16 @@
 namespace welkin::sky {
 namespace {
 
-/// w: at the horizon 256 nodes of both halves are 0.05 degrees apart, at 45 degrees 0.8.
+/// w: at the horizon 256 nodes of both halves are 0.045 degrees apart, at 45 degrees 1.1.
 constexpr double kWidth = 0.005;
 
 /// The first of the five nodes that a derivative looks at.
 int first_of_five(int node, int nodes) { return std::clamp(node - 2, 0, nodes - 5); }
 
 /// The derivative at a node of the polynomial through the five nearest, which are a step apart.
+/// Weights over 12 of the nodes' values: derivatives of Lagrange's polynomials of degree four at node 0, 1, 2, 3 or 4
+/// of the five. Exact for polynomials of degree four; the middle row is the central difference
+/// (f_-2 - 8 f_-1 + 8 f_1 - f_2) / 12.
 template <class Value>
 double derivative(const Value& value, int node, int nodes) {
   constexpr double weights[5][5] = {{-25.0, 48.0, -36.0, 16.0, -3.0},
@@ -47,6 +50,8 @@ bool positive_around(const Value& value, int node, int nodes) {
 CurveAxis::CurveAxis(int count, double lowest, double horizon) noexcept
     : count_(count), horizon_(horizon), first_(coordinate(lowest)), step_((coordinate(1.0) - first_) / (count - 1)) {}
 
+// t^2 = x^2 / (w + sqrt(w^2 + x^2)) = sqrt(w^2 + x^2) - w, in the form that does not cancel. The inverse:
+// t^2 + w = sqrt(w^2 + x^2), x^2 = t^4 + 2 w t^2. t ~ x / sqrt(2 w) for |x| below w, sqrt(x) beyond it.
 double CurveAxis::coordinate(double sine) const noexcept {
   const double x = sine - horizon_;
   return x / std::sqrt(kWidth + std::sqrt(kWidth * kWidth + x * x));
@@ -64,6 +69,8 @@ CurveAxis::Place CurveAxis::place(double sine) const noexcept {
   return {interval, position - interval};
 }
 
+// Hermite's basis (1 - t)^2 (1 + 2 t), (1 - t)^2 t, t^2 (3 - 2 t) and -t^2 (1 - t): value 1 or slope 1 at one end, 0
+// else.
 void CurveValues::at(const CurveAxis::Place& place, double* results) const noexcept {
   const double t = place.part;
   const double rest = 1.0 - t;
@@ -79,6 +86,9 @@ void CurveValues::at(const CurveAxis::Place& place, double* results) const noexc
   }
 }
 
+// f' = f (log f)'. The limit: in Bernstein's basis the cubic has the coefficients f_0, f_0 + s_0 / 3, f_1 - s_1 / 3 and
+// f_1, and it is not negative if they are not: s_0 >= -3 f_0 and s_1 <= 3 f_1. A node is the end of one cubic and the
+// start of the next, so that its slope is held to both.
 void set_slopes_of_positive(CurveValues& curve, int nodes, std::size_t function) {
   const auto value = [&](int node) { return curve.value(node, function); };
   const auto logarithm = [&](int node) { return math::logarithm(value(node)); };
@@ -90,6 +100,7 @@ void set_slopes_of_positive(CurveValues& curve, int nodes, std::size_t function)
   }
 }
 
+// f = ratio x leader: f' = leader ratio' + ratio leader'. The ratio is smooth where both fall by decades.
 void set_slopes_by_ratio(CurveValues& curve, int nodes, std::size_t function, std::size_t leader) {
   const auto value = [&](int node) { return curve.value(node, function); };
   const auto leading = [&](int node) { return curve.value(node, leader); };

@@ -33,6 +33,7 @@ constexpr std::array<Band, 5> kBands{{{360.0, 1810.0, 22.3},    // U
                                       {790.0, 2550.0, 19.7}}};  // I
 
 /// Per wavelength, in any unit. A jansky is of frequency: over the square of the wavelength it is of that.
+/// f_lambda = f_nu c / lambda^2, and a magnitude is a factor 10^(-2/5) = exp(-ln(10) / 2.5).
 double band_radiance(const Band& band) {
   constexpr double magnitude = 0.921034037197618;  // ln(10) / 2.5
   return band.zero_jansky / (band.wavelength_nm * band.wavelength_nm) *
@@ -97,6 +98,9 @@ NightLight::NightLight(const SkyTables& tables, double altitude_m) {
   lowest_ = horizon_cosine(bottom, altitude_m);
   for (int node = 0; node < kNightNodes; ++node) {
     const double cosine = lowest_ + (1.0 - lowest_) * node / (kNightNodes - 1);
+    // A line at the angle z from the zenith at radius r crosses the layer's sphere at an angle whose sine is b / layer,
+    // b = r sin z: it is 1 / cos of that as long there as the vertical one. The air is given the same path (Patat
+    // 2003).
     const double ratio = (bottom + altitude_m) / layer;
     const double path = 1.0 / std::sqrt(1.0 - ratio * ratio * std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
     glm::dvec3 rgb(0.0);

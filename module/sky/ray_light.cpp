@@ -25,6 +25,8 @@ constexpr double kEvenGlow = 0.03;  ///< share of it that is the same from every
 std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
 /// Place of an angle of that cosine among nodes evenly from 0 to pi.
+/// Half a turn is n - 1 steps. atan2 of sine and cosine keeps digits near 0 and 180 degrees, where arccos loses half of
+/// them.
 double angle_position(double cosine, int nodes) noexcept {
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   return 2.0 * math::turns_of(sine, cosine) * (nodes - 1);
@@ -51,6 +53,9 @@ struct ScatteredWeights {
 
 ScatteredWeights weights_of(const RayNode* nodes, std::size_t count, const WavelengthGroup& group) noexcept {
   ScatteredWeights sum;
+  // With weights w_k = length x transmittance x what scatters there, Sum w_k (a + b s_k) = W (a + b s_m) with W = Sum
+  // w_k and s_m = Sum w_k s_k / W: one sample at the centroid s_m is exact for light that is linear along the panel.
+  // The centroid is that of all channels and both kinds of matter together, since a sample costs a lookup of both.
   double moment = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     const RayNode& node = nodes[k];
@@ -108,6 +113,10 @@ WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::sp
     }
     wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
     wavelengths.aerosol_once[c] = air.scattering(kAerosol, wavelength);
+    // Delta-M (Wiscombe 1977): with P = f 2 delta(1 - cos) + (1 - f) P', the part f of scattering leaves the direction
+    // as it is and drops out of the transport equation on both sides: beta_s' = (1 - f) beta_s, beta_e' = beta_e - f
+    // beta_s, with the phase function P' (`phase_spectrum`). The first order keeps all of beta_s with the whole
+    // P (`aerosol_once`), but under the transmittance of beta_e' (Nakajima and Tanaka 1988, TMS).
     const double straight = forward.empty() ? 0.0 : forward[wavelength];
     wavelengths.aerosol[c] = (1.0 - straight) * wavelengths.aerosol_once[c];
     wavelengths.extinctions[c][kAerosol] -= straight * wavelengths.aerosol_once[c];
@@ -118,8 +127,14 @@ WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::sp
   return wavelengths;
 }
 
-// Light that was turned twice, three times and so on by a lobe of moments chi has chi^2, chi^3, and, some depth of air
-// taken for all, the sum of these that is below. What has come round by the ground or by large turns is about even.
+// Light that was turned n times by a lobe of moments chi has the moments chi^n (each convolution multiplies them).
+// Under a depth t the n-fold turned light is in proportion to t^n / n!. Light that arrives turned n >= 1 times and is
+// turned once more has
+//   chi Sum_(n >= 1) (t chi)^n / n! / Sum_(n >= 1) t^n / n! = chi (exp(t chi) - 1) / (exp(t) - 1),
+// which is 1 for chi = 1: the whole of it integrates to 1. t is taken as `kGlowDepth` for all air. Light that has come
+// round by the ground or by large turns is about even, and is added as `kEvenGlow`. Sources are divided by the glow at
+// their nodes and multiplied by it where they are read: its error is not seen at nodes, and between them costs only
+// resolution.
 Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
   for (const PhaseSpectrum& spectrum : spectra) {
     std::vector<double> moments(spectrum.aerosol.size());
@@ -179,6 +194,15 @@ void RayLight::place(const AirModel& air, const Ray& ray, const WavelengthGroup&
   nodes_.place(air, ray, group.extinctions);
 }
 
+// Along a stretch of length ds about a sample, the zenith cosine of the sun, mu_s' = (r mu_s + s nu) / r', changes by
+//   d mu_s' / ds = nu / r' - mu_s' (dr' / ds) / r' = (nu - mu' mu_s') / r',   since dr' / ds = mu' (`view_cosine`),
+// and the cosine of the horizon by half of its difference between both ends of the stretch. t, the disc's rise
+// (sky_kernels.h), has slope `disc_slope` in mu_s' - horizon, so that over half of the stretch, 0.5 `weight`, it
+// changes by
+//   w = turning (nu - mu' mu_s') - sinking.
+// The visible share is averaged from t - w to t + w: a sample of a long panel would otherwise be lit or dark as a
+// whole, and the shadow's edge would move in steps from node to node. (The weight of a Gauss node stands for its part
+// of the panel.)
 const float* RayLight::sunlight(const SolverKernels& kernels, const AirModel& air, const Sunlight& light) noexcept {
   std::fill_n(sums_.data(), 8 * padded_, 0.0F);
   const double radius = air.bottom_radius() + ray_.altitude;
@@ -189,6 +213,7 @@ const float* RayLight::sunlight(const SolverKernels& kernels, const AirModel& ai
     const double here = air.bottom_radius() + node.altitude;
     SunlitSample sample{};
     light.at(node.altitude, sample);
+    // mu_s' = (r mu_s + s nu) / r', where the lanes differ in mu_s and nu alone: both ratios are the sample's.
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(node.distance / here);
     const double view_cosine = std::clamp((radius * ray_.zenith_cosine + node.distance) / here, -1.0, 1.0);
@@ -217,9 +242,11 @@ void RayLight::multiply_glow(const Glow& glow, float* light) const noexcept {
   }
 }
 
-// As many as one sample stands for: four of a panel, if they lie no further apart than what is between heights is
-// known, or what panels are cut by. A panel may cross all of a thin shell, in whose middle there is more light than on
-// the average.
+// Returns how many of a panel's four nodes one sample stands for: all four if they lie no further apart than
+// `kThinPanel` scale heights, or no further than `kThinStep` of the nodes between which the source is interpolated in
+// height; else two, else one. A linear source is exact at the centroid (`weights_of`), and interpolated sources are
+// linear between heights. A panel may cross all of a thin shell, in whose middle there is more light than on the
+// average: there two at most.
 std::size_t RayLight::nodes_of_panel(const AirModel& air, const SourceShape& shape, const TableMapping& mapping,
                                      std::size_t first) const noexcept {
   std::size_t count = mapping.thin() ? 2 : kPanelNodes;
@@ -281,6 +308,8 @@ SourceSample sample_of(const ScatteringPanel& panel, const ScatteringSource& sou
   sample.start_ratio = panel.start_ratio;
   sample.distance_ratio = panel.distance_ratio;
   sample.view_cosine = panel.view_cosine;
+  // Linear in height. Brightness is mixed with the same shares, so that at a node of suns the source is the mix of both
+  // heights'.
   const float shares[2] = {1.0F - panel.height_fraction, panel.height_fraction};
   for (std::size_t k = 0; k < 2; ++k) {
     sample.steps[k] = source.steps.data() + (height + k) * source.shape.sun_steps();
@@ -342,7 +371,8 @@ RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, std::span<
   return {sums_.data(), aerosols};
 }
 
-// [padded][2][4] to [padded][4]
+// [padded][2][4] to [padded][4]: the shares of the nearer and the farther node of suns are added up only here
+// (`AddSource`).
 void RayLight::fold_pairs(float* sums) const noexcept {
   for (std::size_t i = 0; i < padded_; ++i) {
     for (std::size_t c = 0; c < 4; ++c) sums[4 * i + c] = sums[8 * i + c] + sums[8 * i + 4 + c];

@@ -20,6 +20,8 @@ constexpr double kDark = 1e-9;
 
 /// Four Gauss nodes on [0, 1], and the integrals from 0 to each of them of the polynomials that are 1 at one node and 0
 /// at the others: how much air lies before a node follows from densities at all four.
+/// Integrals of the interpolant are the coefficients a_ij = Int_0^(c_i) l_j of the four-stage Gauss collocation method;
+/// Butcher 1964, "Implicit Runge-Kutta Processes". They are exact for densities that are cubic along the panel.
 struct Collocation {
   std::array<double, kPanelNodes> nodes;
   std::array<double, kPanelNodes> weights;
@@ -27,6 +29,7 @@ struct Collocation {
 };
 
 /// The integral of polynomial j from 0 to x, by the same rule scaled: exact for its degree.
+/// l_j has degree 3; Gauss's rule of four nodes is exact to degree 7.
 double integral(const Collocation& rule, std::size_t j, double x) {
   double sum = 0.0;
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
@@ -66,11 +69,18 @@ RayPanels::RayPanels(const AirModel& air) {
 }
 
 void RayPanels::add(double place, double length) noexcept {
+  // Ends that rounding cannot tell apart would make panels of no length; places come in rising order.
   if (place > ends_.back() + 1e-12 * length && place < length * (1.0 - 1e-12)) ends_.push_back(place);
 }
 
-// A sphere of altitude b is passed at -r mu -+ sqrt(D), D = (r mu)^2 + (b - h) (2 R + b + h): the way down passes
-// spheres below the start, from the highest on; the way up those above the lowest point.
+// A sphere of altitude b is met where (R + b)^2 = r^2 + 2 r mu s + s^2, or s^2 + 2 (r mu) s - I = 0 with
+// I = (b - h) (2 R + b + h) = (R + b)^2 - r^2: s = -r mu -+ sqrt((r mu)^2 + I). The product of both roots is -I. One of
+// them cancels where r mu is large against I, and is computed as I over the other one's negative: on the way down
+// (r mu < 0, I < 0) the nearer root is I / (r mu - sqrt(D)), on the way up with r mu > 0 the root ahead is
+// I / (r mu + sqrt(D)). The way down passes spheres below the start, from the highest on, until one lies below the
+// lowest point of the ray (D <= 0), as all further ones then do. The way up passes those above the lowest point, which
+// is at s = -r mu and ends a panel too: the altitude has its least value there, and panels on either side of it are
+// monotone.
 void RayPanels::cut(const AirModel& air, const Ray& ray, const std::vector<double>& shells) noexcept {
   const double along = (air.bottom_radius() + ray.altitude) * ray.zenith_cosine;
   const auto inside = [&](double shell) {
@@ -134,6 +144,8 @@ bool RayNodes::try_panel(const AirModel& air, const Ray& ray, const Extinctions&
   const Collocation& rule = collocation();
   const double size = to - from;
   const double radius = air.bottom_radius() + ray.altitude;
+  // size / r' is the angle by which the local vertical rotates along the panel at most, and so the change of the sun's
+  // elevation.
   if (!last_chance && size > kLongestAngle * radius_along(radius, ray.zenith_cosine, 0.5 * (from + to))) {
     return false;
   }
@@ -156,6 +168,7 @@ bool RayNodes::try_panel(const AirModel& air, const Ray& ray, const Extinctions&
   }
   std::array<double, 4> after{};
   for (std::size_t c = 0; c < 3; ++c) {
+    // Only a channel of which more than kFaintest is left counts: the others' samples may be coarse.
     const double depth = optical_depth(extinctions[c], whole);
     after[c] = -depth;
     if (!last_chance && depth > kThickest && transmittance_[c] > kFaintest) return false;
@@ -167,6 +180,9 @@ bool RayNodes::try_panel(const AirModel& air, const Ray& ray, const Extinctions&
       double depth = 0.0;
       for (std::size_t i = 0; i < air.constituents(); ++i) {
         double before = 0.0;
+        // The depth before node k is size Int_0^(x_k) of the cubic through the four densities. It may come out negative
+        // by what the cubic swings below 0 where a density ends, hence the clamp below: a transmittance must not exceed
+        // that of the panel's start.
         for (std::size_t j = 0; j < kPanelNodes; ++j) before += rule.before[k][j] * density[j][i];
         depth += extinctions[c][i] * before;
       }
@@ -189,7 +205,11 @@ void RayNodes::place(const AirModel& air, const Ray& ray, const Extinctions& ext
     double from = ends[panel - 1];
     pending_.assign(1, ends[panel]);
     while (!pending_.empty()) {
+      // Light from behind is at most kDark of what it would be without the air before it.
       if (*std::max_element(transmittance_.begin(), transmittance_.end()) < kDark) return;
+      // Panels are halved from the far end of a stack, so that they come out in order and `transmittance_` is always
+      // that of `from`. `left` is the number of panels that are still certain to come: when they would fill what is
+      // left of `kMaxPanels`, or a stack of 48 halvings is not enough, panels are taken as they are.
       const std::size_t left = ends.size() - panel + pending_.size();
       const double to = pending_.back();
       const bool full = count_ / kPanelNodes + left + 1 >= kMaxPanels || pending_.size() >= 48;

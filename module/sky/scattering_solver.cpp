@@ -59,6 +59,8 @@ class OrderSums {
     double most = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
       if (!(all_[c] > 0.0)) continue;
+      // The last order L and all after it add up to L / (1 - r). If the ratio changes by dr, that changes by
+      // L dr / (1 - r)^2.
       const bool none = last_ratio_[c] > kLargestRatio;
       const double left = 1.0 - std::min(last_ratio_[c], kLargestRatio);
       const double change = std::abs(last_ratio_[c] - before_[c]);
@@ -157,6 +159,8 @@ void SourceSolver::set_rules() {
   }
 }
 
+// cos(m phi_j) at midpoints phi_j = pi (j + 1/2) / n of half the circle, which integrate cos(k phi) exactly for all
+// k < 2 n.
 void SourceSolver::set_azimuths(int count) {
   azimuths_ = index(count);
   ray_azimuths_.clear();
@@ -186,12 +190,16 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
           sum += weight * aerosol_phase(lobe, nu);
         }
       }
+      // The sum is what the directions hold of a unit of light that is scattered once. Where all of them are far from a
+      // narrow lobe it is small and no measure of the lobe, which is then left as it is.
       lobe_scale_.push_back(sum > kSmallestLobe ? 1.0 / sum : 1.0);
     }
   }
 }
 
+// Linear in the angle between 513 nodes: arccos by atan2, whose digits do not suffer near 0.
 double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexcept {
+  // 1 - cosine^2 as a product keeps its digits next to the vertical.
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
   const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
@@ -208,6 +216,8 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   const int last = options.orders + (rest ? kRestOrders : 0);
   const double steps = 2.0 * last - 1.0;  // an order's rays, and between two orders the source
   // Orders that turn out to be needed beyond those halve what is left.
+  // done(step) = 1 - 2^(steps - 1 - step) / steps beyond the planned steps: 1 - 1 / steps before the last one, and half
+  // of the rest with each that follows, so that progress rises and never reaches 1 early.
   const auto done = [&](int step) { return step < steps ? step / steps : 1.0 - std::exp2(steps - 1.0 - step) / steps; };
   const auto part = [&](int step) { return jobs::part_of(control, done(step), done(step + 1)); };
   OrderSums sums;
@@ -223,6 +233,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   }
   for (int order = orders_ + 1; rest; ++order) {
     next_source(part(2 * order - 3));
+    // Both are kept from before the order is followed: the ratio of a place is that of this order to the one before.
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
     follow_less(order);
@@ -254,6 +265,9 @@ void SourceSolver::next_source(const Control& control) {
 // ratio is a place's own, for light at night dies out more slowly than by day; but where it has only begun to arrive
 // it tells nothing of the orders to come, so that it is held near the mean of all places. In air so thick that hardly
 // any light is lost between two orders, a sum would be a multiple of the order's errors: there is none.
+// The ratio may exceed that of all places by a factor 1.25, but 1 - r must be at least 0.75 of theirs: the second bound
+// is the stricter one for mean ratios above 1/2 (1.25 m = 1 - 0.75 (1 - m) there), where a factor on r alone could
+// reach 1.
 std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& before,
                                                  const std::vector<double>& last) const {
   const std::size_t suns = index(shape_.suns);
@@ -291,6 +305,8 @@ void SourceSolver::add_order(const std::vector<double>& factors, const std::vect
 void SourceSolver::add_order_at(std::size_t height, const std::vector<double>& factors, const float* row) {
   const std::size_t suns = index(shape_.suns);
   for (std::size_t s = 0; s < suns; ++s) {
+    // The mean of the channels' factors. The brightness only divides the source and multiplies it again
+    // (solver_kernels.cpp), so that it need not be the mean of the products.
     double mean = 1.0;
     for (std::size_t c = 0; c < 3 && !factors.empty(); ++c) {
       mean += (factors[(height * 3 + c) * suns + s] - 1.0) / 3.0;
@@ -373,6 +389,8 @@ void SourceSolver::add_sunlit(std::size_t height, std::size_t zenith, Worker& wo
       aerosol[c] = c < spectra_.size()
                        ? lobe_scale_[(c * rules_.size() + height) * suns + i % suns] * aerosol_phase(c, nu)
                        : aerosol[0];
+      // The solver's first order has the aerosol as scaled by delta-M, with the bands that it keeps; the tables' has
+      // all of it (sky_tables.cpp). `lobe_scale_` makes the discrete sum of the lobe over directions 1.
       const double value =
           group_.solar[c] * (group_.rayleigh[c] * rayleigh_phase(nu) * static_cast<double>(sums[8 * i + c]) +
                              group_.aerosol[c] * aerosol[c] * static_cast<double>(sums[8 * i + 4 + c]));
@@ -414,6 +432,8 @@ void SourceSolver::measure_at(std::size_t height) {
   std::fill_n(order_irradiance_.begin() + static_cast<std::ptrdiff_t>(height * 3 * suns), 3 * suns, 0.0);
   std::fill_n(scalar_.begin() + static_cast<std::ptrdiff_t>(height * 3 * suns), 3 * suns, 0.0);
   for (std::size_t i = 0; i < kZeniths; ++i) {
+    // Mean: (1 / (4 pi)) w_i (2 pi / n) Sum_j L = w_i / (2 n) Sum_j L. Irradiance: w_i (2 pi / n) mu Sum_j L, 4 pi mu
+    // times that.
     const double weight = rules_[height].weights[i] / (2.0 * static_cast<double>(azimuths_));
     const double upward = 4.0 * pi * std::max(0.0, rules_[height].cosines[i]) * weight;
     for (std::size_t c = 0; c < 3; ++c) {

@@ -31,6 +31,8 @@ SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
 
 /// What (l, m) is divided by before it is interpolated: a coefficient is sin^m(zenith angle) times an even function,
 /// so this leaves a smooth function of the sine of the elevation.
+/// sin^m of an even m > 0 over sin^2 is a power of sin^2 = 1 - cos^2, a polynomial in the cosine; dividing by all of
+/// sin^m would multiply errors of nodes next to the zenith by its inverse.
 double foot(int m, double zenith_sine) { return m == 0 ? 1.0 : (m % 2 == 1 ? zenith_sine : zenith_sine * zenith_sine); }
 
 double horizon_of(const SkyView& view) {
@@ -63,12 +65,14 @@ SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, cons
     : bands(options.bands),
       axis(options.nodes, -1.0, horizon_of(view)),
       disc(view.tables()->atmosphere, view.altitude_m()),
+      // The whole disc's irradiance has no values below the horizon: all nodes are above it.
       direct_axis(kSunNodes * options.nodes, horizon_of(view), horizon_of(view)) {
   bake_sky(projector, control);
   bake_sun(view);
 }
 
 /// (l, m > 0) over its foot has no value in the zenith or straight below: from four nodes beside it.
+/// The cubic through f_1 to f_4 at 0: their fourth difference f_0 - 4 f_1 + 6 f_2 - 4 f_3 + f_4 is 0.
 void SkyCurve::Nodes::extrapolate_end(int node, int inwards) {
   for (int l = 1; l < bands; ++l) {
     for (int m = 1; m <= l; ++m) {
@@ -106,6 +110,8 @@ void SkyCurve::Nodes::bake_sky(const SkyProjector& projector, const Control& con
   extrapolate_end(count - 1, -1);
   extrapolate_end(0, 1);
   for (std::size_t c = 0; c < 3; ++c) {
+    // (0, 0), the mean radiance, is nowhere negative and leads; other coefficients fall with it by decades in the
+    // twilight, while their ratio to it changes slowly.
     sky::set_slopes_of_positive(sky, count, c);
     for (std::size_t i = 1; i < sky::even_count(bands); ++i) sky::set_slopes_by_ratio(sky, count, i * 3 + c, c);
   }
@@ -162,6 +168,7 @@ glm::dvec3 SkyCurve::sun_irradiance(const glm::dvec3& sun) const {
   const sky::SunAngles angles = sky::sun_angles(sun);
   double results[3];
   nodes_->direct.at(nodes_->direct_axis.place(angles.zenith_cosine), results);
+  // The curve is of the whole disc, as if nothing hid it: the visible share is exact for each sun.
   return nodes_->disc.visible_share(angles.zenith_cosine) * glm::dvec3(results[0], results[1], results[2]);
 }
 

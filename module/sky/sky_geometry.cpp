@@ -12,6 +12,11 @@
 
 namespace welkin::sky {
 
+// Int f(mu) dmu over the three parts, mu = horizon - (1 + horizon) t^2 with dmu = (1 + horizon) 2 t dt, mu = horizon
+// (1 - t), and mu = t^2 with dmu = 2 t dt; the weights add up to 2. Along rays to the ground the length is
+// -r mu - sqrt((r mu)^2 - rho^2), in which the root goes as sqrt(horizon - mu): in mu its slope is infinite at the
+// horizon, in t it is smooth. Upwards t^2 puts nodes close to the horizontal, where the length of a ray through the air
+// changes fastest with mu.
 DirectionRule direction_rule(double horizon) {
   DirectionRule rule;
   std::size_t at = 0;

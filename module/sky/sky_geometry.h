@@ -22,6 +22,7 @@ namespace welkin::sky {
 }
 
 /// Its inverse: the altitude whose tangent distance is rho.
+/// h (2 R + h) = rho^2 gives h = sqrt(R^2 + rho^2) - R, whose difference is rho^2 over the sum.
 [[nodiscard]] inline double altitude_of_tangent(double bottom_radius, double rho) noexcept {
   return rho * rho / (bottom_radius + std::sqrt(bottom_radius * bottom_radius + rho * rho));
 }
@@ -32,6 +33,8 @@ namespace welkin::sky {
 }
 
 /// Altitude at `distance` along a ray; may be a rounding below the ground where the ray touches it.
+/// r'^2 - r^2 = s (2 r mu + s), by the law of cosines, and h' - h = r' - r is that over r' + r: a metre on a radius of
+/// 1e9 m keeps its digits.
 [[nodiscard]] inline double altitude_along(double bottom_radius, double altitude, double mu, double distance) noexcept {
   const double radius = bottom_radius + altitude;
   return altitude + distance * (2.0 * radius * mu + distance) / (radius_along(radius, mu, distance) + radius);
@@ -49,6 +52,8 @@ namespace welkin::sky {
 }
 
 /// Distance to the ground of a ray that meets it.
+/// s^2 + 2 r mu s + rho^2 = 0: both roots are positive and their product is rho^2, so that the nearer one, whose own
+/// formula cancels, is rho^2 over the farther.
 [[nodiscard]] inline double distance_to_ground(double bottom_radius, double altitude, double mu) noexcept {
   const double root = std::sqrt(std::max(0.0, ground_discriminant(bottom_radius, altitude, mu)));
   const double along = -(bottom_radius + altitude) * mu;
@@ -56,6 +61,8 @@ namespace welkin::sky {
 }
 
 /// Distance to the top of an air of thickness T, from inside of it, the ground taken for transparent.
+/// s^2 + 2 r mu s = (R + T)^2 - r^2 = (T - h) (2 R + T + h) has one positive root, -r mu + sqrt((r mu)^2 + shell): for
+/// r mu > 0 it cancels, and is shell over the negative of the other root.
 [[nodiscard]] inline double distance_to_top(double bottom_radius, double thickness, double altitude,
                                             double mu) noexcept {
   const double along = (bottom_radius + altitude) * mu;
@@ -83,6 +90,8 @@ struct Cubic {
 
 /// At a position among `count` nodes, 0 to count - 1. With less than four nodes: the curve through all of them, the
 /// rest of the weights 0 (and of a node that is not there).
+/// Lagrange's weights, w_i = Prod_(k != i) (x - k) / (i - k). At the ends of the table the first or last four nodes
+/// serve, so that x runs from 0 to 3 in place of 1 to 2.
 [[nodiscard]] inline Cubic cubic_at(double position, int count) noexcept {
   Cubic cubic;
   const double inside = std::min(std::max(position, 0.0), static_cast<double>(count - 1));

@@ -134,6 +134,8 @@ inline constexpr int kSkyRow = 8;
 
 /// Angles between view and sun at which the aerosol's phase function is corrected (sky/aureole.h): even in the fourth
 /// root of (1 - cosine) / 2.
+/// sin(angle / 2) = (k / 128)^2: node k stands at about 0.007 k^2 degrees from the sun, and the last but one 20 degrees
+/// from the point opposite, where factors hardly change.
 inline constexpr int kAureoleAngles = 129;
 
 /// Weights of the cubic through four nodes next to each other, at 0 <= x <= 3.

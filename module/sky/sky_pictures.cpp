@@ -102,6 +102,8 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
     numbers.push_back(static_cast<std::int64_t>(texel.texel));
     whole += texel.steradians;
   }
+  // A texel's radiance is irradiance x (its part of the disc / all parts) / its solid angle. Dividing by the sum of all
+  // parts makes Sum radiance x solid angle the irradiance to rounding, whatever error the areas have.
   const std::vector<double> areas = image::solid_angles_of(grid, numbers);
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const glm::dvec3 radiance = sun.irradiance * (texels[i].steradians / whole / areas[i]);
@@ -171,6 +173,8 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
 namespace welkin::sky {
 namespace {
 
+// Cells at the rim count by a straight rim (`covered`): on a plane, discs of 48 such cells per radius have their area
+// to 6e-5.
 constexpr double kFinest = 1.0 / 48.0;  // of the disc's radius: cells are cut down to that size
 constexpr int kMinCuts = 3;             // of a texel that the rim goes through
 constexpr double kLargestTurns = 1.0 / 32.0;
@@ -188,6 +192,8 @@ struct CubeFace {
     return image::face_direction(size, face, column, row);
   }
   [[nodiscard]] static bool large(const Cell&) { return false; }  // convex: its corners are what is farthest out
+  // Half the product of the diagonals: the plane quadrilateral through the corners, for cells that are small against
+  // the sphere.
   [[nodiscard]] static double area(const Cell&, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                                    const glm::dvec3& d) {
     return 0.5 * length(glm::cross(d - a, c - b));
@@ -202,6 +208,7 @@ struct LatLong {
   [[nodiscard]] bool large(const Cell& cell) const {
     return cell.right - cell.left > kLargestTurns * width || cell.bottom - cell.top > 2.0 * kLargestTurns * height;
   }
+  // Exact: Int Int cos(latitude) = the difference of longitudes times that of the sines of latitude, y.
   [[nodiscard]] double area(const Cell& cell, const glm::dvec3& a, const glm::dvec3&, const glm::dvec3& c,
                             const glm::dvec3&) const {
     return 2.0 * std::numbers::pi * (cell.right - cell.left) / width * (a.y - c.y);
@@ -220,6 +227,9 @@ class Coverage {
         columns_(columns),
         found_(found),
         // chord from the centre to the rim: 2 sin(a / 2)
+        // 2 sin(a / 2) = sin(a) / cos(a / 2), cos(a / 2) = sqrt((1 + cos a) / 2). Chords are distances in space and
+        // obey the triangle's inequality: a cell whose corners lie within `radius` of its middle is outside if the
+        // middle is farther from the rim than that.
         chord_(disc.radius_sine * std::sqrt(2.0 / (1.0 + disc.radius_cosine))),
         horizon_sine_(std::sqrt(std::max(0.0, (1.0 - disc.horizon_cosine) * (1.0 + disc.horizon_cosine)))) {}
 
@@ -267,6 +277,7 @@ class Coverage {
     constexpr double rounder = 1.1;  // parallels bulge
     bound.radius = rounder * std::max({length(a - middle), length(b - middle), length(c - middle), length(d - middle)});
     bound.within_disc = chord_ - length(middle - disc_.centre);
+    // Elevation over the horizon to first order, in radians: y - cos_h over the sine of the horizon's zenith angle.
     bound.above_horizon = disc_.horizon_cosine > -1.0
                               ? (middle.y - disc_.horizon_cosine) / std::max(horizon_sine_, 1e-3)
                               : 2.0 + 2.0 * bound.radius;
@@ -278,6 +289,7 @@ class Coverage {
     bound.horizon_extent = spread(a.y, b.y, c.y, d.y) / std::max(horizon_sine_, 1e-3);
     bound.steradians = picture_.area(cell, a, b, c, d);
     if (picture_.large(cell)) return bound;
+    // The horizon's measure is an elevation to first order, and `radius` a chord: a tenth more covers the difference.
     bound.outside = bound.within_disc < -bound.radius || bound.above_horizon < -1.1 * bound.radius;
     bound.inside = bound.within_disc > bound.radius && bound.above_horizon > 1.1 * bound.radius;
     return bound;
@@ -288,6 +300,8 @@ class Coverage {
     if (bound.inside && cuts > 0) return bound.steradians;
     const bool small = bound.radius < kFinest * chord_ && cuts >= kMinCuts;
     if (small && !picture_.large(cell)) {
+      // A straight rim cuts a small cell: of distances from the rim that range over `extent`, evenly about the
+      // middle's, the part above 0 is 1/2 + inside / extent.
       const auto share = [](double inside, double extent) {
         return extent > 0.0 ? std::clamp(0.5 + inside / extent, 0.0, 1.0) : inside > 0.0 ? 1.0 : 0.0;
       };
@@ -315,6 +329,7 @@ class Coverage {
 };
 
 /// The disc's centre or, from below the horizon, the place above it on the horizon.
+/// That has y = cos_h, and x and z scaled to the horizon's sine.
 glm::dvec3 highest(const VisibleDisc& disc) {
   if (disc.centre.y >= disc.horizon_cosine) return disc.centre;
   const double level = std::sqrt(disc.centre.x * disc.centre.x + disc.centre.z * disc.centre.z);
@@ -343,6 +358,7 @@ std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int si
   const glm::dvec3 position = highest(disc);
   const int face = image::face_of(position);
   const image::Frame& frame = image::face_frame(face);
+  // A direction p meets the face's plane at p / (p . normal), where u and v run from -1 to 1 over `size` texels.
   const double scale = 0.5 * size / glm::dot(position, frame.normal);
   const int column = texel_of(0.5 * size + scale * glm::dot(position, frame.u), size);
   const int row = texel_of(0.5 * size + scale * glm::dot(position, frame.v), size);
@@ -360,6 +376,7 @@ std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int w
   }
   const glm::dvec3 position = highest(disc);
   const double level = std::sqrt(position.x * position.x + position.z * position.z);
+  // Rows are even in latitude from 1/4 turn down to -1/4, columns in longitude from +1/2 turn down to -1/2.
   const int row = texel_of((0.25 - math::turns_of(position.y, level)) * 2.0 * height, height);
   const int column = texel_of((0.5 - math::turns_of(position.x, position.z)) * width, width);
   sort_and_fill(found,

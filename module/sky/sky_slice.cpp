@@ -25,6 +25,7 @@ Taps taps_at(double position, int count) noexcept {
   return taps;
 }
 
+// For lengths of an interval that is empty on the ground or at the top: positions there are all 0.
 double inverse_or_0(double value) noexcept { return value > 0.0 ? 1.0 / value : 0.0; }
 
 }  // namespace
@@ -57,6 +58,7 @@ ViewLookup SkySlice::view_lookup(double mu) const noexcept {
   ViewLookup point;
   point.ground = meets_ground(bottom, inside_, mu);
   const double position = mapping_.view_position(inside_, mu, point.ground, views_);
+  // Either half of the nodes is an axis of its own: no cubic reads across the horizon, where radiance jumps.
   point.taps = taps_at(point.ground ? position : position - half, half);
   if (point.ground) {
     point.distance = distance_to_ground(bottom, inside_, mu);
@@ -78,6 +80,8 @@ Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
 }
 
 void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept {
+  // The bend q belongs to the sun: it is computed once for all azimuths. Weights are those of `cubic_at`, multiplied
+  // out.
   const double bend = mapping_.azimuth_bend(mu_s);
   for (std::size_t i = 0; i < cosines.size(); ++i) {
     const double position = TableMapping::bent_azimuth(cosines[i], bend) * (azimuths_ - 1);
@@ -96,6 +100,7 @@ void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicT
   }
 }
 
+// The mean over views is all that a ratio between suns needs; its scale is divided out again (sun_brightness.h).
 void SkySlice::set_brightness() {
   const auto suns = static_cast<std::size_t>(suns_);
   std::vector<double> sums(suns);
@@ -129,6 +134,7 @@ SunLookup SkySlice::sun_lookup(double mu_s) const noexcept {
   for (int i = 0; i < 4; ++i) {
     const float node = brightness_[static_cast<std::size_t>((point.taps.first + i) * kSunSteps)];
     ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMaxRatio);
+    // Sum_i w_i B row_i / B_i: the ratio to the brightness here goes into the weights (SunTaps).
     point.taps.weights[i] *= ratios[i];
   }
   point.ratios[0] = ratios[point.between];
@@ -180,6 +186,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.rho_squared = inside_ * (2.0 * bottom + inside_);
   run.shell = std::max(0.0, shortest * (2.0 * bottom + thickness + inside_));
   run.shortest = shortest;
+  // Positions of rays to the top are (d - shortest) (half - 1) / (longest - shortest), of rays to the ground
+  // (half - 1) - (d - h) (half - 1) / (rho - h), each bent afterwards (TableMapping).
   run.to_sky = (half - 1) * inverse_or_0(longest - shortest);
   run.to_ground = (half - 1) * inverse_or_0(rho - inside_);
   run.view_bend = mapping_.view_bend();
@@ -215,6 +223,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
     const double g = asymmetries[c];
     run.asymmetry[c] = g;
+    // The phase functions without their denominator and 1 + nu^2; (1 - g) (1 + g) keeps the digits of 1 - g^2 for g
+    // near 1.
     run.aerosol_scale[c] = run.henyey_greenstein
                                ? (1.0 - g) * (1.0 + g) / (4.0 * std::numbers::pi)
                                : 3.0 / (8.0 * std::numbers::pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g);
@@ -247,6 +257,7 @@ struct Blend {
 Blend blend_at(double position, int count) { return {cubic_at(position, count), std::min(count, 4)}; }
 
 /// Node `node` of a slice's axis among the tables' nodes.
+/// The node's place on the shorter axis is linear: node (table_nodes - 1) / (nodes - 1).
 Blend node_of(int node, int nodes, int table_nodes) {
   if (nodes == table_nodes) return {{node, {1.0, 0.0, 0.0, 0.0}}, 1};
   return blend_at(static_cast<double>(node) * (table_nodes - 1) / (nodes - 1), table_nodes);
@@ -267,6 +278,9 @@ int angles_of(const SkyTableOptions& options) {
 
 /// By channel how much more the aerosol scatters than molecules do, relative to the first channel; how much more of it
 /// there is where there are no molecules to tell its colour.
+/// Single scattering by either kind of matter is its coefficient beta times nearly the same light, so that at one place
+/// M_c / M_0 ~ (beta_M,c / beta_M,0) L_c / L_0 and R_c / R_0 ~ (beta_R,c / beta_R,0) L_c / L_0. Their quotient is
+/// M_c = M_0 (R_c / R_0) (beta_M,c / beta_M,0) (beta_R,0 / beta_R,c).
 struct AerosolColour {
   glm::dvec3 by_molecules{0.0};
   glm::dvec3 alone{0.0};
@@ -326,6 +340,7 @@ std::vector<float> rows_at(const SkyTables& tables, const TableMapping& mapping,
     if (weight == 0.0F) continue;
     add_texels(tables, static_cast<std::size_t>(heights.cubic.first + i) * count, count, weight, rows.data());
   }
+  // The cubic over heights may swing below 0 where light ends, at the edge of the planet's shadow.
   for (float& value : rows) value = value > 0.0F ? value : 0.0F;
   if (options.layout == ScatteringLayout::compact) {
     const AerosolColour colour(tables.atmosphere, fold);
@@ -391,8 +406,9 @@ std::vector<const Constituent*> matter_of(const Atmosphere& atmosphere) {
   return matter;
 }
 
-/// Altitudes from 0 to `altitude` between which every density is smooth and, where an exponential one starts, steps are
-/// short against its scale height at first and double from there.
+/// Altitudes from 0 to `altitude` between which every density is smooth. From each place where a density may jump or
+/// bend, steps are the smallest scale height at first and grow by half from one to the next, as an exponential density
+/// falls.
 std::vector<double> panels_of(const std::vector<const Constituent*>& matter, double altitude) {
   double finest = altitude;
   std::vector<double> breaks{0.0, altitude};
@@ -424,7 +440,9 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
   const glm::dvec3 night = NightLight(tables, 0.0).irradiance();
   for (int node = 0; node < kGroundNodes; ++node) {
     const double root = 2.0 * node / (kGroundNodes - 1) - 1.0;
+    // The inverse of root = sign(mu_s) sqrt|mu_s|.
     const double mu_s = root * std::abs(root);
+    // A Lambertian ground under the irradiance E, sky, night and sun together, sends albedo E / pi in all directions.
     glm::dvec3 irradiance = sky_irradiance(tables, mapping, 0.0, mu_s) + night;
     if (mu_s > 0.0) irradiance += mu_s * fold.sunlight() * sun_share(tables, mapping, 0.0, mu_s);
     for (int c = 0; c < 3; ++c) {
@@ -437,6 +455,13 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 
 // Seen from where it ends, a ray of length d goes up with the cosine mu_g = (rho^2 - d^2) / (2 R d), and comes through
 // an altitude whose tangent distance is u at s = sqrt((R mu_g)^2 + u^2) - R mu_g: smooth in u, the horizon's too.
+// r^2 = R^2 + d^2 + 2 R d mu_g gives R mu_g = (rho^2 - d^2) / (2 d) = (rho - d) (rho + d) / (2 d) (`tangent`), and
+// u^2 = s^2 + 2 R mu_g s the distance s. ds/du = u / sqrt((R mu_g)^2 + u^2) is at most 1, and 1 all along the horizon's
+// ray (mu_g = 0), where ds/dh is infinite: so the nodes of one rule in u, whose densities are computed once, serve all
+// rays.
+// For mu_g > 0 the slope has a corner at u ~ R mu_g, which the first panel's nodes see as less sharp than it is: of 64
+// views the node next to the horizon has lengths that are wrong by up to 0.53 %, and light by up to 1.3e-3 of the
+// ground's (Bruneton's Earth at 440 nm, altitudes from 10 m to 60 km); nodes further down have less.
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
   constexpr int order = 6;

@@ -51,6 +51,9 @@ struct Fold {
   double weights[3][3];  ///< [channel][wavelength]
 };
 
+// Channel c of the tables is Sum_k weights[c][k] light_k over the wavelengths of all groups. Wavelengths do not mix,
+// and colours are linear in the spectrum: each group of three is solved by itself and added to the colours. In a group
+// that lacks wavelengths the last one is computed again (`wavelength_group`), with weights of 0.
 Fold fold_of(const Atmosphere& atmosphere, const std::vector<glm::dvec3>& weights, std::size_t group) {
   Fold fold{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -166,6 +169,8 @@ class Precomputation {
   SkyTables result_;
 };
 
+// Light over a ground of albedo A is a series in A: what the ground has reflected n times is A^n times a term that
+// falls with n as light is lost to space. A polynomial through tables at n albedos is exact to A^(n - 1).
 void Precomputation::mix(std::span<const SkyTables> tables, std::span<const double> weights,
                          std::vector<float> SkyTables::*floats) {
   constexpr std::size_t kTile = 16'384;
@@ -194,6 +199,9 @@ void Precomputation::transmittance() {
     for (std::size_t i = 0; i < (weights_.empty() ? 3 : weights_.size()); ++i) {
       PerConstituent extinction{};
       for (std::size_t k = 0; k < air_.constituents(); ++k) extinction[k] = air_.extinction(k, i);
+      // A colour's transmittance is Sum_i w_i S_i T_i / Sum_i w_i S_i, S the sun's spectrum: sunlight times it is the
+      // colour of what arrives. Some weights of sRGB are negative, so that the quotient may leave [0, 1] and is held to
+      // it.
       const double through = math::exponential(-sky::optical_depth(extinction, lengths));
       if (weights_.empty()) {
         sum[static_cast<glm::length_t>(i)] = through;
@@ -271,6 +279,7 @@ void Precomputation::scatter(const WavelengthGroup& group, const Fold& fold, con
 }
 
 // Compact tables have no azimuth: theirs is that at right angles to the sun's.
+// cos(azimuth) = 0 there, so that nu = mu mu_s.
 void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
                                  const sky::SourceSolver& solver, std::size_t ray, sky::RayLight& worker) {
   const int angles = sky::angles_of(options_);
@@ -303,6 +312,9 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
 
 void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const float* once,
                            const sky::RayLight::Scattered* often, std::size_t texel, std::size_t i, double nu) {
+  // Lookups multiply rgb by Rayleigh's phase function and the aerosol's by its own. Sunlight that was scattered once is
+  // stored without them: solar irradiance x coefficient x the integral of `RayLight::sunlight`, metres. Radiance of
+  // further orders is divided by Rayleigh's, which is nowhere below 3 / (16 pi), and so comes back as it was at a node.
   double rayleigh[3];
   double mie[3]{};
   const bool glows = !glow_depths_.empty();
@@ -335,6 +347,9 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
 }
 
 // What light of the aerosol is multiplied by to be relative to the glow: light without its phase function, or radiance.
+// Tables of a glow are looked up as stored x P x (S / P), P the phase function and S the glow (`factors.glow` is S / P,
+// `factors.once` is (P + D) / P). Single scattering m is to be seen as m (P + D): stored = m `once` / `glow`. A
+// radiance L is to be seen as it is: stored = L / (`glow` P).
 double Precomputation::glow_factor(std::size_t texel, std::size_t channel, double nu, bool once) const {
   const std::size_t suns = index(options_.sun_zeniths);
   const std::size_t height = texel / (suns * index(options_.sun_angles) * index(options_.view_zeniths));
@@ -345,6 +360,8 @@ double Precomputation::glow_factor(std::size_t texel, std::size_t channel, doubl
 }
 
 // Between the solver's heights: cubic; between its suns: as light falls.
+// In steps of `kSunSteps` per node the logarithm's cubic is followed by straight lines to 1.3e-4 (sun_brightness.h);
+// the two nearest steps are read for each of the table's suns.
 void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
   const sky::SourceShape& shape = source_shape_;
   const std::size_t suns = index(options_.irradiance_sun_zeniths);
@@ -385,6 +402,9 @@ void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& s
 }
 
 // Sunlight that the aerosol turns by so little that the solver counts it as direct: on the ground it is the sky's.
+// Delta-M's direct light is attenuated by the scaled depth tau' = tau - f tau_s and holds what the peak of the lobe
+// sends on. Sunlight on the ground is tabulated with the whole depth tau, so that mu_s solar (exp(-tau') - exp(-tau))
+// on level ground is in neither.
 void Precomputation::add_straight_light(const WavelengthGroup& scaled, const WavelengthGroup& whole, const Fold& fold) {
   sky::RayPanels panels(air_);
   for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
@@ -414,6 +434,7 @@ void Precomputation::clip() {
 }
 
 /// Of the polynomial through values at places (Lagrange).
+/// w_k = Prod_(i != k) (x - x_i) / (x_k - x_i). Equal places divide by 0, which the test below finds.
 std::vector<double> polynomial_weights(std::span<const double> positions, double place) {
   std::vector<double> weights;
   for (std::size_t k = 0; k < positions.size(); ++k) {

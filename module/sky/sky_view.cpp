@@ -131,6 +131,7 @@ Sun SkyView::sun_light(const glm::dvec3& sun) const {
   light.direction = sky::sun_unit(sun);
   light.irradiance =
       slice.fold().sunlight() * sky::sun_share(*tables(), slice.mapping(), altitude_m(), light.direction.y);
+  // 2 pi (1 - cos a) = 4 pi sin^2(a / 2), which keeps its digits for a small disc.
   light.solid_angle = 4.0 * std::numbers::pi * sine * sine;
   if (light.solid_angle > sky::kPoint) light.radiance = light.irradiance / light.solid_angle;
   light.angular_radius_degrees = tables()->atmosphere.sun_angular_radius_degrees;

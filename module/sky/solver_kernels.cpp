@@ -43,6 +43,8 @@ WELKIN_INLINE Lanes sun_zenith(float start_ratio, float distance_ratio, const Sk
 }
 
 /// Transmittance from the sample to the sun, over the nodes of a row: each twice, for molecules and aerosol.
+/// Each node's four floats are stored twice: molecules and aerosol see the same sunlight, and their two colours make
+/// one row of eight floats, which one register multiplies where it is wide enough.
 WELKIN_INLINE void make_slice(const SunlitSample& sample, int nodes, float* slice) {
   Lanes weights[4];
   for (int k = 0; k < 4; ++k) weights[k] = Lanes(sample.row_weights[k]);
@@ -66,6 +68,10 @@ WELKIN_INLINE Lanes risen(Lanes t) {
 }
 
 /// The disc's visible share, averaged: half widths of at least 1/32 of its diameter keep the quotient's digits.
+/// With F = risen(), F' = t^2 (3 - 2 t) is the visible share, and its mean from t - w to t + w is
+/// (F(t + w) - F(t - w)) / (2 w). The difference cancels as w falls: at w = 1/32 a float's rounding leaves an error of
+/// 2e-6. Where the stretch of the ray spans less, averaging over 1/32 changes the share by at most w^2 = 1e-3, next to
+/// the two ends of the rise: by w^2 / 6 times the share's second derivative 6 - 12 t.
 WELKIN_INLINE Lanes disc_share(const SunlitSample& sample, Lanes mu, Lanes nu, Lanes above_horizon) {
   const Lanes moved = Lanes(sample.turning) * (nu - Lanes(sample.view_cosine) * mu) - Lanes(sample.sinking);
   const Lanes width = xsimd::max(xsimd::max(moved, Lanes(0.0F) - moved), Lanes(0.03125F));
@@ -78,6 +84,8 @@ WELKIN_INLINE Lanes disc_share(const SunlitSample& sample, Lanes mu, Lanes nu, L
   return xsimd::select(lit, Lanes(1.0F), share);
 }
 
+/// `TableMapping::smooth_sun_coordinate` in float. The ray from the ground to the sphere of tangent distance H has
+/// d^2 + 2 R mu d = H^2, so that in units of R d = sqrt(mu^2 + (H / R)^2) - mu: `reach` is (H / R)^2.
 WELKIN_INLINE NodeFraction sun_lookup(const SunAxis& axis, Lanes zenith_cosine) {
   const Lanes mu = xsimd::min(xsimd::max(zenith_cosine, Lanes(-1.0F)), Lanes(1.0F));
   // Cancels by day, but by no more than a float's last bit of 1: `reach` is 0.016 at least, the shortest distance
@@ -132,6 +140,10 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
 }
 
 /// The brightness at the sample's height in steps, and at the nodes the inverse of it, four times each.
+/// Between nodes k and k + 1 of suns, a fraction f apart, the source is B ((1 - f) S_k / B_k + f S_(k+1) / B_(k+1)),
+/// with the brightness B read in steps. This is exact where all directions fall alike, S proportional to B. Straight
+/// lines in S itself would be too bright between nodes: by cosh(1/2) - 1 = 13 % in the middle of a step over which
+/// light falls by a factor e.
 WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inverse, float* steps) {
   const Lanes low(sample.step_weights[0]);
   const Lanes high(sample.step_weights[1]);
@@ -147,6 +159,9 @@ WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inver
 
 /// What molecules send on at the sample's height and zenith angle, relative to the brightness: coefficients of 1, q and
 /// q^2, `rows`[3][nodes][4].
+/// The direction enters by mu alone here and by q per sun later: the five terms of sky_kernels.h are folded to
+///   (t0 + P_2(mu) t1 - (1 - mu^2) t2) + q (mu t3) + q^2 t4
+/// once per sample, and a sun costs two multiplications and additions per channel.
 WELKIN_INLINE void mix_molecules(const SourceSample& sample, int nodes, const float* inverse, float* rows) {
   const Lanes low = Lanes::load_aligned(repeated(sample.molecule_weights[0], 1.0F).values);
   const Lanes high = Lanes::load_aligned(repeated(sample.molecule_weights[1], 1.0F).values);
@@ -200,6 +215,9 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
     const NodeFraction place = sun_lookup(axis, mu);
     place.node.store_aligned(node);
     place.fraction.store_aligned(fraction);
+    // A position among nodes is `node` + `fraction`, and among steps kSunSteps times that: the step is found from the
+    // fraction by itself, which has more digits than the whole position. The last step is kept inside of the interval
+    // where the fraction is 1.
     const Lanes fine = place.fraction * Lanes(static_cast<float>(kSunSteps));
     const Indices whole = xsimd::min(xsimd::to_int(fine), Indices(kSunSteps - 1));
     (place.node * Indices(kSunSteps) + whole).store_aligned(step);
@@ -222,6 +240,8 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
           const NarrowLanes low = load_narrow(nearer);
           light = light + (low + NarrowLanes(suns.row_fraction[i + k]) * (load_narrow(nearer + row) - low));
         }
+        // w0 = b (1 - f) for the nearer four floats and w1 = b f for the farther four, as b {1, 0} + b f {-1, 1}: no
+        // lane is shuffled.
         const NarrowLanes weight = first * load_narrow(kFirstOfPair + h) + slope * load_narrow(kSlopeOfPair + h);
         float* const sum = sums + kPair * (i + k) + h;
         (load_narrow(sum) + weight * light).store_unaligned(sum);
@@ -260,6 +280,9 @@ void place_angles(const float* cosines, int count, int angles, int row, std::int
     const Lanes size = xsimd::max(x, Lanes(0.0F) - x);
     Lanes polynomial(kArcCosine[7]);
     for (int k = 6; k >= 0; --k) polynomial = polynomial * size + Lanes(kArcCosine[k]);
+    // arccos |x| / pi, then arccos(-x) = pi - arccos x. 1 - |x| is exact in float for |x| >= 1/2, so that near 0 and
+    // 180 degrees the polynomial adds nothing to the error of the cosine itself: 2^-25 of 1 is an angle of
+    // sqrt(2^-24) = 2.4e-4 radians.
     const Lanes turned = xsimd::sqrt(Lanes(1.0F) - size) * polynomial * Lanes(inverse_pi);
     const Lanes share = xsimd::select(x < Lanes(0.0F), Lanes(1.0F) - turned, turned);
     const NodeFraction place = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
@@ -273,6 +296,10 @@ void place_angles(const float* cosines, int count, int angles, int row, std::int
 constexpr int kRegisters = kLanes / kWidth;
 constexpr int kValues = 3 * kLanes;  ///< of a pair
 
+// The ring's share of c(l, m) = Int L Y(l, m) dw. Its directions share Y's part in the zenith angle, so that azimuths
+// are summed first,
+//   s_m = Sum_j L(phi_j) cos(m phi_j),   c(l, m) += values(l, m) s_m,
+// with the ring's weight in `values`: azimuths x m + pairs operations per ring in place of azimuths x pairs.
 void project_sky_ring(const SkyRing& ring, float* harmonics) {
   int pair = 0;
   for (int m = 0; m < ring.orders; ++m) {
@@ -294,6 +321,8 @@ void project_sky_ring(const SkyRing& ring, float* harmonics) {
   }
 }
 
+// The inverse in the same two steps: by_order(m) = Sum_l weights(l, m) c(l, m) for one zenith angle, with the lobe's
+// moments in the weights, and then Sum_m by_order(m) cos(m phi) per azimuth (`sum_sky_orders`).
 void fold_sky_orders(const float* harmonics, const float* weights, int bands, int used, float* by_order) {
   int pair = 0;
   for (int m = 0; m < used; ++m) {
@@ -308,6 +337,9 @@ void fold_sky_orders(const float* harmonics, const float* weights, int bands, in
   }
 }
 
+// cos(m phi) by Chebyshev's recurrence, cos((m + 1) phi) = 2 cos phi cos(m phi) - cos((m - 1) phi), from
+// cos(-phi) = cos phi and cos 0 = 1: only cos phi is stored per node, and no angle is needed. A truncated series may
+// swing below 0; light may not.
 void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosines, float* out) {
   for (int k = 0; k < kRegisters; ++k) {
     const Lanes cosine = Lanes::load_unaligned(azimuth_cosines + k * kWidth);

@@ -37,6 +37,14 @@ void SourceSolver::set_source_nodes() {
 }
 
 // Angles in turns.
+// View and sun stand at the angles z and s from the vertical. By the triangle's inequality on the sphere the angle
+// between them lies from |z - s| (azimuth 0) to min(z + s, 1 - z - s) (azimuth 180 degrees: over the zenith, or by the
+// nadir where that way is shorter). In between, cos angle = cos z cos s + sin z sin s cos phi gives cos phi. z and s
+// keep `kOffAxis` from the vertical, so that the sines are not 0 and the interval has a width. A node outside of the
+// interval is reached by the straight line through the light at the end of the interval and at the point that lies as
+// far inside as the node lies outside (or at the other end, if that is nearer):
+//   value = nearest + slope (nearest - inside),   slope = (angle - nearest) / (nearest - inside) of the angles,
+// which is 1 but where `inside` was clamped.
 void SourceSolver::add_source_node(double zenith, std::size_t s, double angle) {
   const math::SineCosine view = math::sine_cosine_of_turns(zenith);
   const double sun = math::turns_of(sun_sines_[s], sun_cosines_[s]);
@@ -78,6 +86,11 @@ void SourceSolver::gather(const Control& control) {
   source_.set_steps();
 }
 
+// c(l, m) = Int L(w) Y(l, m)(w) dw = Sum_i w_i (2 pi / n) Sum_j L cos(m phi_j) Y(l, m)(mu_i), phi_j = pi (j + 1/2) / n:
+// the n midpoints of half the circle stand for their mirror images too, as light is even in the azimuth about a sun at
+// azimuth 0. On n midpoints cos((2 n - k) phi) = -cos(k phi), and cos(n phi) = 0: orders of m >= n cannot be told from
+// lower ones. Where an order of scattering is followed along fewer azimuths than `shape_.azimuths`, only m < n are
+// projected.
 void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
   const SolverKernels& kernels = solver_kernels();
   const std::size_t suns = index(shape_.suns);
@@ -109,6 +122,8 @@ void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& wo
 }
 
 // The irradiance of the ground that is reflected, at a point with that sun.
+// For the sun, E = T(ground, sun) visible share solar mu_s. Later orders have theirs in steps between nodes, read
+// linearly.
 std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const noexcept {
   if (direct_ground_) {
     std::array<double, 3> light = light_.at(0.0, sun_zenith_cosine);
@@ -126,6 +141,9 @@ std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const
   return light;
 }
 
+// Light of the ground at the end of a ray of length d: its zenith there, the sun's cosine is (r mu_s + d nu) / R, since
+// the end is x + d v and the sun's direction has the product r mu_s with x and nu with v. A Lambertian ground of
+// irradiance E sends albedo E / pi in all directions, of which the ray's transmittance arrives.
 void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const {
   const std::size_t node = height * index(DirectionRule::kGroundNodes) + zenith;
   const std::size_t suns = index(shape_.suns);
@@ -165,6 +183,12 @@ void SourceSolver::multiply_lobes(Worker& worker) const {
 }
 
 // Y(0, 0) to Y(2, 2) without what depends on the direction, as `even_legendre` has them; terms as in sky_kernels.h.
+// With P_2(mu) = (3 mu^2 - 1) / 2 and the sines s, s_s of both zenith angles, q = s s_s cos phi:
+//   Y(2, 0)            = N P_2(mu),   N = sqrt(5 / (4 pi))
+//   Y(2, 1) cos phi    = N sqrt(3) mu s cos phi            = N sqrt(3) mu q / s_s
+//   Y(2, 2) cos(2 phi) = N sqrt(3/4) s^2 (2 cos^2 phi - 1) = N (sqrt(3) q^2 / s_s^2 - sqrt(3/4) s^2),
+// which gives the terms t0 to t4: c(2, 2) is in t2 (times -(1 - mu^2)) and in t4. Their moments are 1 and 1/10, since
+// 3 / (16 pi) (1 + x^2) = 1 / (4 pi) (1 + P_2(x) / 2) and 5 chi_2 = 1/2. Suns keep off the vertical: s_s is not 0.
 void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker) {
   const std::size_t suns = index(shape_.suns);
   const std::vector<double>& moments = spectra_.front().rayleigh;
@@ -189,8 +213,13 @@ void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, con
 }
 
 // J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
+// By the addition theorem p(v.w) = Sum_l (2 l + 1) / (4 pi) chi_l P_l(v.w) = Sum_l chi_l Sum_m Y(l, m)(v) Y(l, m)(w),
+// and so Int p(v.w) L(w) dw = Sum chi_l c(l, m) Y(l, m)(v): folding with a phase function multiplies bands (Funk and
+// Hecke).
 void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
   // The mean of all directions is that of the harmonic that is the same everywhere, Y(0, 0) = 1 / sqrt(4 pi).
+  // c(0, 0) = Int L Y(0, 0) dw, so that the mean Int L dw / (4 pi) is c(0, 0) / sqrt(4 pi); that over three channels is
+  // their sum over 3 sqrt(4 pi) = sqrt(36 pi).
   for (std::size_t s = 0; s < kSunBlock; ++s) {
     double mean = 0.0;
     for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(worker.harmonics[c * kSunBlock + s]);

@@ -161,6 +161,10 @@ Shares shares(const std::vector<double>& rising, double position) {
 
 }  // namespace
 
+// A spectrum that is linear between wavelengths is L(lambda) = Sum_i L_i hat_i(lambda), hat_i 1 at wavelength i and 0
+// at all others, the first and the last constant beyond their ends. Colours are linear in it:
+//   683 Int L M (x, y, z) dlambda = Sum_i L_i w_i,   w_i = 683 Int hat_i M (x, y, z) dlambda,
+// M the matrix to sRGB. The weights are exact for such spectra, however few wavelengths there are.
 std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) {
   check_wavelengths(wavelengths_nm);
   std::vector<double> rising = wavelengths_nm;
@@ -173,6 +177,7 @@ std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) 
     if (!(width > 0.0)) continue;
     // Between two bends the integrand is the product of two lines: Gauss's rule of two points is exact, and never asks
     // at the bends themselves.
+    // The nodes are 1/2 -+ 1 / (2 sqrt(3)), with weights of 1/2: exact to degree 3.
     for (const double at : {0.21132486540518713, 0.78867513459481287}) {
       const double wavelength = positions[i - 1] + at * width;
       const glm::dvec3 value = 0.5 * width * kLumensPerWatt * srgb(matching(wavelength));
@@ -212,6 +217,10 @@ void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour)
     double sum = 0.0;
     double scattered = 0.0;
     for (std::size_t i = 0; i < given.size() && i < atmosphere.aerosol.scattering_per_m.size(); ++i) {
+      // The mean cosine is linear in the phase function, and is g for Henyey-Greenstein's: a channel's light of the
+      // aerosol, Sum_i w_i S_i beta_i P_i, has Sum_i w_i S_i beta_i g_i / Sum_i w_i S_i beta_i (`weights_` hold w_i
+      // S_i). Higher moments, g_i^l, are not matched. Negative weights of sRGB may carry the quotient beyond all g_i,
+      // where it is clamped.
       const double weight = weights_[i][static_cast<glm::length_t>(c)] * atmosphere.aerosol.scattering_per_m[i];
       sum += weight * given[i];
       scattered += weight;

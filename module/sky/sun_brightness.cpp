@@ -22,6 +22,9 @@ void limit_decay(std::span<double> nodes) noexcept {
   for (std::size_t k = nodes.size(); k-- > 1;) nodes[k - 1] = std::max(nodes[k - 1], kLargestFall * nodes[k]);
 }
 
+// A cubic of the logarithm is exact for exponentials of cubics, and follows light that falls by decades, where a cubic
+// of the light itself may swing below 0. A straight line over 1/32 of a step that changes it by a factor e exceeds the
+// exponential by (1/32)^2 / 8 = 1.2e-4 in the middle.
 std::vector<float> resample_log_cubic(std::span<const double> nodes) {
   const auto count = static_cast<int>(nodes.size());
   std::vector<double> logarithms;

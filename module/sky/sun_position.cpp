@@ -127,6 +127,8 @@ Apparent apparent_sun(double unix_seconds) {
   const double t = centuries / 10.0;                          // (8)
 
   // Longitude of the Earth and distance (9 to 12), and of the sun (13).
+  // (10) sums L_0 + L_1 t + L_2 t^2 + ...; the constant of L_2 is 52919e-8. Its other terms, L_3 and on stay below 1e-6
+  // rad in the years that are accepted (|t| <= 0.1 millennia).
   const double linear = 628331966747.0 + sum_of(kLongitudeRate, t) + 52919.0 * t;
   const double earth = (175347046.0 + sum_of(kLongitude, t) + linear * t) / (1e8 * kTurn);
   const double distance = 1.00013989 + 1e-8 * sum_of(kDistance, t);
@@ -136,6 +138,7 @@ Apparent apparent_sun(double unix_seconds) {
   const auto node = math::sine_cosine_of_turns((125.04452 - 1934.136261 * centuries) / 360.0);
   const auto sun = math::sine_cosine_of_turns(2.0 * (280.4665 + 36000.7698 * centuries) / 360.0);
   const auto moon = math::sine_cosine_of_turns(2.0 * (218.3165 + 481267.8813 * centuries) / 360.0);
+  // 0.21 sin(2 node) = 0.42 sin cos, and -0.09 cos(2 node) = -0.09 (cos - sin) (cos + sin).
   const double in_longitude = -17.20 * node.sine - 1.32 * sun.sine - 0.23 * moon.sine + 0.42 * node.sine * node.cosine;
   const double in_obliquity = 9.20 * node.cosine + 0.57 * sun.cosine + 0.10 * moon.cosine -
                               0.09 * (node.cosine - node.sine) * (node.cosine + node.sine);
@@ -145,6 +148,8 @@ Apparent apparent_sun(double unix_seconds) {
 
   // Sidereal time at Greenwich (28, 29), by whole days apart so that no digits are lost.
   const auto tilt = math::sine_cosine_of_turns(obliquity);
+  // (28) is 280.46061837 + 360.98564736629 days + 0.000387933 T^2 degrees: of the 360 per day only the fraction of a
+  // day counts.
   const double rotation = 280.46061837 / 360.0 + (days - std::floor(days)) + 0.98564736629 / 360.0 * days +
                           0.000387933 / 360.0 * centuries * centuries;
   const double sidereal = rotation + in_longitude * kArcSecond * tilt.cosine;
@@ -196,6 +201,9 @@ SunPosition sun_position(double unix_seconds, const SunObserver& observer) {
   const auto hour = math::sine_cosine_of_turns(hour_angle - std::floor(hour_angle));
   const auto place = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
   const auto declination = math::sine_cosine_of_turns(sun.declination);
+  // The sun's unit vector (cos d cos H, cos d sin H, sin d), H the hour angle westwards, rotated about the west axis by
+  // the colatitude. Angles follow by arctangents of two components: the arcsine of (41) loses half of its digits near
+  // the zenith.
   const double south = declination.cosine * hour.cosine * place.sine - declination.sine * place.cosine;
   const double west = declination.cosine * hour.sine;
   const double up = declination.sine * place.sine + declination.cosine * hour.cosine * place.cosine;

@@ -22,6 +22,9 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
+// The bend: along a ray that touches the ground, the altitude is s^2 / (2 R) at the distance s, and an air of scale
+// height h_s has the density exp(-s^2 / (2 R h_s)). It spans an angle of sqrt(2 h_s / R) as seen from the planet's
+// centre, over which a sun about the horizon darkens; four times that for the bend.
 SunPaths::SunPaths(const AirModel& air, const TableMapping& mapping, const Size& size, const Control& control)
     : mapping_(mapping),
       size_(size),
@@ -37,13 +40,18 @@ SunPaths::SunPaths(const AirModel& air, const TableMapping& mapping, const Size&
   lengths_ = lengths_of(air, std::move(rays), control);
 }
 
+// x = share ((Y + b) / Y) y / (y + b) + (1 - share) y / Y is 1 at y = Y, the zenith. At the horizon
+// dx/dy = rational / b + linear: on the Earth's ground (aerosol of scale height 1.2 km, b = 0.078) 256 nodes stand
+// 0.021 degrees apart there.
 SunPaths::Axis SunPaths::axis(double altitude) const noexcept {
   const double horizon = horizon_cosine(mapping_.bottom_radius(), altitude);
   const double whole = 1.0 - horizon;
   return {horizon, kNearHorizon * (whole + bend_) / whole, bend_, (1.0 - kNearHorizon) / whole};
 }
 
-// x (y + b) = a y + l y (y + b): l y^2 + (a + l b - x) y - x b = 0
+// x = a y / (y + b) + l y with y = mu - mu_h: x (y + b) = a y + l y (y + b), or l y^2 + (a + l b - x) y - x b = 0. With
+// half = (a + l b - x) / 2 the positive root is -half + sqrt(half^2 + l x b) over l; where half > 0 it is x b over
+// half + root, which does not cancel for the nodes next to the horizon.
 double SunPaths::zenith_cosine(double altitude, int node) const noexcept {
   const Axis axis = this->axis(altitude);
   if (node + 1 == size_.zeniths) return 1.0;
@@ -76,6 +84,8 @@ void Sunlight::at(double altitude, SunlitSample& sample) const noexcept {
   sample.rational = static_cast<float>(axis.rational * (paths_->size().zeniths - 1));
   sample.bend = static_cast<float>(axis.bend);
   sample.linear = static_cast<float>(axis.linear * (paths_->size().zeniths - 1));
+  // t = 1/2 + e / (2 a), e the sun's elevation over the horizon and a the disc's radius. The horizon's zenith angle has
+  // the sine R / r, so that mu_s - mu_h ~ (R / r) e: the slope in mu_s - mu_h is r / R times 1 / (2 a).
   sample.disc_slope = static_cast<float>(disc_slope_ * (bottom_radius_ + altitude) / bottom_radius_);
   sample.disc_offset = 0.5F;
   const double position = paths_->mapping().height_coordinate(altitude) * (paths_->size().heights - 1);
@@ -126,6 +136,8 @@ double lowest_sun_sine(const SkyTables& tables) noexcept {
 TableMapping mapping_of(const SkyTables& tables) noexcept { return mapping_of(tables.atmosphere, tables.options); }
 
 // Cubic in the optical depth, which is smooth where transmittance falls by decades.
+// The logarithm is taken of the folded colours too: of a mean of exponentials it is as smooth as the depth of one.
+// Below 1e-30 the depth of 69 stands for all that is darker, and a result below 1e-29 is 0.
 glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                 double zenith_cosine) noexcept {
   const int zeniths = tables.options.transmittance_zeniths;
@@ -153,11 +165,15 @@ glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& map
   return result;
 }
 
+// Elevations over the horizon are (mu_s - horizon) stretch: d cos(z) = -sin(z) dz, and sin(z) at the horizon is
+// R / (R + h).
 SettingSun::SettingSun(const Atmosphere& atmosphere, double altitude_m) noexcept
     : horizon(horizon_cosine(atmosphere.bottom_radius_m, altitude_m)),
       stretch((atmosphere.bottom_radius_m + altitude_m) / atmosphere.bottom_radius_m),
       radius(atmosphere.sun_angular_radius_degrees * (std::numbers::pi / 180.0)) {}
 
+// Smoothstep over the disc's rise. The part of an even disc above a straight horizon, 1/2 + (asin s + s
+// sqrt(1 - s^2)) / pi with s = 2 t - 1, differs from it by at most 0.039, and needs an arcsine.
 double SettingSun::visible_share(double sun_zenith_cosine) const noexcept {
   const double elevation = (sun_zenith_cosine - horizon) * stretch;
   if (!(radius > 0.0)) return elevation > 0.0 ? 1.0 : 0.0;
@@ -175,6 +191,8 @@ glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mappin
   const double nearest = (mapping.bottom_radius() + altitude) * std::sqrt(std::max(0.0, (1.0 - mu) * (1.0 + mu)));
   if (mu >= 0.0 || nearest >= top) return glm::dvec3(1.0);
   // The ray comes in on the far side: from there, towards the ground, it is as long as any.
+  // mu' = -sqrt(top^2 - b^2) / top, as in view_kernels.cpp: the ray runs on through the air, past the lowest point, to
+  // the top again.
   const double entry = -std::sqrt((top - nearest) * (top + nearest)) / top;
   return transmittance_to_top(tables, mapping, thickness, entry);
 }
@@ -231,6 +249,8 @@ glm::dvec3 sky_irradiance(const SkyTables& tables, const TableMapping& mapping, 
   return sum;
 }
 
+// Smoothstep from the nadir, t = 0, to the lowest sun, t = 1: the fade has no slope at either end, so that light does
+// not jump.
 double sun_fade(const SkyTables& tables, double sun_zenith_cosine) noexcept {
   const double lowest = lowest_sun_sine(tables);
   if (sun_zenith_cosine >= lowest) return 1.0;

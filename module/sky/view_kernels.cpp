@@ -47,6 +47,9 @@ WELKIN_INLINE DoubleLanes to_top(DoubleLanes along, double shell) {
 }
 
 /// Cosine between view and sun to phase functions.
+/// (1 - |g|)^2 + 2 |g| (1 - nu) = 1 + g^2 - 2 g nu for g > 0, and with 1 + nu for g < 0: a sum of two parts that are
+/// not negative, where the textbook's form cancels next to nu = 1. The aureole's nodes are even in the fourth root of
+/// (1 - nu) / 2 = sin^2(angle / 2), about the root of the angle: dense at the sun.
 WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places& places) {
   const DoubleLanes lobe = constant(1.0) + nu * nu;
   lobe.store_aligned(places.rayleigh + k);
@@ -65,6 +68,7 @@ WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places
 }
 
 /// Position and fade of suns whose zenith cosine is known.
+/// `TableMapping::sun_coordinate`, and `sun_fade`'s smoothstep from the nadir to the lowest sun.
 WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places& places) {
   const DoubleLanes distance = to_top(constant(run.bottom) * mu_s, run.sun_tangent_squared);
   const DoubleLanes a = xsimd::max(distance - constant(run.sun_thickness), constant(0.0)) * constant(run.sun_scale);
@@ -86,6 +90,7 @@ WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places
 }
 
 /// Positions from 0 to half - 1 as thin shells bend them.
+/// x = (1 + b) y / (y + b) with x = position / last on both sides.
 WELKIN_INLINE DoubleLanes bent(const SkyRun& run, DoubleLanes position) {
   const double last = run.half - 1;
   return constant((1.0 + run.view_bend) * last) * position / (position + constant(run.view_bend * last));
@@ -128,6 +133,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   DoubleLanes mu_s = constant(run.sun_zenith);
   DoubleLanes along = constant(run.radius) * mu;
   DoubleLanes discriminant = along * along - constant(run.rho_squared);
+  // nu = mu mu_s + s s_s cos(azimuth): `level` is s s_s cos(azimuth), the product of the horizontal parts.
   DoubleLanes cosine = level / xsimd::max(sine * constant(run.sun_sine), constant(kTiny));
   if (run.night != nullptr) {
     const DoubleLanes share = (mu - constant(run.night_lowest)) / constant(1.0 - run.night_lowest);
@@ -135,6 +141,12 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   }
   if (run.outside) {
     // b: how near the ray's line comes to the centre. It comes in where its zenith's sine is b / top.
+    // b = r_v sin is the same at all points of the line. It meets the top's sphere at (r_v mu + s) = -+
+    // sqrt(top^2 - b^2); the nearer point, at s = -r_v mu - root, is where the air is entered, with
+    // mu' = (r_v mu + s) / top = -root / top. There
+    // (r' mu')^2 - rho'^2 = (top^2 - b^2) - (top^2 - R^2) = R^2 - b^2 decides on the ground, in a product that keeps
+    // the sign of a ray that only just touches. mu_s' = (r_v mu_s + s nu) / top, and the azimuth about the new vertical
+    // follows from nu, which does not change along the ray: cos = (nu - mu' mu_s') / (sin' sin_s'), sin' = b / top.
     const DoubleLanes b = constant(run.viewer_radius) * sine;
     const DoubleLanes top = constant(run.radius);
     const DoubleLanes root = square_root((top - b) * (top + b));
@@ -154,6 +166,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   (bent_even * constant(run.azimuths - 1)).store_aligned(places.azimuth + k);
 
   const auto ends = (mu < zero) && (discriminant > zero);
+  // The nearer root of s^2 + 2 (r mu) s + rho^2 = 0 as rho^2 over the farther one (sky_geometry.h).
   const DoubleLanes reach = xsimd::max(square_root(discriminant) - along, constant(kTiny));
   const DoubleLanes to_ground = constant(run.rho_squared) / reach;
   const double last = run.half - 1;
@@ -167,6 +180,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   xsimd::select(ends, down, up).store_aligned(places.view + k);
   xsimd::select(ends, one, zero).store_aligned(places.ends + k);
 
+  // The sun's cosine where the ray ends, and its place among nodes that are even in sqrt|mu| with mu's sign.
   const DoubleLanes mu_ground =
       between((constant(run.radius) * mu_s + to_ground * nu) / constant(run.bottom), -1.0, 1.0);
   const DoubleLanes rooted = xsimd::sqrt(xsimd::abs(mu_ground));
@@ -180,6 +194,7 @@ constexpr float kMin = 0.9F;
 constexpr float kMax = 1.1F;
 
 /// The cubic through the four nodes about a position among `count` >= 4.
+/// Lagrange's weights for nodes 0 to 3: -(x - 1) (x - 2) (x - 3) / 6, x (x - 2) (x - 3) / 2, and their mirror images.
 WELKIN_INLINE CubicTaps taps_at(double position, int count) {
   int first = static_cast<int>(position) - 1;
   first = first > count - 4 ? count - 4 : first;
@@ -251,6 +266,8 @@ WELKIN_INLINE float ratio_to(float brightness, float node) {
   return ratio < kMaxRatio ? ratio : kMaxRatio;
 }
 
+/// Sum_i w_i (row_i / B_i) B = Sum_i (w_i B / B_i) row_i: the cubic of rows relative to their sun's brightness is a
+/// weighted sum of the rows themselves, and costs no more than one of the rows would.
 WELKIN_INLINE SunTaps sun_taps_at(const SkyRun& run, double position) {
   SunTaps taps{taps_at(position, run.suns), {}};
   const int limit = (run.suns - 1) * kSunSteps - 1;
@@ -269,6 +286,8 @@ WELKIN_INLINE SunTaps sun_taps_at(const SkyRun& run, double position) {
 }
 
 /// The interpolated row of one direction.
+/// Cubics over suns, then azimuths, then views, each held to the range of its two middle rows: 64 rows of eight floats,
+/// or 16 if the slice was reduced to the run's sun, which all directions share.
 WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps& view, const CubicTaps& azimuth,
                                const SunTaps& sun, float* row) {
   Row views[4];
@@ -305,6 +324,7 @@ WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double p
   for (int c = 0; c < 3; ++c) {
     float through = 0.0F;
     for (int i = 0; i < 4; ++i) through = through + view.weights[i] * reach[i * kSkyColour + c];
+    // A cubic through transmittances may leave [0, 1] where they fall fast, next to the horizon.
     through = positive(through) < 1.0F ? positive(through) : 1.0F;
     rgb[c] = rgb[c] + through * (ground[c] + t * (ground[kSkyColour + c] - ground[c]));
   }
@@ -370,6 +390,7 @@ void sky_radiance(const SkyRun& run, const double* directions, int count, float*
 
 // A sky's light on rings of equal zenith angle, summed over azimuths.
 
+/// d^(3/2) = d sqrt(d); x comes without cancellation, see SkyRings.
 WELKIN_INLINE Lanes lobe_phase(const SkyRings& rings, const SkyLobe& lobe, Lanes x) {
   const Lanes one(1.0F);
   const Lanes cosine = one - x;
@@ -402,6 +423,8 @@ struct NearNodes {
 };
 
 /// `values` are those of this register's rings.
+/// Nodes' places are their numbers modulo 4: any four that follow each other have four different ones, and moving on by
+/// one node overwrites the one that is no longer needed.
 WELKIN_INLINE void bring(const SkyRings& rings, const CubicTaps& taps, const float* values, NearNodes& near) {
   for (int node = taps.first; node < taps.first + 4; ++node) {
     const int place = node & 3;
