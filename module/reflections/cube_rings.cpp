@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{192} << 20U;
 
-/// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those beside them.
+/// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those beside them. A face
+/// is a quarter of a turn high, rows / 2 rings, and a ring's texels are as wide as it is high.
 double about_taps(const RingTableKey& key) noexcept {
   const double rings = 0.5 * key.rows / key.face_size;
   return 6.0 / kRingImages * key.face_size * key.face_size * (kSpread + rings) * (kSpread + rings);
@@ -117,6 +118,7 @@ void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;
+    // the first of the sixteenth's columns in the image: mirrored ones go back from the line where it begins
     const int column = (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
     places.to[k] = rgb + 3 * (line * columns + column);
     places.step[k] = image.mirrored ? -3 : 3;

@@ -13,6 +13,9 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kMiddle = kSpread / 2;
+// A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
+// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
+// from the middle of a face's line to its diagonal: hence half of three.
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
 constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twice
 constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
@@ -109,7 +112,11 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     const auto at = static_cast<std::size_t>(2 * (index - first));
     const double across = std::abs(places_[at + 1] - places_[at]);
     const double low = here.distance * here.distance + height * height;
-    // the ring's change along the line is at most this
+    // The polar angle is p = atan(g / height), g = sqrt(distance^2 + place^2), so along the line
+    //   dp / dplace = place height / (g (height^2 + g^2)).
+    // place / g rises and 1 / (height^2 + g^2) falls with the place: the ring's change is at most (to - from) times the
+    // former at `to` and the latter at `from`. On a side face g >= 1 >= height, where this rises with the height, so
+    // that the height 1 of the face's edge bounds all lines.
     const double reach = (here.to - here.from) * here.to * height /
                          (std::sqrt(here.distance * here.distance + here.to * here.to) * (low + here.from * here.from));
     const double cells = std::max(across, reach * per_column);
@@ -145,6 +152,8 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
       const double square = distances_[point] * distances_[point] + place * place;
       ends_[point] = place;
       horizontals_[point] = std::sqrt(square);
+      // the longitude is atan(place / distance), whose slope is distance / (distance^2 + place^2); half the part's
+      // length stands for each of the two points
       widths_[point] = static_cast<float>(per_column * half * distances_[point] / square);
     }
   }
@@ -179,7 +188,7 @@ class RingWeights::Workspace {
 };
 
 /// An edge has one part, and more where it crosses many rings or columns: those of a line's edges add up to less than a
-/// third of the columns.
+/// third of the columns, 2 rows / 3, and each part beyond the first stands for kPartCells = 1.5 of them.
 std::size_t RingWeights::parts_of_line(int texels, int rows) noexcept {
   constexpr int kRounding = 16;
   return static_cast<std::size_t>(texels + rows / 2 + kRounding);
@@ -276,6 +285,9 @@ void RingWeights::find_corners() {
   }
 }
 
+// The corners that are nearest to the pole and farthest from it, and their longitudes: on -Z the polar angle grows with
+// the column and falls with the row, longitude is the column's alone; on +Y the polar angle grows with both, and
+// longitude atan(x / z) falls with the row and grows with the column, up to the diagonal, an eighth of a turn.
 RingWindow RingWeights::window(int row, int column) const noexcept {
   const bool top = row >= texels_;
   const int line = top ? row - texels_ : row;
@@ -332,7 +344,7 @@ RingWeights::Clip RingWeights::clip_of(int band) const noexcept {
   return {band == 0 ? -kSpread : first_ring(band), band + 1 == bands() ? rows_ / 2 + kSpread : first_ring(band + 1)};
 }
 
-/// Windows lie farther from the pole from texel to texel.
+/// Windows lie farther from the pole from texel to texel, so that two bisections find the texels of a clip.
 RingWeights::Range RingWeights::range_of(int row, const Clip& clip) const {
   const int count = texel_rows_[static_cast<std::size_t>(row)].count;
   const auto first_where = [&](const auto& reached) {
