@@ -22,9 +22,9 @@ struct Shares {
   float of[HalvedRow::kMaxRows] = {};
 };
 
-// Row i of the result gets shares of the rows from 2 i - 3 to 2 i + 4 (`kHalvedShares`). The first and last kFolded rows also
-// get those of the rows -1, -2, half and half + 1, times kFirstBeyond and kSecondBeyond. A texel at an edge thus gives
-// light to kFolded = 3 rows, with its moments up to the second. Along an axis a wave loses 0.0234 times the
+// Row i of the result gets shares of the rows from 2 i - 3 to 2 i + 4 (`kHalvedShares`). The first and last kFolded
+// rows also get those of the rows -1, -2, half and half + 1, times kFirstBeyond and kSecondBeyond. A texel at an edge
+// thus gives light to kFolded = 3 rows, with its moments up to the second. Along an axis a wave loses 0.0234 times the
 // fourth power of its radians per texel. Texels shrink from h = 2 / size at the middle of a face outwards; over the
 // sphere and all directions of waves the loss of degree l has the mean 0.0073 (l h)^4 and the root mean square
 // 0.0089 (l h)^4. `kHalvedOrder`, a fit, is 0.0085.
