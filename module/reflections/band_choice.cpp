@@ -101,6 +101,8 @@ double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
 double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
   const double looser = math::logarithm(std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
   const double texel = std::min(kMaxHalvedTexel, kHalvedTexel * math::exponential(kHalvedPower * looser));
+  // h = 2 / size. A great circle crosses four faces, so kTexelsOfBands makes at least 8/3 texels per wave of the last
+  // band.
   return std::max(2.0 / (texel * alpha), kTexelsOfBands * bands);
 }
 

@@ -79,6 +79,7 @@ class Search {
     mean_ = std::max(0.0, total / (4.0 * kPi));
     scale_ = lobe(1.0, alpha) / lobe_integral(alpha);
     dark_ = dark_mean();
+    // A share kPart of all light, 4 pi mean, in one lobe is kPart 4 pi mean scale_ at its middle.
     threshold_ = dark_ * std::clamp(kPart * 4.0 * kPi * scale_, kMinPeak, kPeak);
     const double texel = texel_height(source.cubemap(), source.rows());
     band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);

@@ -42,6 +42,8 @@ class CubicTable {
  public:
   /// Empty if it would have too many cells.
   explicit CubicTable(const Lobe& lobe) {
+    // The cubic through four places a third of a cell w apart errs by w^4 / (24 81) of the fourth derivative at most.
+    // A bell's is 3 / d^4 and its scale 1.65 d: 3 1.65^4 / (64^4 24 81) = 7e-10 of the peak.
     constexpr double kCellsOfScale = 64.0;  // error 1e-9 of the peak, which may lie far above the mean
     constexpr double kMaxCells = 1 << 16;
     const double horizon = std::sqrt(0.5);
@@ -119,9 +121,12 @@ class ShapeFunction final : public projection::KernelFunction {
                                  [&](double at) { return std::abs(std::sqrt(0.5 * at) - s) <= 0.5 * radius; });
     if (radius > kWidest || (cut && radius > shape_.scale() / 32)) return 0;
     if (cut) return 4;
+    // s moves by half of the angle; an edge of a square of this radius is sqrt(2) radius, 0.7 of it in s
     return order_over(shape_.smooth_over(s - 0.5 * radius, s + 0.5 * radius) / (kEdgeOfRadius * radius), radius);
   }
   [[nodiscard]] double far(double radius) const noexcept override {
+    // The value at the centroid of a square of this radius r misses r^2 / 12 of the Laplacian, which is 2 / d^2 at the
+    // peak of a bell: with its scale 1.65 d that is 2e-6. x is never 3.
     return radius < 0.002 * shape_.scale() ? 0.0 : 3.0;
   }
   [[nodiscard]] int shared_order(double radius) const noexcept override {

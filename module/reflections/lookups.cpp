@@ -184,6 +184,7 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
       const glm::dvec3 direction = direction_of(one, shape);
       const glm::dvec3 light = one.light();
       for (const BrightTexel* other = lights.data(); other <= &one; ++other) {
+        // the pair counts in both orders; `light()` has one's own steradians
         const double both = (other == &one ? 1.0 : 2.0) * other->steradians;
         add_pair(both * glm::dot(light, glm::dvec3(other->excess[0], other->excess[1], other->excess[2])),
                  glm::dot(direction, direction_of(*other, shape)), energies);
@@ -239,6 +240,7 @@ std::vector<float> whole_energies(std::span<const double> rest, const std::vecto
   if (!lights.empty()) {
     constexpr int kBands = 48;
     std::vector<double> of_lights = energies_of_lights(lights, shape, kBands, control);
+    // slopes are those of energies per degree, of 2 l + 1 harmonics
     continue_energies(of_lights, kDegrees, -1.0, 3.0);  // a light by itself has as much in each order: slope -1
     const double mean = std::sqrt(energies.front()) + std::sqrt(of_lights.front());
     for (std::size_t l = 0; l < energies.size(); ++l) energies[l] += of_lights[l];

@@ -222,6 +222,9 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   const auto [first, end] = piece.columns;
   const image::CubeImage how = image::cube_image_of(image);
   const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
+  // Columns follow the longitude atan2(x, z) downwards. A mirror, x to -x, negates it: column c goes to columns - 1 -
+  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and a quarter of a turn off it, columns / 4 more. A run
+  // of columns that crosses the row's end is copied in two.
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;
   float* to = records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats;
@@ -343,6 +346,7 @@ std::size_t near_sums_bytes(const NearSplit& split) noexcept {
     const double edge = 0.5 * split.face + 5.0 * texels + 6.0;
     records = std::min(3.0 * split.face * split.face, edge * edge);
   } else {
+    // of rows the northern half and the reach below the equator
     records = (0.125 + 1.5 * split.reach) * split.face * (0.5 * split.rows + texels);
   }
   return static_cast<std::size_t>((records + 4.0 * split.face) * kRecordFloats * sizeof(float));
@@ -408,6 +412,7 @@ NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach
 NearSplit near_far_split(int columns, int rows, int size, double alpha) {
   NearSplit split{.size = size, .alpha = alpha};
   int parts = parts_of(0.5 * columns / (rows == 0 ? 1.0 : kPi));
+  // quarter turns must take columns to columns
   while (rows > 0 && columns * parts % 4 != 0) ++parts;
   split.face = columns * parts;
   split.rows = rows == 0 ? 0 : rows * parts_of(rows / kPi);

@@ -239,6 +239,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   group.rows = static_cast<float>(rows);
   group.down = static_cast<float>(kPi / rows);
   group.across = static_cast<float>(2.0 * kPi / columns);
+  // the pair of 0 columns, from which indices go both ways
   group.columns = column_table_.data() + columns / 2 * 2;
   Extent latitude;  // turns
   Extent part_rows;
@@ -246,6 +247,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
     const double own = math::turns_of(d.y, flat);
+    // column 0 begins at longitude half a turn, row 0 at the pole, a quarter of a turn up
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
     const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
     latitude.take(own);
@@ -279,6 +281,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     }
     return side == columns / 2 ? ColumnRange{-side, side} : ColumnRange{-side, side + 1};
   };
+  // ranges that count in texels are wide enough for the lowest of the directions, where columns are the widest
   const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.least).cosine);
   const double all = sine_squared_of_half(split_.reach);
   const double fine = sine_squared_of_half((closed_ ? kFine : kClose) * texel);
@@ -331,6 +334,7 @@ void NearWeights::weigh_group(std::size_t group, Scratch& scratch) const {
   for (std::size_t k = 0; k < kLanes; ++k) {
     const glm::ivec3& direction = directions_[std::min(group * kLanes + k, directions_.size() - 1)];
     directions[k] = glm::normalize(glm::dvec3(direction));
+    // Scaled to the near part's exact share, 1 - far_0, weights leave uniform light uniform whatever they err by.
     sums[k] = static_cast<float>(share_ / times_itself(direction));
   }
   scratch.count = 0;
@@ -398,6 +402,7 @@ void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, 
   const auto width = static_cast<std::ptrdiff_t>(all.end + 1 + cut - all.first) * simd::kLanes;
   grow(scratch.corners, static_cast<std::size_t>(6 * width));
   float* const corners = scratch.corners.data() - std::ptrdiff_t{all.first} * simd::kLanes;
+  // A line is the lower one of a row and the upper one of the next: two are kept in turn.
   const auto line = [&](int row) -> CornerLine {
     float* const first = corners + (row & 1) * 3 * width;
     return {first, first + width, first + 2 * width, cut == 0 ? nullptr : scratch.bends[row & 1]};

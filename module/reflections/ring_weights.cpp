@@ -87,6 +87,7 @@ class RingWeights::EdgeLine {
 };
 
 void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
+  // the angle from the middle of the face's line; a line that runs away from there is seen from the other axis
   weights_.find_angles(ends_, distances_, count, places_);
   if (!mirrored) return;
   const double quarter = 0.25 * weights_.columns_;
@@ -170,6 +171,7 @@ void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end,
   const auto from = std::size_t{kPartPoints} * line.first_part(first);
   const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
   std::fill_n(distances_, count, height);
+  // the polar angle atan(horizontal / height), in rings
   weights_.find_angles(line.horizontals_ + from, distances_, count, places_);
   split(places_, count, weights_.rows_ / 2, rings_ + from, rest_);
   weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_ + from, rest_, count,
@@ -412,6 +414,9 @@ void RingWeights::walk(int first_row, const Clip& clip, const Find& find, const 
   }
 }
 
+// A side face's vertical edges are meridians, along which the longitude does not change: the lower edge of a texel is
+// its outer one, the upper edge its inner one. All lines of the face have the same longitudes and parts (`side`); the
+// height of a line decides its rings.
 void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   EdgeLine& side = workspace.side;
   const auto find = [&](int line, const Range& range) {
@@ -431,6 +436,10 @@ void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& 
   });
 }
 
+// Of +Y's texels |z| lies between two lines and x between two others, x <= |z|. The edges at the larger |z| and the
+// larger x are outer ones. Of a texel on the diagonal the half with x <= |z| belongs to the sixteenth; its long side is
+// a meridian and gives nothing, like the edges on x = 0: so one edge counts in the middle of the face, two on the
+// diagonal, three at x = 0 and four elsewhere.
 void RingWeights::weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   constexpr double kHeight = 1.0;
   EdgeLine& steps = workspace.steps;
