@@ -26,7 +26,7 @@ constexpr double kMinKinkBands = 20.0;  // fewer hide checkers of few texels fro
 constexpr double kMaxKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
-// What rings of height h lose falls like h^4 (`RingShares`): a bound that is looser by a factor takes fewer by its
+// The loss of rings of height h falls like h^4 (`RingShares`): a bound that is looser by a factor takes fewer by its
 // fourth root. A step that fails for a few rings takes a second transform: rings of
 // tighter bounds than the default's grow with the cube root.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2

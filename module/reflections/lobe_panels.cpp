@@ -62,9 +62,9 @@ struct Recurrence {
 double Lobe::evaluate(const Panel& panel, double s) noexcept {
   const double x = (2.0 * s - panel.begin - panel.end) / (panel.end - panel.begin);
   static constexpr Recurrence<kOrder + 1> recurrence;
-  // Clenshaw's sum of c_j P_j: b_j = c_j + up_j x b_(j+1) - down_(j+1) b_(j+2), and P_0 (c_0 - down_1 b_2) + P_1 b_1
+  // Sum c_j P_j: b_j = c_j + up_j x b_(j+1) - down_(j+1) b_(j+2), and P_0 (c_0 - down_1 b_2) + P_1 b_1
   // with P_0 = 1, P_1 = x and down_1 = 1/2 is the value.
-  double next = 0.0;
+  double next = 0.0;  // Clenshaw's sum
   double after = 0.0;
   for (int j = kOrder - 1; j > 0; --j) {
     const double own = panel.coefficients[j] + recurrence.up[j] * x * next - recurrence.down[j + 1] * after;
@@ -136,8 +136,8 @@ void Lobe::follow(const std::function<double(double)>& value) {
     double last = 0.0;
     for (int j = kOrder - 3; j < kOrder; ++j) last += std::abs(panel.coefficients[j]);
     const double width = panel.end - panel.begin;
-    // A panel may be off where it is so narrow that nothing of it is seen: beside the root of a power. Below a width of
-    // 1/16 its error counts by its width.
+    // A panel may be off where it is so narrow that nothing of it is seen: next to the root of a power. Below a width
+    // of 1/16 its error counts by its width.
     if (last * std::min(1.0, 16.0 * width) <= kFollowed * largest || width < 1e-9) {
       panels_.push_back(panel);
       continue;

@@ -72,8 +72,8 @@ WELKIN_INLINE Lanes missed_by(const SplitLobe& lobe, const Edge& edge) {
   const Lanes rest = edge.dot + a2;
   const Lanes difference = angle_of(length * a2 * (h - edge.dot * inverse), edge.dot * rest + area * hyp * length);
   const Lanes sum = difference + a2 * inverse / hyp * angle_of(hyp * length, rest);
-  // Rounding must not make it 0 or negative: its sign tells on which side of the edge the origin is (`CloseShares`).
-  const Lanes value = xsimd::max(sum, Lanes(kTiny));
+  // rounding must not make it 0 or negative: see `CloseShares`
+  const Lanes value = xsimd::max(sum, Lanes(kTiny));  // its sign tells on which side the origin is
   return xsimd::select(edge.cross < Lanes(0.0F), Lanes(0.0F) - value, value);
 }
 
@@ -440,7 +440,7 @@ class RowWeights {
   }
 
   /// The lobe in closed form, less what the cosine takes of it, which is small next to the direction, and the far part:
-  /// both by points. Not clamped at 0: beside a pole thousands of columns' rounding cancels.
+  /// both by points. Not clamped at 0: next to a pole thousands of columns' rounding cancels.
   ///
   /// With w = 1 / x^2 and P the far part, the near part's share is Int (w - P) c over the texel, c the cosine, which is
   /// Int w - Int (P + w (1 - c) / c) c. `share` is Int w, `area` is dw c, and 1 - c = 2 s. w (1 - c) / c is at most
@@ -504,7 +504,7 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
   }
 }
 
-/// Adds up in parts of parts: floats would lose what thousands of columns beside a pole add. n texels one after the
+/// Adds up in parts of parts: floats would lose what thousands of columns next to a pole add. n texels one after the
 /// other would round each weight up to n times; here it is 32 + 32 + n / 1024 times.
 void scale_weights(float* weights, int texels, const float* sums) {
   constexpr int kPart = 32;
@@ -530,8 +530,8 @@ void scale_weights(float* weights, int texels, const float* sums) {
 }
 
 /// Keeps two sums, of every other texel: one alone would wait for itself. They are added up in parts of parts, as
-/// floats would lose what thousands of columns beside a pole add: a part has 64 to 127 texels, as it ends where runs or
-/// their pieces of 64 do, so that the order of additions depends on the runs alone.
+/// floats would lose what thousands of columns next to a pole add: a part has 64 to 127 texels, as it ends where runs
+/// or their pieces of 64 do, so that the order of additions depends on the runs alone.
 const float* sum_runs(const NearTaps& taps, float* sums) {
   constexpr int kRegisters = kRecordFloats / kWidth;
   constexpr int kPart = 64;

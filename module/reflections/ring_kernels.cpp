@@ -50,8 +50,8 @@ void weigh_light(const float* radiance, const float* steradians, int count, floa
 
 // Texel i of the result has its middle at i + 1/2 large texels, texel j of the row at (j + 1/2) / 2: those from 2 i -
 // 3 to 2 i + 4 lie up to 7/4 from it, in four pairs that are as far on either side. So texel -2 of the result, the
-// farthest that a texel of the row gives light to, begins with texel -7: `kMargin`. What it and -1 got is folded back
-// after that.
+// farthest that a texel of the row gives light to, begins with texel -7: `kMargin`. The light of -2 and -1 is folded
+// back after that.
 void halve_row(const HalvedRow& row, float* rgb) {
   constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
@@ -131,8 +131,8 @@ void evaluate_shares(const float* coefficients, const int* cells, const float* p
 // With F_c(x) the integral of column c's share from before all columns up to the longitude x, a part from x0 to x1
 // gives column c exactly F_c(x1) - F_c(x0) (`wanted`): of the columns from `first` - 2 on, those before the upper
 // end's own five have been passed by it (F = 1), and what the lower end had passed is taken off. The points' shares
-// times widths are the Gauss rule for the same integrals. What they miss is given to both points alike, so that a
-// part's sum is exact and a ring's height still meets the columns where they lie.
+// times widths are the Gauss rule for the same integrals. Their difference from `wanted` goes to both points alike: a
+// part's sum over its points is exact, and each point has its own rings.
 void share_columns(const ColumnShares& shares, int* columns, float* across) {
   constexpr int kPlaces = 2 * kShareLanes;  // a point's columns end within a part's eight
   const float* point = shares.point_shares;

@@ -49,8 +49,8 @@ Spreading spreading_by(const Density& density) {
   return glm::inverse(means);
 }
 
-/// Of the rings about the upper edge of ring `row`, which go on beyond the pole. Light of a ring spreads over its area,
-/// whose density is the sine of the polar angle.
+/// Returns those of the rings about the upper edge of ring `row`, which go on beyond the pole. Light of a ring spreads
+/// over its area, whose density is the sine of the polar angle.
 Spreading spreading_of_rings(int row, int rows) {
   return spreading_by([=](double x) { return math::sine_cosine_of_turns((row + x) / (2.0 * rows)).sine; });
 }
@@ -144,7 +144,7 @@ std::vector<CellLight> light_of_rings(int rows) {
     above = below;
     const math::SineCosine middle = math::sine_cosine_of_turns((row + 0.5) / (2.0 * rows));
     // Taylor's polynomial of sin(p0 + step x) step about the ring's middle p0. The first term left out is
-    // (step x)^4 / 24 of it, x <= 1/2.
+    // (step x)^4 / 24 sin(p0), |x| <= 1/2.
     Polynomial sine{};  // of the polar angle, times a ring's height
     sine[0] = step * middle.sine;
     sine[1] = step * step * middle.cosine;
@@ -205,7 +205,7 @@ RingShares::RingShares(int rows)
   for (std::size_t k = kSpread; k-- > 0;) {  // a column that lies further on has been passed less
     shares[k] = integral(shares[k]);
     const double passed = at_end(shares[k]);
-    // Of the column in this lane, the lanes behind it are what the cells that were passed before had.
+    // In the cells that were passed before this one, the column lay in the lanes behind this one.
     shares[k][0] += before;
     before += passed;
   }

@@ -15,7 +15,8 @@ namespace {
 constexpr int kMiddle = kSpread / 2;
 // A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
 // Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
-// from the middle of a face's line to its diagonal: hence half of three.
+// from the middle of a face's line to its diagonal: hence half of three. Along the first edge of a line that runs away
+// from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces.
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
 constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twice
 constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
@@ -289,7 +290,7 @@ void RingWeights::find_corners() {
 
 // The corners that are nearest to the pole and farthest from it, and their longitudes: on -Z the polar angle grows with
 // the column and falls with the row, longitude is the column's alone; on +Y the polar angle grows with both, and
-// longitude atan(x / z) falls with the row and grows with the column, up to the diagonal, an eighth of a turn.
+// longitude atan(x / |z|) falls with the row and grows with the column, up to the diagonal, an eighth of a turn.
 RingWindow RingWeights::window(int row, int column) const noexcept {
   const bool top = row >= texels_;
   const int line = top ? row - texels_ : row;
@@ -436,9 +437,9 @@ void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& 
   });
 }
 
-// Of +Y's texels |z| lies between two lines and x between two others, x <= |z|. The edges at the larger |z| and the
-// larger x are outer ones. Of a texel on the diagonal the half with x <= |z| belongs to the sixteenth; its long side is
-// a meridian and gives nothing, like the edges on x = 0: so one edge counts in the middle of the face, two on the
+// In +Y's texels |z| lies between two lines and x between two others, x <= |z|. The edges at the larger |z| and the
+// larger x are outer ones. From a texel on the diagonal the half with x <= |z| belongs to the sixteenth; its long side
+// is a meridian and gives nothing, like the edges on x = 0: so one edge counts in the middle of the face, two on the
 // diagonal, three at x = 0 and four elsewhere.
 void RingWeights::weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   constexpr double kHeight = 1.0;
