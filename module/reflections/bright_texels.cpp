@@ -165,7 +165,8 @@ class Search {
   }
 
   /// Returns whether no part of the sphere that `dark_mean` could take is `kOutshone`. It takes two thirds: if 0.7 of
-  /// the sphere have 2.5 times the light that decides, those two thirds have more than that on average.
+  /// the sphere have 2.5 times the light that decides, 0.7 - 1/3 of it lie among the two thirds: those have
+  /// (0.7 - 1/3) / (2/3) 2.5 = 1.4 times that light on average.
   [[nodiscard]] bool is_lit() const noexcept {
     const auto enough = static_cast<float>(2.5 * mean_ / kOutshone);
     double lit = 0.0;
@@ -196,6 +197,7 @@ class Search {
       of.light += own * angle_of(row, column);
       whole += angle_of(row, column);
     });
+    // from the darkest on; of the exponent that two thirds end in, which spans a factor of 2, a share as bright as all
     double left = kDarker * whole;
     double sum = 0.0;
     for (const Texels& of : by_exponent) {

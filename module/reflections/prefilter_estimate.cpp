@@ -238,6 +238,7 @@ double square_beyond(const EnergyBeyond& beyond, const std::vector<double>& lobe
   const auto degree = static_cast<std::size_t>(beyond.degree);
   double value = lobe[std::min(degree, lobe.size() - 1)];
   if (degree >= lobe.size()) {
+    // over each kEnd degrees the lobe falls by as much as over its last ones
     const double fall = std::min(1.0, std::abs(lobe.back()) / std::max(1e-30, std::abs(lobe[lobe.size() - 1 - kEnd])));
     value *=
         math::exponential(static_cast<double>(degree + 1 - lobe.size()) / kEnd * math::logarithm(std::max(1e-9, fall)));
