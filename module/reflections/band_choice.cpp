@@ -26,7 +26,8 @@ constexpr double kMinKinkBands = 20.0;  // fewer hide checkers of few texels fro
 constexpr double kMaxKinkBands = 512.0;
 constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
 
-// What rings of height h lose falls like h^4. A step that fails for a few rings takes a second transform: rings of
+// The loss of rings of height h falls like h^4 (`RingShares`): a bound that is looser by a factor takes fewer by its
+// fourth root. A step that fails for a few rings takes a second transform: rings of
 // tighter bounds than the default's grow with the cube root.
 constexpr double kRingsOfMaximum = 5.7;  ///< times 1 / alpha, at a largest error of 1e-2
 constexpr double kRingsOfRms = 5.7;      ///< the same at a root mean square error of 1e-3
@@ -64,6 +65,9 @@ double bands_of_kink(const ErrorBounds& bounds) noexcept {
   return std::clamp(kKinkBands * tighter, kMinKinkBands, kMaxKinkBands);
 }
 
+/// For the peak. The lobe's poles are at sin^2(theta / 2) = -alpha^2 / (1 - alpha^2), theta = +-2 i alpha for small
+/// alpha. P_l grows like exp(l |Im theta|) there, so the spectrum of a function that is analytic up to them falls like
+/// exp(-2 alpha l).
 double bands_of_reach(double alpha, const ErrorBounds& bounds) noexcept {
   return std::min(1e6, reach_within(bounds) / (2.0 * alpha));
 }
@@ -97,6 +101,8 @@ double rings_within(double alpha, const ErrorBounds& bounds) noexcept {
 double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept {
   const double looser = math::logarithm(std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
   const double texel = std::min(kMaxHalvedTexel, kHalvedTexel * math::exponential(kHalvedPower * looser));
+  // h = 2 / size. A great circle crosses four faces, so kTexelsOfBands makes at least 8/3 texels per wave of the last
+  // band.
   return std::max(2.0 / (texel * alpha), kTexelsOfBands * bands);
 }
 

@@ -1,5 +1,5 @@
 // Directional albedo by quadrature, sixteen view angles at a time. What is integrated, and why over these variables, is
-// in brdf/brdf_quadrature.h; the names are the same there.
+// in reflections/brdf_table.h; the names are the same there.
 #include "reflections/brdf_kernels.h"
 
 #include "simd/vec.h"
@@ -42,7 +42,17 @@ struct Albedo {
   Lanes whole, fresnel;
 };
 
-/// One azimuth of the GGX integral.
+/// One azimuth of the GGX integral: Int 4 V (n.l) (v.h) / (n.h) F sin(psi) cos(psi) dpsi, m = a tan(psi) the half
+/// vector's slope, tan(psi) = sinh(x), f = e^-x = p^8. Half angle formulas give, without any transcendental function,
+///   sin(psi) = tanh(x) = (1 - f^2) / (1 + f^2) = s / q,  cos(psi) = 1 / cosh(x) = 2 f / (1 + f^2) = c / q,
+///   m = a s / c,  dpsi = dx / cosh(x) = c / q dx,  dx = -8 dp / p.
+/// h is (m cos(phi), m sin(phi), 1) / sqrt(1 + m^2), so (n.h)^2 = c^2 / d with d = c^2 + a^2 s^2, and with k = a t
+///   (v.h) / (n.h) = (n.v) (1 + t m cos(phi)) = (n.v) lean / c,     lean = c + k cos(phi) s,
+///   n.l = 2 (v.h) (n.h) - n.v = light / d,                         light = (n.v) (2 c lean - d),
+///   1 / (2 V) = (n.v) ((n.l) n + sqrt((n.l)^2 (1 - a^2) + a^2)) = (n.v) (light n + root) / d,  n = sqrt(1 + k^2),
+/// as (n.v)^2 (1 - a^2) + a^2 = (n.v)^2 (1 + a^2 t^2). n.v and d cancel, which leaves 2 c s lean light / (q^3 (light n
+/// + root)) dx; 2 c lean - d is written as c^2 + 2 c k cos(phi) s - a^2 s^2. The sum's factors 8 and span follow it,
+/// the 2 and those of the azimuths in `directional_albedo`.
 WELKIN_INLINE Albedo along_azimuth(const AlbedoRule& rule, const View& view, float alpha, float azimuth) {
   const Lanes one(1.0F);
   const Lanes alpha2(alpha * alpha);
@@ -52,6 +62,7 @@ WELKIN_INLINE Albedo along_azimuth(const AlbedoRule& rule, const View& view, flo
   const Lanes k_azimuth = k * Lanes(azimuth);
   const Lanes sine_azimuth = view.sine * Lanes(alpha * azimuth);
   const Lanes end_r = horizon_slope(view, azimuth) / Lanes(alpha);
+  // e^-x at sinh(x) = end_r, without the difference sqrt(r^2 + 1) - r, or where the tail is cut off
   const Lanes end_f = xsimd::max(one / (end_r + xsimd::sqrt(end_r * end_r + one)), Lanes(kAlbedoTail));
   const Lanes span = one - xsimd::sqrt(fourth_root(end_f));
   Albedo sum{Lanes(0.0F), Lanes(0.0F)};
@@ -108,7 +119,10 @@ WELKIN_INLINE Lanes exponential(Lanes y) {
   return xsimd::bitwise_cast<Lanes>(xsimd::bitwise_cast<IntegerLanes>(series) + (power << 23));
 }
 
-/// One azimuth of the sheen integral.
+/// One azimuth of the sheen integral over z = n.h = p^4: Int (1 - z^2)^half_power (n.l) (v.h) / (n.l + n.v - (n.l)
+/// (n.v)) dz, dz = 4 p^3 dp. v.h = (n.v) z + sin(v) sqrt(1 - z^2) cos(phi) and n.l = 2 (v.h) z - n.v. z begins at the
+/// horizon's slope, z^2 = 1 / (1 + slope^2), and ends where 1 - z^2 is (1 - from2) (1 - kSheenTail / half_power): its
+/// power is at most e^-kSheenTail of the first there, as (1 - x / n)^n is below e^-x.
 WELKIN_INLINE Lanes sheen_along_azimuth(const AlbedoRule& rule, const View& view, float half_power, float azimuth) {
   const Lanes one(1.0F);
   const Lanes slope = horizon_slope(view, azimuth);
@@ -141,6 +155,7 @@ void directional_albedo(const AlbedoRule& rule, float alpha, const float* normal
     Albedo sum{Lanes(0.0F), Lanes(0.0F)};
     for (int j = 0; j < rule.azimuths; ++j) {
       const Albedo part = along_azimuth(rule, view, alpha, rule.azimuth_cosines[j]);
+      // 1 / pi of the distribution, 2 halves of the azimuths, 4 V = 2 / (...)
       const Lanes weight(rule.azimuth_weights[j] * (4.0F / kPi));
       sum.whole = sum.whole + weight * part.whole;
       sum.fresnel = sum.fresnel + weight * part.fresnel;
@@ -159,6 +174,7 @@ void sheen_albedo(const AlbedoRule& rule, float alpha, const float* normal_view,
       sum =
           sum + Lanes(rule.azimuth_weights[j]) * sheen_along_azimuth(rule, view, 0.5F * power, rule.azimuth_cosines[j]);
     }
+    // (2 + power) / (2 pi) of the distribution, and both halves of the azimuths; 4 V has no factor
     (sum * Lanes((2.0F + power) / kPi)).store_unaligned(albedo + lane);
   }
 }

@@ -5,7 +5,7 @@
 
 namespace welkin::reflections {
 
-/// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (brdf/brdf_quadrature.h).
+/// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (reflections/brdf_table.h).
 struct AlbedoRule {
   int azimuths;
   const float* azimuth_cosines;

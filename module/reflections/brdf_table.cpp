@@ -32,7 +32,8 @@ void for_each_node(int order, const Use& use) {
 AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   const auto side = [&](int order, double sign) {
     for_each_node(order, [&](const Node& node) {
-      // From 90 degrees on by a quarter turn times place^2.
+      // From 90 degrees on by a quarter turn times place^2, whose differential is pi place dplace. The cosine of that
+      // azimuth is the sine of the angle from 90 degrees, with its digits near the edge.
       azimuth_cosines_.push_back(
           static_cast<float>(sign * math::sine_cosine_of_turns(0.25 * node.place * node.place).sine));
       azimuth_weights_.push_back(static_cast<float>(std::numbers::pi * node.place * node.weight));
@@ -42,6 +43,7 @@ AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   side(orders.away, -1.0);
   for_each_node(orders.radii, [&](const Node& node) {
     const bool even = radii == Radii::even;
+    // y -> 1 - (1 - y)^2, dy -> 2 (1 - y) dy
     const double left = 1.0 - node.place;
     radius_places_.push_back(static_cast<float>(even ? node.place : 1.0 - left * left));
     radius_weights_.push_back(static_cast<float>(even ? node.weight : 2.0 * left * node.weight));

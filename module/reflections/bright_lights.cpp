@@ -50,7 +50,11 @@ double smooth_error(double radians, double alpha, int points) {
   return points == 4 ? square * square * square * square / 1000.0 : 1e-5;
 }
 
-/// The same of other lobes: fits to Gauss' error terms for a bell of which `alpha` is 2.2 standard deviations.
+/// Returns the error for other lobes: fits to Gauss' error terms for a bell of which `alpha` is 2.2 standard
+/// deviations. Over half an edge h the mean by n points errs by h^(2 n) f^(2 n) times 1/270, 1/31500 and 1/6945750 for
+/// n = 2, 3 and 4. In units of 2 alpha h is edge / 2 and the bell's deviation 1 / 4.4, so at its peak f^(4) = 3 4.4^4,
+/// f^(6) = 15 4.4^6 and f^(8) = 105 4.4^8: 0.26 edge^4, 0.054 edge^6 and 8.3e-3 edge^8. The root mean square over all
+/// places and both axes, over the bell's own, is 1.0 to 1.3 times that.
 double smooth_table_error(double radians, double alpha, int points) {
   const double edge = radians / (2.0 * alpha);
   const double square = edge * edge;
@@ -65,6 +69,7 @@ double smooth_table_error(double radians, double alpha, int points) {
 double BrightLights::ggx_error(double alpha, int size, double rms) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
+  // the lobe's slope there is alpha^2 / (pi width^2) per unit of the cosine, over its integral
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
   const double horizon = kHorizon * square / kPi / integral / (width * width) * glm::length(cut_);
   // Int k^2 is at most its peak times Int k, and less for a narrow lobe
@@ -129,7 +134,9 @@ struct BrightLights::Blur : LightsLobe {
   double left_out = 0.0;  ///< see `add`
 };
 
-/// Where all lights together would be dimmer than `least` at a distance, none is looked at that is farther.
+/// Where all lights together would be dimmer than `least` at a distance, none is looked at that is farther: at the
+/// chord d the lobe is at most peak / (alpha^2 + (1 - alpha^2) d^2 / 4)^2, as 1 - c = d^2 / 2. `width` is the bracket
+/// at which that times the largest channel of all light is `least`.
 BrightLights::Blur BrightLights::blur_of(const LightsLobe& lights) const {
   constexpr double kSmoothOfFar = 3.0;  // at 9 radii 1 / distance^4 is within 2e-4 of its cubic at worst
   const Lobe& lobe = lights.lobe;
@@ -143,6 +150,7 @@ BrightLights::Blur BrightLights::blur_of(const LightsLobe& lights) const {
     find_table(blur);
     return blur;
   }
+  // alpha^2 + (1 - alpha^2) d^2 / 4 is 0 at d^2 = -4 alpha^2 / (1 - alpha^2)
   blur.width_squared = 4.0 * square / std::max(1e-6, 1.0 - square);
   blur.shape.alpha_squared = static_cast<float>(square);
   blur.shape.half_slope = static_cast<float>(0.25 * (1.0 - square));
@@ -203,7 +211,8 @@ struct BrightLights::Block {
 
   [[nodiscard]] double distance_to(const Node& node) const noexcept { return glm::length(centre - node.centre); }
 
-  /// n.s is at least that of the two centres less both radii.
+  /// n.s is at least that of the two centres less both radii: n.s - n0.s0 = (n - n0).s + n0.(s - s0), where |s| = 1 and
+  /// |n0| = 1.
   [[nodiscard]] Sight sight_of(const Node& node) const noexcept {
     if (!lobe.horizon) return Sight::above;
     const double between = glm::dot(centre, node.centre);

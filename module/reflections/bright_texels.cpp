@@ -79,6 +79,7 @@ class Search {
     mean_ = std::max(0.0, total / (4.0 * kPi));
     scale_ = lobe(1.0, alpha) / lobe_integral(alpha);
     dark_ = dark_mean();
+    // A share kPart of all light, 4 pi mean, in one lobe is kPart 4 pi mean scale_ at its middle.
     threshold_ = dark_ * std::clamp(kPart * 4.0 * kPi * scale_, kMinPeak, kPeak);
     const double texel = texel_height(source.cubemap(), source.rows());
     band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);
@@ -164,7 +165,8 @@ class Search {
   }
 
   /// Returns whether no part of the sphere that `dark_mean` could take is `kOutshone`. It takes two thirds: if 0.7 of
-  /// the sphere have 2.5 times the light that decides, those two thirds have more than that on average.
+  /// the sphere have 2.5 times the light that decides, 0.7 - 1/3 of it lie among the two thirds: those have
+  /// (0.7 - 1/3) / (2/3) 2.5 = 1.4 times that light on average.
   [[nodiscard]] bool is_lit() const noexcept {
     const auto enough = static_cast<float>(2.5 * mean_ / kOutshone);
     double lit = 0.0;
@@ -195,6 +197,7 @@ class Search {
       of.light += own * angle_of(row, column);
       whole += angle_of(row, column);
     });
+    // from the darkest on; of the exponent that two thirds end in, which spans a factor of 2, a share as bright as all
     double left = kDarker * whole;
     double sum = 0.0;
     for (const Texels& of : by_exponent) {

@@ -15,13 +15,18 @@ namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{192} << 20U;
 
-/// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those beside them.
+/// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those next to them. A face
+/// is a quarter of a turn high, rows / 2 rings, and a ring's texels are as wide as it is high.
 double about_taps(const RingTableKey& key) noexcept {
   const double rings = 0.5 * key.rows / key.face_size;
   return 6.0 / kRingImages * key.face_size * key.face_size * (kSpread + rings) * (kSpread + rings);
 }
 
 /// [image][k]: the image by which a texel has there what its image `image` has at image k.
+///
+/// With G_k the symmetries, a texel t's record has L(G_k t). A texel whose window reaches into another sixteenth is
+/// seen there by its own image t' = G_i^-1 t, whose record has L(G_k t') = L(G_k G_i^-1 t), an entry of t's own
+/// record. The point (1, 2, 4) is moved to a different place by each of them, so it tells which G_k G_i^-1 is.
 std::array<std::array<std::size_t, kRingImages>, kRingImages> composed_images() {
   const glm::ivec3 point{1, 2, 4};
   std::array<std::array<std::size_t, kRingImages>, kRingImages> composed{};
@@ -117,6 +122,7 @@ void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;
+    // the first of the sixteenth's columns in the image: mirrored ones go back from the line where it begins
     const int column = (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
     places.to[k] = rgb + 3 * (line * columns + column);
     places.step[k] = image.mirrored ? -3 : 3;

@@ -22,6 +22,12 @@ struct Shares {
   float of[HalvedRow::kMaxRows] = {};
 };
 
+// Row i of the result gets shares of the rows from 2 i - 3 to 2 i + 4 (`kHalvedShares`). The first and last kFolded
+// rows also get those of the rows -1, -2, half and half + 1, times kFirstBeyond and kSecondBeyond. A texel at an edge
+// thus gives light to kFolded = 3 rows, with its moments up to the second. Along an axis a wave loses 0.0234 times the
+// fourth power of its radians per texel. Texels shrink from h = 2 / size at the middle of a face outwards; over the
+// sphere and all directions of waves the loss of degree l has the mean 0.0073 (l h)^4 and the root mean square
+// 0.0089 (l h)^4. `kHalvedOrder`, a fit, is 0.0085.
 Shares shares_of(int row, int size) {
   constexpr int kTaps = 8;
   const int half = size / 2;
@@ -80,7 +86,8 @@ class HalvingTable {
   }
 
  private:
-  /// Finds by what uniform light is uniform.
+  /// Finds by what uniform light is uniform: 1 over the light, in steradians, that a texel of the result gets from
+  /// radiance 1. That is its area as the shares see it, and it turns light back into radiance.
   void find_scale() {
     const int half = size_ / 2;
     std::vector<double> sums(static_cast<std::size_t>(size_));

@@ -68,6 +68,8 @@ namespace {
 
 /// Returns by how many rows the centroid of a part, `high` rows high, lies below its middle. Near a pole rows are
 /// triangles.
+/// With y the way from the middle in rows and the polar angle pi row / rows, the density is proportional to 1 + y (pi
+/// / rows) cos / sin, and the mean of y with it is y^2's mean, high^2 / 12, times that.
 double below_middle(Directions& directions, double row, double high) {
   constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
   const PictureShape& shape = directions.shape();
@@ -118,7 +120,10 @@ void centre(Directions& directions, const Sample& middle, double half, CutLight&
   cut.light.y = static_cast<float>(centroid.y);
   cut.light.z = static_cast<float>(centroid.z);
   if (directions.shape().cubemap) return;
-  // rows become shorter towards a pole, as their density falls
+  // Rows become shorter towards a pole, as their density falls. Over a part with y from -1 to 1 the density and the
+  // width are 1 + sqrt(3) lean y, as the rule's nodes are at +-1 / sqrt(3). So y has the mean lean / sqrt(3) and the
+  // variance 1/3 - lean^2 / 3, and across a row the variance is the mean of (1 + sqrt(3) lean y)^3, 1 + 3 lean^2,
+  // times 1/3. A parallelogram that is to have both has `down` and `along` by their roots.
   const double lean = (density[1] - density[0]) / (density[1] + density[0]);
   for (int axis = 0; axis < 3; ++axis) {
     cut.along[axis] *= static_cast<float>(std::sqrt(1.0 + 3.0 * lean * lean));

@@ -188,6 +188,7 @@ class LightTree {
       const int half = (box.first.face + box.end.face) / 2;
       return part([=](const Corner& corner) { return corner.face < half; });
     }
+    // columns are 2 pi sin / columns wide, rows pi / rows high
     const double steep = shape_.cubemap ? 1.0 : directions_.density_at(0.0, 0.5 * (box.first.row + box.end.row));
     const double wide =
         (shape_.cubemap ? 1.0 : steep * 2.0 * shape_.rows / shape_.columns) * (box.end.column - box.first.column);
@@ -200,7 +201,8 @@ class LightTree {
     return part([=](const Corner& corner) { return corner.row < half; });
   }
 
-  /// Where light lies, all channels together.
+  /// Where light lies, all channels together. Moments of a node are the sums of its children's, and no leaf is
+  /// visited twice.
   struct Moments {
     glm::dvec3 light{0.0};   ///< of each channel
     glm::dvec3 first{0.0};   ///< Sum light x direction
@@ -301,7 +303,10 @@ class LightTree {
         directions_.at(box.first.face, column + 0.5, row) - directions_.at(box.first.face, column - 0.5, row);
     const glm::dvec3 across = glm::normalize(step - glm::dot(step, normal) * normal);
     const glm::dvec3 below = glm::cross(normal, across);
-    // 3 spread = along along^T + down down^T in that plane, and rows lie along `across`
+    // 3 spread = along along^T + down down^T in that plane, and rows lie along `across`: a parallelogram c + s along +
+    // t down, -1 < s, t < 1, has the covariance (along along^T + down down^T) / 3. With along = (wide, 0) and down =
+    // (lean, high) in the axes across and below it is ((wide^2 + lean^2, lean high), (lean high, high^2)), Cholesky's
+    // factor from the last element on.
     const double across_across = 3.0 * glm::dot(across, spread * across);
     const double across_below = 3.0 * glm::dot(across, spread * below);
     const double below_below = 3.0 * glm::dot(below, spread * below);
@@ -346,6 +351,7 @@ class LightTree {
     const double squares = glm::dot(texel.light(), texel.light());
     lights_.squares_ += squares;
     if (use_ == LightsOf::any && !shape_.cubemap) {
+      // `lean` of the middle part as `centre` has it: 0.3 parts are about its rule's nodes, 0.289 from the middle
       const double above = directions_.density_at(0.0, texel.row + 0.5 - 0.3 / parts_);
       const double below = directions_.density_at(0.0, texel.row + 0.5 + 0.3 / parts_);
       const double lean = (below - above) / (below + above);
@@ -421,7 +427,8 @@ class LightTree {
     return most;
   }
 
-  /// The Lagrange polynomials of the rule's nodes.
+  /// The Lagrange polynomials of the rule's nodes. A light at x that is shared out by them gives any function the
+  /// value of its interpolation polynomial at x: exact up to degree kOrder - 1, in rows and columns each.
   [[nodiscard]] std::array<double, kOrder> shares(double at) const {
     std::array<double, kOrder> all{};
     for (int i = 0; i < kOrder; ++i) {

@@ -156,6 +156,9 @@ math::TableCache<Key, Table>& cache() {
 double lobe(double cosine, double alpha) noexcept { return cosine > 0.0 ? lobe_of_distance(1.0 - cosine, alpha) : 0.0; }
 
 // 2 pi Int_0^1 k dx with t = (1 - alpha^2) / (2 alpha^2): 2 / alpha^2 (t - ln(1 + t)) / t^2.
+// For with y = t x the lobe is (1 - y / t) / (pi alpha^2 (1 + y)^2), and from y = 0 to t the integral of 1 / (1 + y)^2
+// is t / (1 + t), that of y / (1 + y)^2 is ln(1 + t) - t / (1 + t). For small t the difference would cancel: it is
+// then summed as a series.
 double lobe_integral(double alpha) noexcept {
   const double square = alpha * alpha;
   const double t = (1.0 - square) / (2.0 * square);
@@ -177,7 +180,8 @@ std::vector<double> zonal_moments(std::vector<double> distances, std::vector<dou
   return moments(rule, bands);
 }
 
-// The whole lobe's without the near part's, which a few panels have.
+// The whole lobe's without the near part's, which a few panels have. With x = (q + s^2) / end, s^2 = distance / 2, the
+// lobe is proportional to 1 / x^2 and its far part to P(x) within x < 1: the far part's share is x^2 P(x).
 std::vector<double> far_spectrum(double alpha, double end, int bands) {
   const double q = alpha * alpha / ((1.0 - alpha) * (1.0 + alpha));
   const double whole = lobe_integral(alpha) / (2.0 * kPi);
@@ -192,6 +196,7 @@ std::vector<double> far_spectrum(double alpha, double end, int bands) {
   return far;
 }
 
+// A spectrum falls like exp(-2 alpha l), so that a bound that is tighter by a factor takes its logarithm more.
 double reach_for(double rms, double maximum) noexcept {
   constexpr double kReach = 9.25;  // for rms 1e-3 and maximum 1e-2
   const double stricter = std::min(rms / 1e-3, maximum / 1e-2);

@@ -158,7 +158,7 @@ struct SeenLight {
   Lanes c, a, b;
   float along_square, down_square;
 
-  /// Mean of the length.
+  /// Mean of the length less 1: sqrt(1 + s^2 along^2 + t^2 down^2) is 1 + (s^2 along^2 + t^2 down^2) / 2, s^2 has 1/3.
   [[nodiscard]] WELKIN_INLINE float longer() const { return (along_square + down_square) / 6.0F; }
 };
 
@@ -198,7 +198,9 @@ WELKIN_INLINE Lanes mean_of_points(const LobeBlock& texels, const SeenLight& see
 }
 
 /// Mean of a kernel that changes evenly with the cosine: by three cosines that have the light's own moments up to the
-/// fifth.
+/// fifth. For s and t even in (-1, 1), a s + b t has the second moment (a^2 + b^2) / 3, the fourth (a^4 + b^4) / 5 +
+/// 6 a^2 b^2 / 9 and no odd ones. Weights w, 1 - 2 w and w at -x, 0 and x have 2 w x^2 and 2 w x^4: x^2 is the fourth
+/// over the second (`square`), w = second / (2 x^2) (`share`). The chord's square is 2 - 2 c, so it moves by 2 x.
 WELKIN_INLINE Lanes mean_of_cosines(const LobeBlock& texels, const SeenLight& seen, Lanes chord, Lanes least) {
   const Lanes a = xsimd::max(seen.a * seen.a, least * least);
   const Lanes b = xsimd::max(seen.b * seen.b, least * least);

@@ -46,6 +46,12 @@ struct Wanted {
 
 /// The squared error of all lookups as a function of the mips' lobes: Gauss-Newton, whose equations are tridiagonal, as
 /// a lookup reads two mips.
+///
+/// With g_k(l) what mip k shows of degree l, e_l = t_l - (1 - f) g_k - f g_(k+1) is what a lookup misses, and its
+/// squared error Sum_l S_l e_l^2. To first order in steps d of the lobes' roughness, with slopes g', it is least where
+/// for each mip
+///   Sum over its lookups of weight share (Sum_l S_l g' (e - share g' d - other share other g' other d)) = 0:
+/// a row has the mip's own product of slopes (`diagonal`) and those with its two neighbours (`beside`).
 class Fit {
  public:
   Fit(const std::vector<double>& roughness, const LookupFormula& formula, int degrees)
@@ -107,7 +113,8 @@ class Fit {
   }
 
   /// Solves the equations and moves the lobes. Mip 0, mips that no lookup reads, and lobes that would exceed roughness
-  /// 1 stay.
+  /// 1 stay. A lobe that stays has the equation d = 0 and no neighbours; the others by elimination downwards and
+  /// substitution upwards, without pivots, as the matrix is positive definite (Gram's of the slopes).
   void move(std::vector<double>& diagonal, std::vector<double>& beside, std::vector<double>& right) {
     const std::size_t count = lobes_.size();
     const auto stays = [&](std::size_t k) {

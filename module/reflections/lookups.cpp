@@ -29,6 +29,7 @@ double log2(double x) noexcept { return math::logarithm(x) / std::numbers::ln2; 
 
 double mip_by_formula(RoughnessSchedule schedule, double roughness, int mips, int size) {
   const int last = mips - 1;
+  // as the engines' shaders have them, with `last` for their number of the last mip; `mip_roughness` has the inverses
   double mip = last * roughness;
   switch (schedule) {
     case RoughnessSchedule::linear: break;
@@ -67,7 +68,7 @@ std::vector<Lookup> lookups_between(const MipPair& mips, const LookupFormula& fo
 std::vector<double> spectrum_of(double roughness, int degrees) {
   if (roughness < kMirror) return std::vector<double>(static_cast<std::size_t>(degrees), 1.0);
   const double alpha = roughness * roughness;
-  // Beyond 2 alpha l = 12 there is nothing but the horizon's kink.
+  // Beyond 2 alpha l = 12 there is nothing but the horizon's kink: exp(-12) = 6e-6.
   std::vector<double> spectrum = lobe_spectrum(alpha, std::min(degrees, 16 + static_cast<int>(6.0 / alpha)));
   spectrum.resize(static_cast<std::size_t>(degrees), 0.0);
   return spectrum;
@@ -75,6 +76,13 @@ std::vector<double> spectrum_of(double roughness, int degrees) {
 
 // Samples of a wave, h apart, that are interpolated linearly: the wave times (sin x / x)^2, x half its phase from one
 // sample to the next, and others; the mean square of all is (2 + cos 2 x) / 3. Waves run diagonally to the texels here.
+//
+// Interpolation is a convolution of the samples with a triangle, the box h twice, whose spectrum is (sin x / x)^2 at
+// the wave itself; the other terms are its aliases. At a share t of the way from one sample to the next the value is
+// (1 - t) + t e^(2 i x) times the first one, and Int_0^1 ((1 - t)^2 + t^2 + 2 t (1 - t) cos 2 x) dt = (2 + cos 2 x) /
+// 3. Degree l has the wave number sqrt(l (l + 1)), and over sqrt(2) along each axis of the texels: both axes have the
+// same x, amplitudes of a wave and mean squares of both are products of the axes'. `noise` is the mean square of the
+// aliases. Means over texels are one box more along each axis.
 TexelFilter::TexelFilter(int size, double roughness, int degrees) {
   const double texel = std::sqrt(2.0 * std::numbers::pi / 3.0) / size;  // root of its mean solid angle
   for (int l = 0; l < degrees; ++l) {
@@ -123,6 +131,8 @@ SeenBetween::SeenBetween(const PairKey& key) {
     for (std::size_t l = 0; l < truth.size(); ++l) {
       const double a = (1.0 - lookup.share) * first[l];
       const double b = lookup.share * second[l];
+      // The shader's amplitude of the degree less the lobe's, and the aliases of both mips' texels, which are
+      // independent.
       const double off = a * of_first.gain[l] + b * of_second.gain[l] - truth[l];
       errors.push_back(off * off + a * a * of_first.noise[l] + b * b * of_second.noise[l]);
       truths.push_back(truth[l] * truth[l]);
@@ -144,6 +154,7 @@ double error_between(const MipPair& mips, const LookupFormula& formula, std::spa
       error += static_cast<double>(energies[l]) * seen->errors[from + l];
       whole += static_cast<double>(energies[l]) * seen->truths[from + l];
     }
+    // relative to the truth at each roughness, as its mean square falls from one to the next
     if (whole > 0.0) squares += error / whole;
   }
   return std::sqrt(squares / kSamples);
@@ -173,6 +184,7 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
       const glm::dvec3 direction = direction_of(one, shape);
       const glm::dvec3 light = one.light();
       for (const BrightTexel* other = lights.data(); other <= &one; ++other) {
+        // the pair counts in both orders; `light()` has one's own steradians
         const double both = (other == &one ? 1.0 : 2.0) * other->steradians;
         add_pair(both * glm::dot(light, glm::dvec3(other->excess[0], other->excess[1], other->excess[2])),
                  glm::dot(direction, direction_of(*other, shape)), energies);
@@ -180,6 +192,7 @@ std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, c
     }
     return energies;
   }
+  // cells of a quarter of the shortest wave
   const int rows = 2 * bands;
   const int columns = 2 * rows;
   platform::AlignedBuffer<float> cells(static_cast<std::size_t>(3 * rows * columns));
@@ -210,7 +223,7 @@ void continue_energies(std::vector<double>& energies, int degrees, double least_
   if (quarter == 0) return energies.resize(static_cast<std::size_t>(degrees), 0.0);
   const double last = mean(known - quarter);
   const double before = mean(known - 2 * quarter);
-  // Centres of the two quarters are 7/8 and 5/8 of what is known.
+  // Centres of the two quarters are 7/8 and 5/8 of what is known: 1.4 apart.
   const double slope = last > 0.0 && before > 0.0 ? math::logarithm(before / last) / math::logarithm(1.4) : most_slope;
   const double power = std::clamp(slope, least_slope, most_slope);
   const double centre = known - 0.5 * quarter;
@@ -227,9 +240,11 @@ std::vector<float> whole_energies(std::span<const double> rest, const std::vecto
   if (!lights.empty()) {
     constexpr int kBands = 48;
     std::vector<double> of_lights = energies_of_lights(lights, shape, kBands, control);
+    // slopes are those of energies per degree, of 2 l + 1 harmonics
     continue_energies(of_lights, kDegrees, -1.0, 3.0);  // a light by itself has as much in each order: slope -1
     const double mean = std::sqrt(energies.front()) + std::sqrt(of_lights.front());
     for (std::size_t l = 0; l < energies.size(); ++l) energies[l] += of_lights[l];
+    // Waves of other degrees have independent phases, so that energies add up; means have one sign.
     energies.front() = mean * mean;  // both add up
   }
   double sum = 0.0;

@@ -33,14 +33,35 @@ WELKIN_INLINE Lanes angle_of(Lanes y, Lanes x) {
   return xsimd::select(y < Lanes(0.0F), Lanes(0.0F) - angle, angle);
 }
 
+// Closed form of a lobe over a texel. In the stereographic plane about a direction, r = 2 tan(theta / 2), the lobe
+// 1 / (q + s)^2 is radially symmetric, and the share of it within r is r^2 / (r^2 + a^2), a^2 = `width_squared`
+// (derived at `split_lobe`). A region about the origin is a fan of sectors dpsi, so its share is Int r^2 / (r^2 + a^2)
+// dpsi / 2 pi along its boundary, or the winding number about the origin less Int a^2 / (a^2 + r^2) dpsi / 2 pi.
+// `missed_by` is the latter integral for a straight edge without its 2 pi, `missed_by_bend` corrects it for an arc,
+// and `CloseShares` adds up the four edges of a texel. A cubemap's edges are great circles: the image of one at a
+// distance d from the direction is a circle of curvature sin(d) / 2, which is as good as straight within two texels.
+// Only parallels get a bend.
+
 /// An edge seen from the origin: `cross` and `dot` of its ends, its length.
 struct Edge {
   Lanes cross, dot, length;
 };
 
-/// Int a^2 / (a^2 + r^2) dpsi along the edge, psi the angle about the origin, with the sign of `cross`. With h the
-/// edge's distance, H^2 = h^2 + a^2 and psi(g) the angle under which it is seen from a distance g that is
-/// psi(h) - h / H psi(H); as (psi(h) - psi(H)) + (1 - h / H) psi(H) both have their digits however small they are.
+/// Returns Int a^2 / (a^2 + r^2) dpsi along the edge, psi the angle about the origin, with the sign of `cross`.
+///
+/// With h the distance of the edge's line and x the way along it from the foot of the perpendicular, r^2 = h^2 + x^2
+/// and dpsi = h dx / (h^2 + x^2). With H^2 = h^2 + a^2 (`hyp`) the integrand's partial fractions are
+///   a^2 h / ((x^2 + h^2) (x^2 + H^2)) = h / (x^2 + h^2) - h / (x^2 + H^2),
+/// so the integral is psi(h) - h / H psi(H), where psi(g) is the angle under which the edge is seen from a distance g,
+/// tan psi(g) = g length / (g^2 + x0 x1). Here x0 x1 = dot - h^2, so psi(h) has the tangent area / dot and psi(H) has
+/// hyp length / rest.
+///
+/// The two terms nearly cancel where a is small compared with h. They are therefore summed as (psi(h) - psi(H)) + (1 -
+/// h / H) psi(H): H - h = a^2 / (H + h) gives 1 - h / H = a^2 / (H (H + h)), and the tangent of the difference of two
+/// angles gives
+///   psi(h) - psi(H) = atan2(area rest - hyp length dot, dot rest + area hyp length),
+///   area rest - hyp length dot = length (h (dot + a^2) - H dot) = length a^2 (h - dot / (H + h)).
+/// Both are products with a^2, so they keep their digits however small they are.
 WELKIN_INLINE Lanes missed_by(const SplitLobe& lobe, const Edge& edge) {
   const Lanes a2(lobe.width_squared);
   const Lanes length = xsimd::max(edge.length, Lanes(kTiny));
@@ -51,6 +72,7 @@ WELKIN_INLINE Lanes missed_by(const SplitLobe& lobe, const Edge& edge) {
   const Lanes rest = edge.dot + a2;
   const Lanes difference = angle_of(length * a2 * (h - edge.dot * inverse), edge.dot * rest + area * hyp * length);
   const Lanes sum = difference + a2 * inverse / hyp * angle_of(hyp * length, rest);
+  // rounding must not make it 0 or negative: see `CloseShares`
   const Lanes value = xsimd::max(sum, Lanes(kTiny));  // its sign tells on which side the origin is
   return xsimd::select(edge.cross < Lanes(0.0F), Lanes(0.0F) - value, value);
 }
@@ -61,8 +83,17 @@ WELKIN_INLINE Edge edge_between(Lanes x0, Lanes y0, Lanes x1, Lanes y1) {
   return {x0 * y1 - y0 * x1, x0 * x1 + y0 * y1, xsimd::sqrt(dx * dx + dy * dy)};
 }
 
-/// What `missed_by` of an edge lacks that is an arc: 2 a^2 Int d(x) / (x^2 + H^2)^2 dx along the chord, where
-/// d(x) = bend / 2 (x - x0) (x1 - x) lies between the two. To first order, which does as d is small beside x and H.
+/// Returns what `missed_by` of an edge lacks that is an arc: 2 a^2 Int d(x) / (x^2 + H^2)^2 dx along the chord, where
+/// d(x) = bend / 2 (x - x0) (x1 - x) lies between the two. To first order, which does as d is small compared with x
+/// and H.
+///
+/// The density of the share in the plane is d(r^2 / (r^2 + a^2)) / (2 pi r dr) = a^2 / (pi (r^2 + a^2)^2), times 2 pi
+/// as in `missed_by`, and r^2 = x^2 + h^2 on the chord. With I_k = Int x^k / (x^2 + H^2)^2 dx from x0 (`begin`) to x1
+/// (`end`) the integral is a^2 bend ((x0 + x1) I_1 - I_2 - x0 x1 I_0), where
+///   I_1 = 1/2 / (x0^2 + H^2) - 1/2 / (x1^2 + H^2),
+///   I_0 = (rise + rotation) / H^2,  rise = [x / 2 / (x^2 + H^2)],  rotation = psi(H) / (2 H),
+///   I_2 = Int 1 / (x^2 + H^2) dx - H^2 I_0 = 2 rotation - (rise + rotation) = rotation - rise.
+/// Without it the shares of directions next to a row's edge were off by 5e-3 (docs/maths/reflections.md).
 WELKIN_INLINE Lanes missed_by_bend(const SplitLobe& lobe, Lanes x0, Lanes y0, Lanes x1, Lanes y1, Lanes bend) {
   const Edge edge = edge_between(x0, y0, x1, y1);
   const Lanes a2(lobe.width_squared);
@@ -83,6 +114,13 @@ WELKIN_INLINE Lanes missed_by_bend(const SplitLobe& lobe, Lanes x0, Lanes y0, La
   return a2 * bend * ((begin + end) * first - second - begin * end * zeroth);
 }
 
+// A direction n0 = (u0, v0, 1) and a corner n = (u0 + du, v0 + dv, 1), both in the face's frame. The plane's axes at n0
+// are (1, 0, -u0) / sqrt(1 + u0^2), along which only u changes, and (-u0 v0, 1 + u0^2, -v0) / (sqrt(1 + u0^2) |n0|).
+// Their products with n are
+//   du / sqrt(1 + u0^2)   and   ((1 + u0^2) dv - u0 v0 du) / (sqrt(1 + u0^2) |n0|),
+// as n0 itself drops out: both are linear in (du, dv), and differences of nearly equal numbers never arise. The
+// stereographic plane has them times 2 / (|n| (1 + cos theta)), |n| cos theta = n n0 / |n0| (`along`).
+// du and dv are differences of whole numbers less the part of a texel, in that order, for the same reason.
 void place(const CubeGroup& group, int row, ColumnRange corners, const CornerLine& line) {
   const Lanes size(group.size);
   const Lanes step(2.0F / group.size);
@@ -114,7 +152,7 @@ void place(const CubeGroup& group, int row, ColumnRange corners, const CornerLin
   }
 }
 
-/// sin x and cos x for |x| below 0.3
+/// sin x and cos x for |x| below 0.3: the first terms left out of Taylor's series are below 6e-11 and 2e-9 there.
 WELKIN_INLINE Lanes sine_of(Lanes x) {
   const Lanes square = x * x;
   return x * (Lanes(1.0F) -
@@ -125,6 +163,12 @@ WELKIN_INLINE Lanes cosine_of(Lanes x) {
   return Lanes(1.0F) - square * (Lanes(0.5F) - square * (Lanes(1.0F / 24.0F) - square * Lanes(1.0F / 720.0F)));
 }
 
+// A direction of latitude p0 and a corner of latitude p = p0 - south, L to the east. The axes of the tangent plane at
+// the direction are east and south, on which the corner has cos p sin L and
+//   sin p0 cos p cos L - cos p0 sin p = sin(p0 - p) - 2 sin p0 cos p sin^2(L / 2);
+// the stereographic plane has them over cos^2(theta / 2) = 1 - s, with s = sin^2(south / 2) + cos p0 cos p sin^2(L / 2)
+// (the haversine formula). With L / 2 from a table of whole columns less the direction's part of one, by the sum
+// formulas of sine and cosine, every term keeps its digits next to the direction.
 void place(const LatLongGroup& group, int row, ColumnRange corners, const CornerLine& line) {
   const Lanes one(1.0F);
   for (int k = 0; k < kLanes; k += kWidth) {
@@ -141,6 +185,10 @@ void place(const LatLongGroup& group, int row, ColumnRange corners, const Corner
     const auto pole = cosine < Lanes(1e-6F);  // a point, which rounding would make a line that is bent without limit
     const Lanes cosine_here = xsimd::select(pole, Lanes(0.0F), cosine);
     const Lanes sine_here = sine0 * cosine_of(south) - cosine0 * sine;
+    // The image of a parallel is a circle of curvature (sin p0 + sin p) / (2 cos p): the parallel lies pi / 2 - p
+    // about the pole, and the pole pi / 2 - p0 from the direction. tan p is that of the direction's own parallel; for
+    // others it is (sin p - sin p0) / (2 cos p) more, which is of the order of their distance, two rows at most. On
+    // the northern half the circle's centre lies towards the pole, so the arc bulges to larger y than its chord.
     xsimd::select(pole, Lanes(0.0F), sine_here / cosine).store_aligned(line.bend + k);
     const Lanes half = sine_of(south * Lanes(0.5F));
     const Lanes half_square = half * half;
@@ -203,6 +251,10 @@ struct Rule<4> {
 
 /// Points of texels in a row of a face. sin^2(theta) = t / (n^2 n0^2), where t is a quadratic form of the way from the
 /// direction in the face's plane: it has its digits however close the point is.
+///
+/// t = |n x n0|^2 = |(du, dv, 0) x (u0, v0, 1)|^2 = du^2 (1 + v0^2) - 2 u0 v0 du dv + dv^2 (1 + u0^2), as n x n0 does
+/// not change where a multiple of n0 is added to n. s = sin^2(theta / 2) = (1 - cos theta) / 2 follows as
+/// sin^2 / (2 (1 + cos)), which subtracts nothing either. A face's point has the solid angle du dv / |n|^3.
 template <int count>
 class CubeRow {
  public:
@@ -260,7 +312,9 @@ class CubeRow {
   Mask row_there_;
 };
 
-/// Points of texels in a row of a lat-long: s is sin^2 of half the rows' angle and cos cos sin^2 of half the columns'.
+/// Points of texels in a row of a lat-long: s is sin^2 of half the rows' angle and cos cos sin^2 of half the columns'
+/// (the haversine formula), cos theta = 1 - 2 s. The sine of half the columns' angle is that of i whole columns less
+/// the way from the direction to the point in a column, by the difference formula; only s itself must keep its digits.
 template <int count>
 class LatLongRow {
  public:
@@ -325,6 +379,13 @@ struct RowOf<LatLongGroup> {
 };
 
 /// The shares of a lobe in the texels between two lines, from left to right.
+///
+/// A texel's boundary is its top from left to right, its right side downwards, its bottom and its left side the other
+/// way: with every edge measured from left to right or downwards, `missed` is top + right - bottom - left over 2 pi,
+/// and the share is (1 where the origin is within, else 0) - `missed`. About an origin within, psi grows along the top
+/// and the right side and falls along the bottom and the left one. Neighbours read the same four values with opposite
+/// tests and `missed_by` is never 0, so exactly one texel of a row has the origin, and what one edge takes from a
+/// texel it gives to the next: the shares of all texels add up to 1 but for rounding.
 class CloseShares {
  public:
   WELKIN_INLINE CloseShares(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, int first)
@@ -361,7 +422,8 @@ class RowWeights {
   WELKIN_INLINE RowWeights(const SplitLobe& lobe, const Group& group, int row, int k, float* weights)
       : lobe_(lobe), group_(group), row_(row), k_(k), weights_(weights + k) {}
 
-  /// By points: 1 / x^2 - P(x) where x < 1.
+  /// By points: 1 / x^2 - P(x) where x < 1. Both and their slopes meet at x = 1 (`kFarPart`), and near it the
+  /// difference is (3 - 2.2343) (1 - x)^2: a texel that the end cuts needs no finer rule. `area` has the lobe's cosine.
   template <int count>
   void integrate(ColumnRange columns) const {
     if (columns.first >= columns.end) return;
@@ -378,7 +440,11 @@ class RowWeights {
   }
 
   /// The lobe in closed form, less what the cosine takes of it, which is small next to the direction, and the far part:
-  /// both by points. Not clamped at 0: beside a pole thousands of columns' rounding cancels.
+  /// both by points. Not clamped at 0: next to a pole thousands of columns' rounding cancels.
+  ///
+  /// With w = 1 / x^2 and P the far part, the near part's share is Int (w - P) c over the texel, c the cosine, which is
+  /// Int w - Int (P + w (1 - c) / c) c. `share` is Int w, `area` is dw c, and 1 - c = 2 s. w (1 - c) / c is at most
+  /// about q / 2 of the peak of w, at s = q, so that few points do for it. Beyond the end nothing is near: there P = w.
   void subtract_far(ColumnRange columns, const CornerLine& above, const CornerLine& below) const {
     const bool cut = above.bend != nullptr;  // the own column of a lat-long is two: see `MeasureLine`
     const Points<3> points(group_, row_, k_);
@@ -438,7 +504,8 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
   }
 }
 
-/// Adds up in parts of parts: floats would lose what thousands of columns beside a pole add.
+/// Adds up in parts of parts: floats would lose what thousands of columns next to a pole add. n texels one after the
+/// other would round each weight up to n times; here it is 32 + 32 + n / 1024 times.
 void scale_weights(float* weights, int texels, const float* sums) {
   constexpr int kPart = 32;
   constexpr int kParts = 32;
@@ -463,7 +530,8 @@ void scale_weights(float* weights, int texels, const float* sums) {
 }
 
 /// Keeps two sums, of every other texel: one alone would wait for itself. They are added up in parts of parts, as
-/// floats would lose what thousands of columns beside a pole add.
+/// floats would lose what thousands of columns next to a pole add: a part has 64 to 127 texels, as it ends where runs
+/// or their pieces of 64 do, so that the order of additions depends on the runs alone.
 const float* sum_runs(const NearTaps& taps, float* sums) {
   constexpr int kRegisters = kRecordFloats / kWidth;
   constexpr int kPart = 64;

@@ -21,17 +21,21 @@ constexpr std::size_t kCacheBytes = std::size_t{96} << 20U;
 constexpr std::size_t kLargestTable = std::size_t{128} << 20U;  ///< by its bound, which is twice of what it takes
 constexpr std::int64_t kTexelsOfTap = 10;                       ///< whose sanitizing takes as long as a weight
 
-/// Returns texels that a radian takes, root of those of a steradian where they are largest.
+/// Returns texels that a radian takes, root of those of a steradian where they are largest: (face / 2)^2 at the middle
+/// of a face, which spans du dv = 4, and face / (2 pi) rows / pi on the equator.
 double texels_of_radian(const NearSplit& split) {
   return split.cubemap() ? 0.5 * split.face : std::sqrt(split.face / (2.0 * kPi) * split.rows / kPi);
 }
 
-/// Returns the directions that have weights of their own.
+/// Returns the directions that have weights of their own: of n = size / 2 texels along half an edge the n (n + 1) / 2
+/// of an eighth of +y, which are size (size + 2) / 8; and of a lat-long the n^2 of half a side face as well.
 double directions_of(const NearSplit& split) {
   return (split.cubemap() ? 0.125 : 0.375) * split.size * (split.size + 2.0) + 1.0;
 }
 
-/// Returns a bound on the weights of all of them.
+/// Returns a bound on the weights of all of them. In the mean over the sphere a cap of `reach` has reach^2 / 4 of all
+/// texels: with t = reach `texels_of_radian` that is 6 t^2 of a cubemap's, pi^2 / 2 t^2 of a lat-long's. The rest is
+/// for texels that its end cuts.
 double taps_of(const NearSplit& split) {
   const double texels = split.reach * texels_of_radian(split);
   return directions_of(split) * (7.0 * texels * texels + 16.0 * texels + 40.0);
@@ -121,7 +125,9 @@ std::size_t NearTable::most_bytes(const NearSplit& split) noexcept {
 namespace {
 
 /// Those texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
-/// does for all of them.
+/// does for all of them. A symmetry G of the source's grid takes the weight of texel t for direction d to that of G t
+/// for G d. So the sum for G d is Sum_t weight(d, t) L(G t), and a record of t holds L(G t) of all sixteen G as
+/// `cube_image_of` numbers them. A cubemap's other 32 symmetries are these after one or two rotations of the axes.
 class NearRecords {
  public:
   /// `columns`: of each row, see `NearTable::rows`.
@@ -216,6 +222,9 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   const auto [first, end] = piece.columns;
   const image::CubeImage how = image::cube_image_of(image);
   const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
+  // Columns follow the longitude atan2(x, z) downwards. A mirror, x to -x, negates it: column c goes to columns - 1 -
+  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and a quarter of a turn off it, columns / 4 more. A run
+  // of columns that crosses the row's end is copied in two.
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;
   float* to = records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats;
@@ -337,6 +346,7 @@ std::size_t near_sums_bytes(const NearSplit& split) noexcept {
     const double edge = 0.5 * split.face + 5.0 * texels + 6.0;
     records = std::min(3.0 * split.face * split.face, edge * edge);
   } else {
+    // of rows the northern half and the reach below the equator
     records = (0.125 + 1.5 * split.reach) * split.face * (0.5 * split.rows + texels);
   }
   return static_cast<std::size_t>((records + 4.0 * split.face) * kRecordFloats * sizeof(float));
@@ -345,6 +355,8 @@ std::size_t near_sums_bytes(const NearSplit& split) noexcept {
 namespace {
 
 // Measured on one core of a Zen 5 with AVX-512. Records of large faces do not stay in its caches.
+// A 48th or a 16th of the mip's size^2 directions has weights, but each serves as many images, so sums take as long as
+// size^2 directions times the texels within the reach.
 constexpr double kNearMilliseconds = 3e-6;       ///< times size^2 (reach / texel)^2
 constexpr double kRecordMilliseconds = 0.2;      ///< of faces of 128, by the fourth power of their size
 constexpr double kHarmonicsMilliseconds = 0.55;  ///< of 144 bands, from rings to a mip
@@ -356,6 +368,8 @@ constexpr double kBandsTimesReach = 12.0;  ///< what the far part's polynomial w
 constexpr double kTexelsOfReach = 3.0;     ///< at least
 constexpr double kBalance = 5.6;           ///< see `near_far_split`: measured
 
+/// Returns the parts that an edge of texels is cut into. With the fewest bands the reach is kBandsTimesReach /
+/// kMinBands = 0.1 radians, which holds kTexelsOfReach texels from 30 per radian on.
 int parts_of(double texels_of_radian) {
   constexpr double least = kMinBands * kTexelsOfReach / kBandsTimesReach;
   return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));
@@ -367,6 +381,7 @@ double milliseconds_of_harmonics(int bands) noexcept {
   return kHarmonicsMilliseconds * math::exponential(kHarmonicsPower * math::logarithm(bands / 144.0));
 }
 
+// A texel is 2 / face radians wide, so the reach has face reach / 2 of them.
 double milliseconds_of(const NearSplit& split) noexcept {
   const double texels = 0.5 * split.size * split.face * split.reach;
   const double squared = split.face / 128.0 * split.face / 128.0;
@@ -379,6 +394,8 @@ NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach
   constexpr int kStep = 8;
   NearSplit best{face, size, alpha, 0.0, 0};
   for (int bands = kStep; bands <= 1024; bands += bands < 128 ? kStep : 2 * kStep) {
+    // The product of bands and reach decides what the far part's end leaves out, so that all of these are as exact:
+    // they differ in time alone, and the sums' falls with bands^-2.
     const double reach = bands_of_reach / bands;
     if (reach > kMaxReach) continue;
     const NearSplit split{face, size, alpha, reach, bands};
@@ -388,10 +405,14 @@ NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach
   return best;
 }
 
-// With t texels in all, a mip's near part takes size^2 t / bands^2, and its far part bands^3.
+// With t texels in all, a mip's near part takes size^2 t / bands^2, as the reach is proportional to 1 / bands, and its
+// far part bands^3. Their sum a size^2 t / bands^2 + b bands^3 is least where -2 a size^2 t / bands^3 + 3 b bands^2 =
+// 0, at bands = (2 a / 3 b)^(1/5) (size sqrt(t))^(2/5): `wanted`, with kBalance for the constants. t counts per
+// steradian. The reach must hold kTexelsOfReach texels of the largest size, which is `most` bands.
 NearSplit near_far_split(int columns, int rows, int size, double alpha) {
   NearSplit split{.size = size, .alpha = alpha};
   int parts = parts_of(0.5 * columns / (rows == 0 ? 1.0 : kPi));
+  // quarter turns must take columns to columns
   while (rows > 0 && columns * parts % 4 != 0) ++parts;
   split.face = columns * parts;
   split.rows = rows == 0 ? 0 : rows * parts_of(rows / kPi);

@@ -32,13 +32,16 @@ int whole_below(double number) {
 
 int whole_above(double number) { return -whole_below(-number); }
 
-/// Returns a position clear of lines between texels, whose corners it would see under no angle: some 1e-7 of a texel
-/// away, much less than the narrowest lobe is wide.
+/// Returns a position clear of lines between texels: 2^-23 of a texel (1.2e-7) away, much less than the narrowest lobe
+/// is wide. On a line, `cross` of an edge would be 0 or rounding's, and a texel that has the direction could not be
+/// told from its neighbour by the signs of its edges. The error of that move is part of the estimate
+/// (`error_of_weights`).
 double clear_of_lines(double position) {
   const double line = whole_below(position + 0.5);
   return std::abs(position - line) < 0x1p-23 ? line + 0x1p-23 : position;
 }
 
+/// Returns s = sin^2(radians / 2). Angles count in turns, so sin(radians / 2) is that of radians / (4 pi) turns.
 double sine_squared_of_half(double radians) {
   const double sine = math::sine_cosine_of_turns(radians / (4.0 * kPi)).sine;
   return sine * sine;
@@ -70,6 +73,14 @@ RowRange nested(const ColumnRange& columns, const ColumnRange& fine, const Colum
   return {all, inner, within(inner, close)};
 }
 
+// With s = sin^2(theta / 2), dw = 2 pi sin(theta) dtheta = 4 pi ds. So 1 / (q + s)^2 has within s
+//   4 pi (1 / q - 1 / (q + s)) = 4 pi s / (q (q + s)),
+// 4 pi / (q (q + 1)) over the whole sphere, and a share of s (q + 1) / (q + s) within s. In the stereographic plane
+// r = 2 tan(theta / 2), s = r^2 / (4 + r^2); with q = alpha^2 / (1 - alpha^2), q / (q + 1) = alpha^2 and the share is
+//   r^2 / (r^2 + 4 q / (q + 1)) = r^2 / (r^2 + (2 alpha)^2).
+// That is all of the GGX lobe D(half vector) but for its cosine: alpha^2 + (1 - alpha^2) s = (1 - alpha^2) (q + s).
+// The lobe of integral 1 is therefore q (q + 1) / (4 pi) / (q + s)^2. With x = (q + s) / end it is far_scale / x^2,
+// far_scale = q (q + 1) / (4 pi end^2), and q (q + 1) = alpha^2 / (1 - alpha^2)^2.
 SplitLobe split_lobe(const NearSplit& split, bool fine) {
   const double square = split.alpha * split.alpha;
   const double rest = (1.0 - split.alpha) * (1.0 + split.alpha);
@@ -83,6 +94,9 @@ SplitLobe split_lobe(const NearSplit& split, bool fine) {
 }
 
 /// Returns how many images a direction is of itself.
+/// `NearSums::add` adds a direction's sum to every image's texel, so a direction that is its own image gets it so many
+/// times: on the equator from both hemispheres, on the planes x = 0 and x = z from both mirror images, at a pole from
+/// all eight of a hemisphere.
 int times_itself(const glm::ivec3& direction) {
   const int below = direction.y == 0 ? 2 : 1;
   if (direction.x == 0 && direction.z == 0) return 8 * below;
@@ -101,6 +115,7 @@ std::size_t NearTile::bytes() const noexcept {
 }
 
 NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), share_(share) {
+  // radians of an edge where texels are largest: a cubemap's at the middle of a face, a lat-long's at the equator
   const double texel = split.cubemap() ? 2.0 / split.face : kPi * std::max(1.0 / split.rows, 2.0 / split.face);
   closed_ = texel > kMaxTexel * split.alpha;
   lobe_ = split_lobe(split, !closed_);
@@ -113,6 +128,7 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
     for (int across = first; across <= out; across += 2) directions_.emplace_back(across, size, out);
   }
   if (split.cubemap()) return;
+  // half the angle of m columns is m / face / 2 turns
   for (int m = -(split.face / 2); m <= split.face / 2; ++m) {
     const math::SineCosine value = math::sine_cosine_of_turns(0.5 * m / split.face);
     column_table_.push_back(static_cast<float>(value.sine));
@@ -127,6 +143,14 @@ namespace {
 
 /// Returns where the planes lie that touch the cone of all directions within a reach, all with an edge of the face: x /
 /// z from its axis' coordinates across and outwards.
+///
+/// The plane x = m z is as far as the reach from the axis (x, z) where |x - m z| / sqrt(1 + m^2) = S, S the sine of the
+/// reach; the coordinate along the edge plays no part. That is
+///   m^2 (z^2 - S^2) - 2 m x z + x^2 - S^2 = 0,  m = (x z -+ S sqrt(x^2 + z^2 - S^2)) / (z^2 - S^2),
+/// as the discriminant x^2 z^2 - (z^2 - S^2) (x^2 - S^2) is S^2 (x^2 + z^2 - S^2). If that is not positive, the edge's
+/// own direction lies within the cone, and all planes through it meet the cone. Where |z| <= S the cone meets z = 0, so
+/// the range is open on one side. As (x z - root) (x z + root) = (z^2 - S^2) (x^2 - S^2), its end (x z -+ root) / (z^2
+/// - S^2) is taken as (x^2 - S^2) / (x z +- root): z^2 - S^2 may be 0. Where |x| <= S too it is open on both sides.
 Interval across_cone(double x, double z, const math::SineCosine& reach) {
   const double square = x * x + z * z - reach.sine * reach.sine;
   if (z <= -reach.sine) return {};
@@ -215,6 +239,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   group.rows = static_cast<float>(rows);
   group.down = static_cast<float>(kPi / rows);
   group.across = static_cast<float>(2.0 * kPi / columns);
+  // the pair of 0 columns, from which indices go both ways
   group.columns = column_table_.data() + columns / 2 * 2;
   Extent latitude;  // turns
   Extent part_rows;
@@ -222,6 +247,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
     const double own = math::turns_of(d.y, flat);
+    // column 0 begins at longitude half a turn, row 0 at the pole, a quarter of a turn up
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
     const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
     latitude.take(own);
@@ -241,9 +267,13 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   }
   const int highest_row = *std::max_element(window.row.begin(), window.row.end());
   const double own_cosine = math::sine_cosine_of_turns(latitude.largest).cosine;
-  // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2)
+  // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2) (the haversine formula). With `left` of it
+  // for the columns, half their angle is asin(sqrt(left / cosines)), which is half_angle columns / pi columns. Column
+  // k > 0 has its middle k - 1/2 or more from a direction in column 0, -k as much, and counts if that less kInset is
+  // within. `cosines` is that of the northernmost direction and the row's northern edge: no other has a wider range.
   const auto range_of = [&](double cosines, double left) -> ColumnRange {
     if (left <= 0.0) return {0, 0};
+    // near 1 the arc sine is steep, and the row is all but whole
     int side = columns / 2;
     if (left < 0.99 * cosines) {
       const double half_angle = math::arc_sine(std::sqrt(left / cosines));
@@ -251,6 +281,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     }
     return side == columns / 2 ? ColumnRange{-side, side} : ColumnRange{-side, side + 1};
   };
+  // ranges that count in texels are wide enough for the lowest of the directions, where columns are the widest
   const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.least).cosine);
   const double all = sine_squared_of_half(split_.reach);
   const double fine = sine_squared_of_half((closed_ ? kFine : kClose) * texel);
@@ -259,7 +290,8 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   window.first_row = -side;
   window.rows.clear();
   for (int row = -side; row <= side; ++row) {
-    // its middle, from the highest and the lowest of the directions
+    // its middle, from the highest and the lowest of the directions; rows beyond the pole that none of them has see
+    // nothing, which a `nearest` above any reach says
     const double high = row + 0.5 - part_rows.least;
     const double low = row + 0.5 - part_rows.largest;
     const double nearest =
@@ -302,6 +334,7 @@ void NearWeights::weigh_group(std::size_t group, Scratch& scratch) const {
   for (std::size_t k = 0; k < kLanes; ++k) {
     const glm::ivec3& direction = directions_[std::min(group * kLanes + k, directions_.size() - 1)];
     directions[k] = glm::normalize(glm::dvec3(direction));
+    // Scaled to the near part's exact share, 1 - far_0, weights leave uniform light uniform whatever they err by.
     sums[k] = static_cast<float>(share_ / times_itself(direction));
   }
   scratch.count = 0;
@@ -369,6 +402,7 @@ void NearWeights::weigh(const GroupKernels<Group>& kernels, const Group& group, 
   const auto width = static_cast<std::ptrdiff_t>(all.end + 1 + cut - all.first) * simd::kLanes;
   grow(scratch.corners, static_cast<std::size_t>(6 * width));
   float* const corners = scratch.corners.data() - std::ptrdiff_t{all.first} * simd::kLanes;
+  // A line is the lower one of a row and the upper one of the next: two are kept in turn.
   const auto line = [&](int row) -> CornerLine {
     float* const first = corners + (row & 1) * 3 * width;
     return {first, first + width, first + 2 * width, cut == 0 ? nullptr : scratch.bends[row & 1]};

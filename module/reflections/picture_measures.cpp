@@ -35,7 +35,9 @@ Steps steps_of(const float* here, const float* below, const float* left, int col
   return steps;
 }
 
-/// Edges of meridians are a row high at all latitudes, those of rows as long as their columns are wide.
+/// Edges of meridians are a row high at all latitudes, those of rows as long as their columns are wide. A texel has
+/// 2 pi / columns pi / rows `middle` steradians, an edge between columns the length pi / rows and one between rows
+/// 2 pi / columns `end`: over the former, columns / 2 pi and rows / pi `end` remain, per sum of `middle`.
 double edges_of_lat_long(const projection::SanitizedSource& source) {
   const double columns_a_radian = source.columns() / (2.0 * std::numbers::pi);
   const double rows_a_radian = source.rows() / std::numbers::pi;

@@ -29,7 +29,8 @@ double spline_loss(int l, int rings) {
 }
 
 /// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
-/// This and the shares are fits to `welkin_perf --estimates`, docs/maths/reflections.md.
+/// This and the shares are fits to `welkin_perf --estimates`, docs/maths/reflections.md. By their moments the shares of
+/// `RingShares` lose 0.0114 (l h)^4, those of `halved_faces` 0.0073 (l h)^4 in the mean and 0.0089 root mean square.
 constexpr double kSafety = 1.8;
 constexpr double kRingSafety = 2.8;     ///< the same of cubemaps, whose edges rings meet by chance
 constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
@@ -89,6 +90,8 @@ constexpr std::int64_t kMaxTexels = 24576;  ///< that are looked through
 
 /// A wave of degree l that runs diagonally to texels h wide steps by 2 sin(l h / sqrt(8)) of itself from each to the
 /// next, whose square is 8 sin^2(l h / sqrt(8)) / h^2 of it along both axes. Turns.
+/// Its phase from texel to texel is l h / sqrt(2) along each axis, and |e^(i p) - 1| = 2 sin(p / 2): the energy's
+/// squared gradient is 2 (2 sin(l h / sqrt(8)))^2 / h^2. l h / sqrt(8) radians are l h / (4 sqrt(2) pi) turns.
 constexpr double kOfWave = 0.25 / (std::numbers::sqrt2 * kPi);
 
 /// Sums of rows, column by column, as compilers make registers of those.
@@ -171,6 +174,7 @@ EnergyBeyond PictureSums::beyond(std::span<const double> energies) const {
     steps_left -= own * 8.0 * sine * sine / (texel * texel);
   }
   if (!(left > 0.0)) return {};
+  // sin^2(l h / sqrt(8)) of one wave that has all that is left of both
   const double square = std::clamp(0.125 * texel * texel * steps_left / left, 0.0, 1.0);
   const double turns = math::arc_sine(std::sqrt(square)) / (2.0 * kPi);
   // What texels' steps alone make mirrors the degrees below at pi / texel.
@@ -234,6 +238,7 @@ double square_beyond(const EnergyBeyond& beyond, const std::vector<double>& lobe
   const auto degree = static_cast<std::size_t>(beyond.degree);
   double value = lobe[std::min(degree, lobe.size() - 1)];
   if (degree >= lobe.size()) {
+    // over each kEnd degrees the lobe falls by as much as over its last ones
     const double fall = std::min(1.0, std::abs(lobe.back()) / std::max(1e-30, std::abs(lobe[lobe.size() - 1 - kEnd])));
     value *=
         math::exponential(static_cast<double>(degree + 1 - lobe.size()) / kEnd * math::logarithm(std::max(1e-9, fall)));
@@ -327,6 +332,8 @@ namespace {
 double error_beyond(const MipPlan& mip, std::span<const double> energies) {
   if (mip.lobe->last_band() > 0) return 0.0;
   const std::vector<double> known = mip.lobe->spectrum(known_degrees(mip, static_cast<int>(energies.size())));
+  // Sum (2 l + 1) k_l^2 over all degrees is 4 pi Int k^2 (Parseval); `left` is that of the degrees beyond. A degree of
+  // the energy `tail`, among the last known ones, has tail / (2 l + 1) per harmonic.
   double left = 4.0 * kPi * mip.lobe->square();
   for (std::size_t l = 0; l < known.size(); ++l) left -= (2.0 * static_cast<double>(l) + 1.0) * known[l] * known[l];
   const std::size_t quarter = std::max<std::size_t>(1, energies.size() / 4);
@@ -416,6 +423,8 @@ int choose_bands_by_energy(PrefilterPlan& plan, SpectralSource source) {
 /// Returns a lower bound on the mean square over the sphere of texels that are blurred by `zonal`: each by itself, as
 /// what they share is not negative, or all evenly spread.
 double least_square(const std::vector<BrightTexel>& texels, std::span<const double> zonal) {
+  // A light that is spread evenly over an area A has the integral of squares light^2 / A, and the lobe, 1 in all, is as
+  // good as even over 1 / Int k^2. Blurred, a texel covers about both areas.
   double inverse_area = 0.0;  // of the lobe: Int k^2
   for (std::size_t l = 0; l < zonal.size(); ++l)
     inverse_area += (2.0 * static_cast<double>(l) + 1.0) * zonal[l] * zonal[l] / (4.0 * kPi);

@@ -106,6 +106,7 @@ int mips_of(const PrefilterOptions& options) {
 MipMethod method_for(const PrefilterOptions& options, double reach, const MipPlan& mip) {
   if (mip.alpha < kMinAlpha) return MipMethod::copy;
   if (options.method == PrefilterMethod::reference) return MipMethod::reference;
+  // the spectrum falls like exp(-2 alpha l): to exp(-reach) at so many
   const double bands = reach / (2.0 * mip.alpha);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
   if (options.method == PrefilterMethod::automatic) return MipMethod::near_far;
@@ -168,7 +169,8 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
 }
 
 /// Returns the bands of the first transform for a lobe other than GGX: as many as it takes for a picture with many
-/// edges, whose energy of degree l is kEdges / l^2 of the whole.
+/// edges, whose energy of degree l is kEdges / l^2 of the whole. Without the degrees from `bands` on the mip's error
+/// has the square Sum kEdges / l^2 k_l^2, which is summed from the end until it exceeds its share of the bound's.
 int first_bands(const Lobe& lobe, double rms_error) {
   constexpr double kEdges = 6.0;
   constexpr double kShare = 0.4;
@@ -185,7 +187,9 @@ int first_bands(const Lobe& lobe, double rms_error) {
       if (lost > kShare * kOfBound * rms_error * rms_error) break;
       --bands;
     }
-    // what lies beyond is as much as what lies in the last third
+    // What lies beyond is at most about as much as what lies in the last third: a spectrum that falls like l^-1/2, as
+    // slowly as any (docs/maths/reflections.md), makes terms of l^-3, of which 0.8 times as many lie beyond L as from
+    // 2 L / 3 to L. Kinks' l^-5/2 makes it a tenth.
     if (bands < looked_at * 2 / 3 || looked_at == most)
       return std::min(most, (bands + kBandStep - 1) / kBandStep * kBandStep);
   }
@@ -210,6 +214,9 @@ void plan_kernels(const std::vector<ZonalLobe>& kernels, bool reference, Prefilt
 
 ZonalLobe kernel_of(LobeFamily lobe, double roughness) {
   const double alpha = roughness * roughness;
+  // Walter et al. 2007, "Microfacet models for refraction through rough surfaces": a Blinn distribution of this power
+  // is about as wide as one of Beckmann's or GGX's of alpha. cos^n h falls like exp(-n h^2 / 2) = exp(-h^2 / alpha^2),
+  // which is Beckmann's near h = 0.
   const double power = 2.0 / (alpha * alpha) - 2.0;  // as wide as GGX (Walter et al. 2007)
   switch (lobe) {
     case LobeFamily::charlie: return ZonalLobe::charlie(roughness);

@@ -23,7 +23,8 @@ inline constexpr double kMinAlpha = 1e-6;  ///< below, a lobe is narrower than a
 inline constexpr double kMaxNearAlpha = 0.25;
 
 /// Alpha of the GGX lobe that texels are compared through where a surface is matte: from 25 times the mean on they are
-/// lights.
+/// lights. A narrow lobe's peak is 1 / alpha^2 times its mean over the sphere, here 100, of which `find_bright_texels`
+/// takes a quarter.
 inline constexpr double kMatteLightAlpha = 0.1;
 
 struct MipPlan {

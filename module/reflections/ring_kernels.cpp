@@ -48,6 +48,10 @@ void weigh_light(const float* radiance, const float* steradians, int count, floa
   for (; k < count; ++k) light[k] = radiance[k] * steradians[k];
 }
 
+// Texel i of the result has its middle at i + 1/2 large texels, texel j of the row at (j + 1/2) / 2: those from 2 i -
+// 3 to 2 i + 4 lie up to 7/4 from it, in four pairs that are as far on either side. So texel -2 of the result, the
+// farthest that a texel of the row gives light to, begins with texel -7: `kMargin`. The light of -2 and -1 is folded
+// back after that.
 void halve_row(const HalvedRow& row, float* rgb) {
   constexpr int beyond = 2;  // texels of the result that lie beyond either end
   constexpr int margin = 3 * HalvedRow::kMargin;
@@ -72,6 +76,7 @@ void halve_row(const HalvedRow& row, float* rgb) {
   };
   // each texel is written as four floats, of which the next one overwrites the fourth
   if constexpr (kWidth > Quad::size) {  // sums between texels of the result cost less than narrow registers
+    // Written over what it reads: a sum reads at its own place and after it, and is written before any later one.
     for (int first = 0; first < 6 * count; first += kWidth)
       sum(row.scratch + first, Lanes(0.0F)).store_unaligned(row.scratch + first);
     for (int i = 0; i < count; ++i) Quad::load_unaligned(row.scratch + 6 * i).store_unaligned(row.scratch + 3 * i);
@@ -123,6 +128,11 @@ void evaluate_shares(const float* coefficients, const int* cells, const float* p
   for (; i < count; ++i) evaluate_points<1>(coefficients, cells + i, places + i, values + i * kShareLanes);
 }
 
+// With F_c(x) the integral of column c's share from before all columns up to the longitude x, a part from x0 to x1
+// gives column c exactly F_c(x1) - F_c(x0) (`wanted`): of the columns from `first` - 2 on, those before the upper
+// end's own five have been passed by it (F = 1), and what the lower end had passed is taken off. The points' shares
+// times widths are the Gauss rule for the same integrals. Their difference from `wanted` goes to both points alike: a
+// part's sum over its points is exact, and each point has its own rings.
 void share_columns(const ColumnShares& shares, int* columns, float* across) {
   constexpr int kPlaces = 2 * kShareLanes;  // a point's columns end within a part's eight
   const float* point = shares.point_shares;
@@ -163,6 +173,11 @@ WELKIN_INLINE void add_scaled(float* to, float scale, const NarrowLanes (&values
   }
 }
 
+// Green's theorem. With c(x) a column's share at the longitude x and R(p) a ring's share integrated over the sphere's
+// area from the pole to the polar angle p, the integral of both over a texel is Int c(x) (R(p_outer(x)) -
+// R(p_inner(x))) dx, as dR / dp is the ring's share times sin p: a sum over the edges of `across` times R, with a
+// minus sign for inner ones. Edges along meridians have dx = 0. R is `whole` for rings that lie on the pole's side of
+// the point's five, `along` for these, and 0 for those farther away.
 void add_edge(const TexelEdge& edge, const RingWindow& window, const float* whole, int stride, float* block) {
   const RingEdges& line = *edge.line;
   for (std::uint32_t part = edge.first; part < edge.end; ++part) {

@@ -39,11 +39,19 @@ using SumRingTaps = void (*)(const RingRun& run, const RingLayout& places);
 
 // A texel of a face gives its light to the four nearest of half as many along each axis, so that the light of all of
 // them as areas has the texel's own moments up to the third.
+//
+// Let w_k be the share of the large texel whose middle is d_k from the small one's, in large texels: d = -7/4, -3/4,
+// 1/4 and 5/4, or their mirror image. An area of width 1 about d has the moments 1, d, d^2 + 1/12 and d^3 + d / 4; the
+// small one has 1, 0, (1/2)^2 / 12 and 0. So
+//   Sum w = 1,  Sum w d = 0,  Sum w d^2 = 1/48 - 1/12 = -1/16,  Sum w d^3 = 0,
+// which -6, 34, 110 and -10 over 128 solve. The fourth moments differ by -9/16, so along an axis a wave of k radians
+// per large texel loses 9/16 k^4 / 24 = 0.0234 k^4.
 
 /// Shares of texels that lie 7/4, 5/4, 3/4 and 1/4 of a large texel from its middle.
 inline constexpr float kHalvedShares[4] = {-6.0F / 128.0F, -10.0F / 128.0F, 34.0F / 128.0F, 110.0F / 128.0F};
 /// The same shares by what would lie beyond the face's edge, once and twice: parabolas through the first
-/// three within it, by which uniform light stays uniform and moments up to the second remain.
+/// three within it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange
+/// polynomials of the places 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
 inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
@@ -143,6 +151,10 @@ struct RingCells {
 
 /// Calls `take(cells, k)` for the parts of `columns` columns of a ring from `first` on that lie in one sixteenth each,
 /// k columns further on. `first` is above -8 `width`.
+///
+/// Ring -1 - r beyond the pole is ring r half a turn on, which is 4 widths of an eighth each. Below the equator rings
+/// are mirror images of those above it. Every second eighth of a turn is the mirror image of the one next to it about
+/// the line between them, so its columns run backwards; the image's number is that of `image::cube_image_of`.
 template <class Take>
 WELKIN_INLINE void for_folded(int ring, int first, int columns, int rows, int width, const Take& take) {
   if (ring < 0) {

@@ -13,6 +13,10 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kMiddle = kSpread / 2;
+// A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
+// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
+// from the middle of a face's line to its diagonal: hence half of three. Along the first edge of a line that runs away
+// from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces.
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
 constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twice
 constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
@@ -84,6 +88,7 @@ class RingWeights::EdgeLine {
 };
 
 void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
+  // the angle from the middle of the face's line; a line that runs away from there is seen from the other axis
   weights_.find_angles(ends_, distances_, count, places_);
   if (!mirrored) return;
   const double quarter = 0.25 * weights_.columns_;
@@ -109,7 +114,11 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     const auto at = static_cast<std::size_t>(2 * (index - first));
     const double across = std::abs(places_[at + 1] - places_[at]);
     const double low = here.distance * here.distance + height * height;
-    // the ring's change along the line is at most this
+    // The polar angle is p = atan(g / height), g = sqrt(distance^2 + place^2), so along the line
+    //   dp / dplace = place height / (g (height^2 + g^2)).
+    // place / g rises and 1 / (height^2 + g^2) falls with the place: the ring's change is at most (to - from) times the
+    // former at `to` and the latter at `from`. On a side face g >= 1 >= height, where this rises with the height, so
+    // that the height 1 of the face's edge bounds all lines.
     const double reach = (here.to - here.from) * here.to * height /
                          (std::sqrt(here.distance * here.distance + here.to * here.to) * (low + here.from * here.from));
     const double cells = std::max(across, reach * per_column);
@@ -145,6 +154,8 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
       const double square = distances_[point] * distances_[point] + place * place;
       ends_[point] = place;
       horizontals_[point] = std::sqrt(square);
+      // the longitude is atan(place / distance), whose slope is distance / (distance^2 + place^2); half the part's
+      // length stands for each of the two points
       widths_[point] = static_cast<float>(per_column * half * distances_[point] / square);
     }
   }
@@ -161,6 +172,7 @@ void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end,
   const auto from = std::size_t{kPartPoints} * line.first_part(first);
   const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
   std::fill_n(distances_, count, height);
+  // the polar angle atan(horizontal / height), in rings
   weights_.find_angles(line.horizontals_ + from, distances_, count, places_);
   split(places_, count, weights_.rows_ / 2, rings_ + from, rest_);
   weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_ + from, rest_, count,
@@ -179,7 +191,7 @@ class RingWeights::Workspace {
 };
 
 /// An edge has one part, and more where it crosses many rings or columns: those of a line's edges add up to less than a
-/// third of the columns.
+/// third of the columns, 2 rows / 3, and each part beyond the first stands for kPartCells = 1.5 of them.
 std::size_t RingWeights::parts_of_line(int texels, int rows) noexcept {
   constexpr int kRounding = 16;
   return static_cast<std::size_t>(texels + rows / 2 + kRounding);
@@ -276,6 +288,9 @@ void RingWeights::find_corners() {
   }
 }
 
+// The corners that are nearest to the pole and farthest from it, and their longitudes: on -Z the polar angle grows with
+// the column and falls with the row, longitude is the column's alone; on +Y the polar angle grows with both, and
+// longitude atan(x / |z|) falls with the row and grows with the column, up to the diagonal, an eighth of a turn.
 RingWindow RingWeights::window(int row, int column) const noexcept {
   const bool top = row >= texels_;
   const int line = top ? row - texels_ : row;
@@ -332,7 +347,7 @@ RingWeights::Clip RingWeights::clip_of(int band) const noexcept {
   return {band == 0 ? -kSpread : first_ring(band), band + 1 == bands() ? rows_ / 2 + kSpread : first_ring(band + 1)};
 }
 
-/// Windows lie farther from the pole from texel to texel.
+/// Windows lie farther from the pole from texel to texel, so that two bisections find the texels of a clip.
 RingWeights::Range RingWeights::range_of(int row, const Clip& clip) const {
   const int count = texel_rows_[static_cast<std::size_t>(row)].count;
   const auto first_where = [&](const auto& reached) {
@@ -400,6 +415,9 @@ void RingWeights::walk(int first_row, const Clip& clip, const Find& find, const 
   }
 }
 
+// A side face's vertical edges are meridians, along which the longitude does not change: the lower edge of a texel is
+// its outer one, the upper edge its inner one. All lines of the face have the same longitudes and parts (`side`); the
+// height of a line decides its rings.
 void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   EdgeLine& side = workspace.side;
   const auto find = [&](int line, const Range& range) {
@@ -419,6 +437,10 @@ void RingWeights::weigh_side(const Clip& clip, const RingBand& band, Workspace& 
   });
 }
 
+// In +Y's texels |z| lies between two lines and x between two others, x <= |z|. The edges at the larger |z| and the
+// larger x are outer ones. From a texel on the diagonal the half with x <= |z| belongs to the sixteenth; its long side
+// is a meridian and gives nothing, like the edges on x = 0: so one edge counts in the middle of the face, two on the
+// diagonal, three at x = 0 and four elsewhere.
 void RingWeights::weigh_top(const Clip& clip, const RingBand& band, Workspace& workspace) const {
   constexpr double kHeight = 1.0;
   EdgeLine& steps = workspace.steps;

@@ -17,7 +17,10 @@ namespace {
 
 constexpr int kMaxMips = 16;
 
-/// 2^(mip / 0.8) = 2^(5 mip / 4), by square roots and an exact scaling.
+// Each is the inverse of what the engine's shader computes, which is `mip_by_formula`: the roughness that it looks up
+// at a whole mip.
+
+/// mip = 0.8 log2(size alpha), so alpha = 2^(mip / 0.8) / size. 2^(5 mip / 4) by square roots and an exact scaling.
 double babylon_alpha(int mip, int size) {
   const int quarters = 5 * mip;
   const double root = std::sqrt(std::numbers::sqrt2);
@@ -33,6 +36,7 @@ double unity_roughness(int mip) {
   return t < 1.0 ? (1.7 - std::sqrt(2.89 - 2.8 * t)) / 1.4 : 1.0;
 }
 
+/// mip = last_mip - 1 - (1 - 1.2 log2(roughness)), so roughness = 2^((mip - last_mip + 2) / 1.2).
 /// REFLECTION_CAPTURE_ROUGHEST_MIP is 1, REFLECTION_CAPTURE_ROUGHNESS_MIP_SCALE 1.2.
 double unreal_roughness(int mip, int last_mip) {
   return std::min(1.0, math::exponential(std::numbers::ln2 * (mip - last_mip + 2) / 1.2));
@@ -42,6 +46,7 @@ double roughness_of_mip(RoughnessSchedule schedule, int mip, int mips, int size)
   if (mip == 0) return 0.0;
   const double t = static_cast<double>(mip) / (mips - 1);
   switch (schedule) {
+    // t = r (2 - r) = 1 - (1 - r)^2
     case RoughnessSchedule::filament: return 1.0 - std::sqrt(1.0 - t);
     case RoughnessSchedule::babylon: return std::sqrt(babylon_alpha(mip, size));
     case RoughnessSchedule::unity: return unity_roughness(mip);

@@ -66,6 +66,8 @@ std::shared_ptr<const reflections::Lobe> above_horizon(const Key& key, const Val
 ZonalLobe ZonalLobe::charlie(double roughness) {
   const platform::FloatingPointScope floating_point;
   require_number("roughness of Charlie sheen", roughness, 0.01, 1.0);
+  // With N = V the half vector is half of the angle from the axis: sin^2 h = (1 - c) / 2, and sin(h)^(1 / alpha) of
+  // Estevez and Kulla's distribution is (1 - c)^(1 / (2 alpha)) but for a factor. c weighs the light.
   const double power = 0.5 / (roughness * roughness);
   return {above_horizon({LobeFamily::charlie, power},
                         [power](double cosine) { return cosine * power_of(1.0 - cosine, power); }),
