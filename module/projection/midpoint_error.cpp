@@ -112,6 +112,13 @@ MidpointError::MidpointError(int size, int bands, const TexelWeights& weights)
   combine(Samples(size, bands, weight_rows_));
 }
 
+// Each class has its own least squares: C minimizes sum over samples |off - C centre|^2 + lambda |C|^2. Its rows solve
+// (G + lambda 1) C_a = R_a with G = sum centre centre^T, R = sum off centre^T and lambda = kRidge trace(G) / n. In a
+// direction of singular value s the gain is s / (s^2 + lambda) <= 1 / (2 sqrt(lambda)), so no entry of C exceeds 5e4
+// |off| / sqrt(trace(G) / n), |off|^2 being the sum over all samples, however alike the functions are on few texels.
+//
+// A projection's sums S = sum L w centre then have the error sum L w off = C S + sum L w left, and the norm of the last
+// sum is at most sum L w max |left|: the light times `beyond_`.
 void MidpointError::combine(const Samples& samples) {
   const auto functions = static_cast<std::size_t>(samples.functions);
   std::vector<double> left(samples.off);

@@ -21,6 +21,8 @@ constexpr int kClassesOfHalves = 2;
 
 WELKIN_INLINE void store_quadrant_classes(const simd::Adder& adder, Lanes top_left, Lanes top_right, Lanes bottom_left,
                                           Lanes bottom_right, float* plane) {
+  // Eight additions for four classes: sums and differences in u first, then those of them in v (a Hadamard matrix as a
+  // product of two). Each texel counts with the sign of its mirror image in the class.
   const Lanes top_sum = adder.add(top_left, top_right);
   const Lanes top_difference = top_right - top_left;
   const Lanes bottom_sum = adder.add(bottom_left, bottom_right);
@@ -313,6 +315,8 @@ RowMeasure measure_row(const float* values, int count) {
       sum[k] = sum[k] + value;
       least[k] = xsimd::min(least[k], value);
       largest[k] = xsimd::max(largest[k], value);
+      // 0 x is 0 for finite x, and NaN for NaN and infinities; a sum keeps a NaN. So one product and one sum take the
+      // place of a comparison and a branch for each value.
       odd[k] = odd[k] + value * Lanes(0.0F);
     }
   }
@@ -363,6 +367,8 @@ void evaluate_harmonics(const DirectionRun& run, const math::BasisRecurrence& re
     const DoubleLanes x = points(run.start[0], run.step[0], u);
     const DoubleLanes y = points(run.start[1], run.step[1], u);
     const DoubleLanes z = points(run.start[2], run.step[2], u);
+    // The basis is a polynomial of a unit direction: normalize once per point. Lanes beyond `count` repeat the first
+    // point, so that none divides by 0.
     const DoubleLanes scale = DoubleLanes(1.0) / xsimd::sqrt(x * x + y * y + z * z);
     DoubleLanes sums[3] = {DoubleLanes(0.0), DoubleLanes(0.0), DoubleLanes(0.0)};
     math::for_each_basis_value(recurrence, x * scale, y * scale, z * scale, DoubleLanes(1.0), bands,
