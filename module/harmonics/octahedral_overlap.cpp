@@ -19,6 +19,7 @@ constexpr int kMinCells = 32;
 /// A convex polygon: four corners, and at most one more for each of the nine lines that cut it.
 template <class Point>
 struct Polygon {
+  // The lines: three of an octant, two of a face, four of a cell.
   std::array<Point, 16> corners;
   std::size_t count = 0;
 
@@ -37,6 +38,8 @@ void split(const Polygon<Point>& from, const Distance& distance, Polygon<Point>&
   for (const Point& here : from.all()) {
     const double here_distance = distance(here);
     if ((here_distance < 0.0) != (last_distance < 0.0)) {
+      // `distance` is linear on the segment, so it is 0 at the share last / (last - here) of it. (Sutherland and
+      // Hodgman 1974, keeping both sides.)
       const Point crossing = last + (here - last) * (last_distance / (last_distance - here_distance));
       below.add(crossing);
       above.add(crossing);
@@ -67,6 +70,10 @@ Polygon<glm::dvec3> part_in_octant(const glm::dvec2& low, const glm::dvec2& high
   for (const glm::dvec2& corner : {low, {high.x, low.y}, high, {low.x, high.y}}) square.add(corner);
   keep(square, [&](const glm::dvec2& p) { return octant.x * p.x; });
   keep(square, [&](const glm::dvec2& p) { return octant.y * p.y; });
+  // The map (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014) has
+  // z = 1 - |x| - |y|. Where that is below 0, the triangle beyond the square's diagonal is folded over it:
+  //   (x, y) becomes (sign x (1 - |y|), sign y (1 - |x|)).
+  // Within an octant all of this is linear, so corners stay corners and lines lines.
   keep(square, [&](const glm::dvec2& p) { return octant.z * (1.0 - octant.x * p.x - octant.y * p.y); });
   Polygon<glm::dvec3> part;
   for (const glm::dvec2& p : square.all()) {
@@ -82,10 +89,14 @@ Polygon<glm::dvec3> part_in_octant(const glm::dvec2& low, const glm::dvec2& high
 Polygon<glm::dvec2> part_on_face(Polygon<glm::dvec3> part, int face, int size) noexcept {
   const image::Frame& frame = image::face_frame(face);
   for (const glm::dvec3& axis : {frame.u, frame.v}) {
+    // |p . axis| is linear here: each axis is +-x, +-y or +-z, whose sign does not change in an octant. The faces that
+    // an octant touches are the three towards its signs.
     keep(part, [&](const glm::dvec3& p) { return glm::dot(p, frame.normal) - std::abs(glm::dot(p, axis)); });
   }
   Polygon<glm::dvec2> on_face;
   for (const glm::dvec3& p : part.all()) {
+    // u = p . u / p . normal from -1 to 1 is (u + 1) / 2 size texels from the edge; the first texel's centre, half a
+    // texel from it, is at 1: 1/2 + (u + 1) / 2 size = middle + u size / 2.
     const double scale = 0.5 * size / glm::dot(p, frame.normal);
     const double middle = 0.5 * (size + 1);
     on_face.add({middle + scale * glm::dot(p, frame.u), middle + scale * glm::dot(p, frame.v)});
@@ -201,6 +212,8 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     const double u = scale * (position.x - 0.5) - 1.0;
     const double v = scale * (position.y - 0.5) - 1.0;
     const double square = 1.0 + u * u + v * v;
+    // dw = du dv / r^3. `area` is twice a triangle's, in texels; such factors are common to all weights and drop out
+    // when these are divided by their sum.
     const double angle = area / (square * std::sqrt(square));
     const double s = position.x - column;
     const double t = position.y - row;
@@ -209,6 +222,9 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     down += angle * t;
     both += angle * s * t;
   };
+  // The mean of the values at the middles of a triangle's sides, times the area, is exact for quadratic functions, and
+  // s t, the highest term of bilinear interpolation, is quadratic: only r^-3 is approximated, over 1 / 32 of a face or
+  // less.
   const glm::dvec2& first = corners[0];
   for (std::size_t k = 2; k < corners.size(); ++k) {  // triangles, each by the middles of its sides
     const glm::dvec2& second = corners[k - 1];
@@ -221,6 +237,7 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     add(0.5 * (second + third), area);
   }
   double* const weights = weights_.data() + patch.first + (row - patch.row) * patch.columns + (column - patch.column);
+  // Int (1 - s) (1 - t), Int s (1 - t), Int (1 - s) t and Int s t.
   weights[0] += whole - across - down + both;
   weights[1] += across - both;
   weights[patch.columns] += down - both;

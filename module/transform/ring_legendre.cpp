@@ -126,6 +126,7 @@ void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
     const double n = m + 2.0;
     // Lane by lane, so that compilers make registers of them.
     for (std::size_t q = 0; q < last_lane; ++q) {
+      // -(g(0) - g): what a step weighs.
       weights[q] = norm * (here[q] - here_whole);
       power[q] *= sines_[q];
       const double next = (power[q] * x_.data()[q] + (n - 1.0) * before[q]) / n;
@@ -162,6 +163,7 @@ std::size_t LegendreRings::bytes() const noexcept {
 
 namespace {
 
+// kBeyond: kernels read a(m + i) for i < 4 fours + 6, and 4 fours <= bands - m + 3.
 constexpr std::size_t kFactorsCacheBytes = std::size_t{64} << 20U;  // 512 bands take 4 MiB, 1536 take 38
 constexpr int kBeyond = 9;                                          // degrees that kernels run past the last one
 
@@ -196,6 +198,8 @@ void LegendreFactors::fill_order(int m, int count) {
   // Loop by loop, so that compilers make registers of all but one: `beta` has e(l) meanwhile.
   for (int i = 1; i < count; ++i) beta[i] = ratio(m + i, m);
   for (int i = 1; i < count; ++i) alpha[i] = beta[i - 1] / beta[i];
+  // With P(l) = gamma(l) Q(l), e(l) P(l) = x P(l - 1) - e(l - 1) P(l - 2) divided by e(l) gamma(l) has the factor
+  // e(l - 1) gamma(l - 2) / (e(l) gamma(l)) of Q(l - 2): 1 for the gamma(l) here. That of x Q(l - 1) is a(l).
   gamma[1] = 1.0;
   for (int i = 2; i < count; ++i) gamma[i] = alpha[i] * gamma[i - 2];
   for (int i = 1; i < count; ++i) {
