@@ -107,6 +107,9 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
     gb = gb + wg * b;
     bb = bb + weight * b * b;
   }
+  // Over its trace: the largest eigenvalue is then from 1/3 to 1, and the products of four matrices, of values up to
+  // 3e4, stay within a float. Each multiplication takes the share of the second axis down by the quotient of the
+  // eigenvalues.
   const Lanes scale = Lanes(1.0F) / (rr + gg + bb + Lanes(1.0e-20F));
   for (Lanes* const entry : {&rr, &rg, &rb, &gg, &gb, &bb}) *entry = *entry * scale;
   const Mask red = (rr >= gg) & (rr >= bb);
@@ -136,6 +139,8 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
     most = xsimd::max(most, texels.inside(k, position, Lanes(-kBig)));
   }
   const Lanes anchor = texels.at_anchor([&](int k) WELKIN_INLINE_LAMBDA { return plain.at(block, k); });
+  // The index is the rounded place from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
+  // the upper half, the ends are exchanged (its index must not have the upper bit).
   const Lanes range = most - least;
   const Mask turned = anchor - least > most - anchor;
   const Lanes size = select(range > Lanes(0.0F), Lanes(Texels::steps) / range, Lanes(0.0F));
@@ -170,6 +175,12 @@ WELKIN_INLINE FittedLine least_squares(const BlockLanes& block, const Texels& te
     green = green + p * (block.value(k, 1) - centre.mean[1]);
     blue = blue + p * (block.value(k, 2) - centre.mean[2]);
   }
+  // Minimizes sum w ((1 - s) low + s high - d)^2, d from the mean. With
+  //   a = sum w (1 - s)^2,   b = sum w s (1 - s),   c = sum w s^2,   R = sum w s d = -sum w (1 - s) d
+  // the normal equations are a low + b high = -R and b low + c high = R. Their solution is
+  //   low = -(b + c) R / det,   high = (a + b) R / det,   b + c = sum_p,   a + b = W - sum_p.
+  // det = a c - b^2 is W^2 times the weighted variance of s: below 1e-6 of W^2 all texels have one index, and both ends
+  // are the mean.
   FittedLine line;
   line.c = sum_ps;
   line.b = sum_p - sum_ps;
@@ -253,6 +264,7 @@ WELKIN_INLINE Lanes middle_of(Lanes v) {
 /// A half between two ends as the decoder computes it, exactly. `middle` = low + 1/2, `reach` = high - low.
 template <bool is_signed>
 WELKIN_INLINE Lanes decoded(Lanes middle, Lanes reach, Lanes s) {
+  // floor((low (64 - w) + high w + 32) / 64) = floor(low + 1/2 + (high - low) w / 64).
   const Lanes exact = middle + reach * s;
   if constexpr (is_signed) {
     const Lanes towards_zero = truncated(exact);

@@ -75,6 +75,9 @@ std::shared_ptr<const FaceSolidAngles> FaceSolidAngles::get(int size) {
 }
 
 FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
+  // A texel's half-width is 1 / size and the integrand's poles are at distance 1, so k points are off like
+  // (2 size)^(-2k). Computed against 12 points: 3e-14 for size 32 with 4, 1.5e-12 for 64 with 3 and 5e-12 for 512 with
+  // 2, relative.
   const auto order_for = [](int texels) { return texels < 64 ? 4 : (texels < 512 ? 3 : 2); };
   const math::GaussRule rule = size < 32 ? math::texel_rule(size) : math::gauss_legendre(order_for(size));
   const int half = (size + 1) / 2;
@@ -85,6 +88,7 @@ FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
   quadrant_.resize(index(half, 0));
   for (int row = 0; row < half; ++row) {
     const double v = (2.0 * row + 1.0) * half_edge - 1.0;
+    // The density is symmetric in u and v: half of the quadrant is enough.
     for (int column = 0; column <= row; ++column) {
       const double u = (2.0 * column + 1.0) * half_edge - 1.0;
       quadrant_[index(row, column)] = quadrant_[index(column, row)] =
@@ -128,6 +132,8 @@ int face_of(const glm::dvec3& direction) noexcept {
 
 glm::ivec3 point_of(int size, const CubeTexel& texel) noexcept {
   const WholeFrame& frame = whole_frame(texel.face);
+  // The unit is half a texel, so centres (odd places from the edge) are whole numbers and every symmetry of the cube
+  // maps them without rounding.
   return frame.normal * size + frame.u * (2 * texel.column + 1 - size) + frame.v * (2 * texel.row + 1 - size);
 }
 

@@ -230,6 +230,7 @@ class Builder {
     const double even = mean * importance::texel_solid_angle(size_.width, size_.height, row);
     for (float& value : function_of(row)) {
       // What is even to rounding has nothing above its mean.
+      // max(0, f - mean) over the sphere, integrated over the texel: f's integral less mean times solid angle.
       value = static_cast<float>(std::max(0.0, static_cast<double>(value) - even * (1.0 + 1e-6)));
     }
     finish_row(row);
@@ -259,6 +260,8 @@ struct Step {
 };
 
 Step step_of(std::span<const float> cdf, double number) noexcept {
+  // The inverse of the cumulative distribution: the first step whose end is above the number. Steps of height 0 end at
+  // their beginning and are never the first. Numbers stay below 1, the end of the last step that rises.
   const double inside = number > 0.0 ? std::min(number, 1.0 - 0x1p-53) : 0.0;  // NaN: 0
   const auto above =
       std::upper_bound(cdf.begin(), cdf.end(), inside, [](double a, float b) { return a < static_cast<double>(b); });
@@ -277,6 +280,7 @@ std::span<const float> cdf_of(const ImportanceTable& table, std::size_t row) noe
 /// By the function, and not by the steps of the cumulative distributions: where those of dim texels beside a bright one
 /// are rounded, some are picked more often than the function says and others never, as often together.
 double density_of(const ImportanceTable& table, std::size_t row, std::size_t column) noexcept {
+  // Per steradian: the texel's probability over its solid angle, as directions are even within it.
   const double probability =
       static_cast<double>(table.function[row * static_cast<std::size_t>(table.width) + column]) / table.integral;
   return probability / importance::texel_solid_angle(table.width, table.height, static_cast<int>(row));

@@ -51,6 +51,7 @@ void RowWeights::read(int row, Scratch& scratch, std::span<float> weights) const
   }
   switch (weight_) {
     case ImportanceWeight::mean:
+      // Thirds first: the sum of three large floats could be infinite.
       return weigh(rgb, weights, [](float r, float g, float b) { return r / 3.0F + g / 3.0F + b / 3.0F; });
     case ImportanceWeight::largest:
       return weigh(rgb, weights, [](float r, float g, float b) { return std::max(std::max(r, g), b); });
@@ -95,6 +96,8 @@ double height_of_edge(int row, int rows) noexcept {
 }
 
 double texel_solid_angle(int width, int height, int row) noexcept {
+  // Archimedes: a zone's solid angle is 2 pi times its height. These are differences of edges' heights, not the product
+  // of image/geometry.cpp: with the same edges the parts of a texel in several cells add up to the texel.
   return (height_of_edge(row + 1, height) - height_of_edge(row, height)) * 2.0 * std::numbers::pi / width;
 }
 

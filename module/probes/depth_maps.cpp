@@ -19,6 +19,8 @@ namespace {
 constexpr int kMaxBlocks = 16;
 
 /// The largest power whose lobes are wider than the blocks of kMaxBlocks.
+/// Along a great circle cos^p bends from concave to convex where (p - 1) tan^2 = 1: at tan = 1/8 for p = 65, and 1/8 is
+/// a block's edge on a face of edge 2 with 16 of them. Across narrower lobes a second-order correction means nothing.
 constexpr int kWideLobe = 65;
 
 /// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
@@ -37,6 +39,14 @@ double power_of(double base, int power) noexcept {
 /// over a block. Where distances are smooth, subtracting (area / 24) of the lobe's Laplacian corrects for that
 /// (integration by parts). The sum over the block's texels, `texels` along an edge, misses a share of 1 / texels^2 of
 /// the correction.
+/// Derivation, for a lobe f, distances g and blocks of edge a and area A = a^2, with all values at a block's middle:
+///   Int f g over a block = A (f g + a^2 / 24 Lap(f g)) + O(a^6),
+///   mean of g over t x t texels = g + k Lap g,   k = a^2 / 24 (1 - 1 / t^2).
+/// Summed over the sphere, Int Lap(f g) = 0 and Int f Lap g = Int g Lap f, so the sum of A f (mean of g) is Int f g + k
+/// Int g Lap f: f - k Lap f in place of f takes the second term away. On the sphere
+///   Lap cos^p = p cos^p ((p - 1) tan^2 - 2).
+/// For smooth g and 12 random axes the correction takes the rms error to a fifth or less (computed for powers 20 and
+/// 50, 2 and 4 texels per block edge).
 double lobe_correction(double cosine, int power, double steradians, double texels) noexcept {
   if (power > kWideLobe) return 1.0;
   const double tangent_square = 1.0 / (cosine * cosine) - 1.0;
@@ -131,6 +141,8 @@ void DepthMaps::gather_shares(int column, int row) {
   const std::size_t first = shares_.size();
   for (std::size_t block = 0; block < directions_.size(); ++block) {
     const double cosine = glm::dot(axis, directions_[block]);
+    // Weights are normalized below, so any common factor may be taken out: (cosine / nearest)^power does not underflow
+    // for large powers.
     const double lobe = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
     if (lobe < kMinWeight) continue;
     const double steradians = block_angles_[block % block_angles_.size()];

@@ -48,9 +48,10 @@ void for_each_overlap(int index, int count, int cells, const Use& use) {
 
 /// Integral of cos(m lon) (m >= 0) or sin(|m| lon) over column `index` of `width`, or width times the value
 /// at its centre. The integral over a width d is the centre's value times 2 sin(m d / 2) / m.
-/// Int over a column of width d around lon of e^(i m x) dx = e^(i m lon) (e^(i m d / 2) - e^(-i m d / 2)) / (i m) =
-/// e^(i m lon) 2 sin(m d / 2) / m, of which the cosine is the real part and the sine the imaginary one. With d = 2 pi /
-/// width, m d / 2 is order / (2 width) of a turn.
+/// With d the column's width,
+///   Int e^(i m x) dx over it = e^(i m lon) (e^(i m d / 2) - e^(-i m d / 2)) / (i m) = e^(i m lon) 2 sin(m d / 2) / m,
+/// and the cosine is the real part, the sine the imaginary one. For d = 2 pi / width, m d / 2 is order / (2 width) of a
+/// turn.
 double column_integral(int m, int index, int width, bool midpoint) {
   const int order = m < 0 ? -m : m;
   const double step = 2.0 * kPi / width;
@@ -94,9 +95,9 @@ void integrate_row(int row, int height, int bands, bool midpoint, double* sums) 
   }
   // The integrands are trigonometric polynomials of degree up to 16: sixteen points carry them over half a
   // turn, fewer over less.
-  // (q(l, m) cos^m has the degree l <= 15 in sine and cosine, and the solid angle's cosine adds 1.) Errors of e^(i d
-  // lat) for all d <= 16, relative to the row's extent in latitude, computed: 3e-10 for one row (24 points), below
-  // 1e-15 for two and three; 1.5e-12 for four (12 points), below 1e-14 up to 63; 1.3e-14 from 64 on (6 points).
+  // (q(l, m) cos^m has the degree l <= 15 in sine and cosine, and the solid angle's cosine adds 1.) Errors of
+  // e^(i d lat) for all d <= 16, relative to the row's extent in latitude, computed: 3e-10 for one row (24 points),
+  // below 1e-15 for two and three; 1.5e-12 for four (12 points), below 1e-14 up to 63; 1.3e-14 from 64 on (6 points).
   const math::GaussRule rule = math::gauss_legendre(height < 4 ? 24 : height < 64 ? 12 : 6);
   for (int i = 0; i < rule.order; ++i) {
     const math::SineCosine latitude = at_latitude(row + 0.5 * (1.0 + rule.nodes[i]), height);

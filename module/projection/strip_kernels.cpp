@@ -164,8 +164,8 @@ struct FunctionSums {
   FunctionSums<f + 1> next;
 
   WELKIN_INLINE void add(const Classes& classes, const float* weights) {
-    // Three bands have 4, 2, 2 and 1 functions that are (even, even), (odd, even), (even, odd) and (odd, odd) in (u,
-    // v): see `symmetry_class` in texel_weights.cpp.
+    // Three bands have 4, 2, 2 and 1 functions that are (even, even), (odd, even), (even, odd) and (odd, odd) in
+    // (u, v): see `symmetry_class` in texel_weights.cpp.
     const Lanes value = f < 4 ? classes.ee : f < 6 ? classes.oe : f < 8 ? classes.eo : classes.oo;
     here = here + value * Lanes::load_aligned(weights);
     next.add(classes, weights + kGroup);

@@ -97,7 +97,7 @@ bool StripWeights::serve(int size, int bands) noexcept {
 // bands, divided by r^3, is as rough as a wave of w = bands (measured for three), so a face is as good as one of
 // three bands that is smaller by as much.
 int StripWeights::moments_for(int size, int bands) noexcept {
-  // A row is 2 / N in u and w = 3, so the bound is 543 (6 / N)^4 / 4! = 2.6e-8 for 1024 (measured: 2.5e-8,
+  // A row is 2 / N in u and w = 3, so the bound is 543 (6 / N)^4 / 4! = 2.7e-8 for 1024 (measured: 2.5e-8,
   // docs/maths/projection.md), 1907 (6 / N)^5 / 5! = 3.5e-9 for 512 and 6848 (6 / N)^6 / 6! = 1.6e-9 for 256. The last
   // two are measured as 8e-9 and 9e-9: a harmonic divided by r^3 is not one wave.
   const int alike = size * kStripBands / bands;

@@ -526,8 +526,8 @@ class CubemapTexels final : public TexelIntegrals {
       return 2.0 / size * std::sqrt(part.across * part.across + part.down * part.down);
     }
     [[nodiscard]] FaceHorizon horizon(const glm::dvec3& axis) const noexcept { return {size, face, axis}; }
-    // The density's poles are at distance 1 or more from a plane point, and 0.13 size is a half-width of 0.26 in u: rho
-    // >= 1 / 0.26 + sqrt(1 / 0.26^2 + 1) = 7.8, and each point of a Gauss rule takes off a factor of 60.
+    // The density's poles are at distance 1 or more from a plane point, and 0.13 size is a half-width of 0.26 in u:
+    // rho >= 1 / 0.26 + sqrt(1 / 0.26^2 + 1) = 7.8, and each point of a Gauss rule takes off a factor of 60.
     [[nodiscard]] bool too_wide(const Part& part) const noexcept { return part.across > 0.13 * size; }
   };
 
