@@ -124,6 +124,8 @@ RingedCube::RingedCube(const CubemapView& view)
         across(face, edge, k);
       }
     }
+    // Three faces meet at a cube's corner: bilinear interpolation has no fourth texel there. The mean of the three is
+    // the same value from all three faces.
     const int last = size_ + 1;
     for (const auto& [column, row] : {std::pair{0, 0}, {last, 0}, {0, last}, {last, last}}) {
       const int inner_column = std::clamp(column, 1, size_);
@@ -257,6 +259,8 @@ FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept {
   const auto along = [&](const glm::dvec3& of, const glm::dvec3& axis) {
     return static_cast<int>(glm::dot(rotated(of), axis));
   };
+  // A symmetry takes the face's axes to axes of the other face, or their opposites: each product is -1, 0 or 1, the
+  // step of a column or a row there. The first texel lies at the far end of an axis along which the steps go down.
   to.across_columns = along(frame.u, other.u);
   to.across_rows = along(frame.u, other.v);
   to.down_columns = along(frame.v, other.u);

@@ -247,6 +247,7 @@ ThreeRotations::ThreeRotations(const glm::dmat3& map, int bands)
     : mirrored_(glm::determinant(map) < 0.0), bands_(bands) {
   const double sign = mirrored_ ? -1.0 : 1.0;
   constexpr double least = 1e-20;
+  // `row(k)` is (-sin alpha, cos alpha, 0) . column k, the second row of Rz(-alpha) M: (sin gamma, cos gamma, 0).
   const glm::dvec3 pole = sign * map[2];
   const double sine = std::sqrt(pole.x * pole.x + pole.y * pole.y);
   const glm::dvec2 alpha = sine > least ? glm::dvec2(pole.x / sine, pole.y / sine) : glm::dvec2(1.0, 0.0);

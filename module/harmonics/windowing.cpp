@@ -97,8 +97,8 @@ double first_lambda_at(const BandValues& values, double target, double lambda) {
 }  // namespace
 
 double min_laplacian_factor(int l, double lambda) noexcept {
-  // The g that minimizes |f - g|^2 + lambda |Laplacian g|^2. Harmonics are eigenfunctions of the Laplacian, with -l (l
-  // + 1), so each coefficient minimizes
+  // The g that minimizes |f - g|^2 + lambda |Laplacian g|^2. Harmonics are eigenfunctions of the Laplacian, with -l
+  // (l + 1), so each coefficient minimizes
   //   (c - g)^2 + lambda l^2 (l + 1)^2 g^2   for itself, at   g = c / (1 + lambda l^2 (l + 1)^2)
   // (Sloan, "Stupid Spherical Harmonics Tricks", 2008).
   const double laplacian = static_cast<double>(l) * (l + 1.0);
@@ -148,12 +148,14 @@ namespace {
 
 double hanning(int l, double width) {
   if (l >= width) return 0.0;
+  // (1 + cos(pi l / width)) / 2; a turn is 2 pi.
   return 0.5 * (1.0 + math::sine_cosine_of_turns(l / (2.0 * width)).cosine);
 }
 
 double lanczos(int l, double width) {
   if (l == 0) return 1.0;
   if (l >= width) return 0.0;
+  // sin(x) / x, x = pi l / width.
   return math::sine_cosine_of_turns(l / (2.0 * width)).sine / (std::numbers::pi * l / width);
 }
 

@@ -90,6 +90,8 @@ SoftCells TileWeights::soft_rows() const {
     // is sin^2(lat). The larger of the two is that of the face the latitude lies on. edges are -sin(lat).
     const double squared = edges[k] * edges[k];
     const double texels = height_ / kPi * 2.0 / size() * std::max(squared, 1.0 - squared);
+    // Heights of rows differ. A ramp must not reach beyond the middle of a neighbour, where the next ramp may begin:
+    // half of the lower row at most.
     half_ramps[k] = half_ramp(texels) * std::min(edges[k] - edges[k - 1], edges[k + 1] - edges[k]);
   }
   return {std::move(edges), std::move(half_ramps)};
@@ -287,6 +289,8 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       patches.count = std::min(together, static_cast<int>(std::max<std::size_t>(1, scratch.weights_.size() / patch)));
       for (int k = 0; k < patches.count; ++k) {
         const auto at = static_cast<std::size_t>(run.first + k);
+        // Patches of one size: those that need fewer rows than the widest are moved up at the lower end, where further
+        // rows would not exist. Rows that a tile does not touch weigh 0.
         scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
         TileSide side[TileRun::kMaxSides];
         const TileRun tile{side,

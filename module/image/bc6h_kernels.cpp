@@ -264,6 +264,7 @@ void two_lines(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks
 template <bool is_signed>
 WELKIN_INLINE Lanes value_of(Lanes number) {
   const Lanes bits = is_signed ? xsimd::abs(number) : number;
+  // Ten bits of mantissa go to 23, and 127 - 15 = 112 is added to the exponent. Denormals are multiples of 2^-24.
   const auto normal = xsimd::bitwise_cast<Lanes>((xsimd::to_int(bits) << 13) + Integers(112 << 23));
   const Lanes value = select(bits < Lanes(1024.0F), bits * Lanes(0x1p-24F), normal);
   return is_signed ? select(number < Lanes(0.0F), Lanes(0.0F) - value, value) : value;

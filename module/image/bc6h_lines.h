@@ -112,6 +112,9 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
   // eigenvalues.
   const Lanes scale = Lanes(1.0F) / (rr + gg + bb + Lanes(1.0e-20F));
   for (Lanes* const entry : {&rr, &rg, &rb, &gg, &gb, &bb}) *entry = *entry * scale;
+  // The column of the largest diagonal element is the matrix times that axis: it is 0 only if the whole matrix is, for
+  // |n_ij| <= sqrt(n_ii n_jj), and it has a part along the first eigenvector unless that is orthogonal to the axis in
+  // which texels spread most.
   const Mask red = (rr >= gg) & (rr >= bb);
   const Mask green = gg >= bb;
   axis[0] = select(red, rr, select(green, rg, rb));
@@ -212,6 +215,8 @@ struct Precision {
       : step(step_of),
         inverse(inverse_of),
         half_step(select(step_of > Lanes(1.0F), step_of * Lanes(0.5F), Lanes(0.0F))),
+        // A stored n of fewer than 16 bits means the middle of n step to (n + 1) step, so truncation finds the nearest;
+        // with 16 bits n means itself, and 1/2 is added before.
         rounding(select(step_of > Lanes(1.0F), Lanes(0.0F), Lanes(0.5F))),
         largest(Lanes(is_signed ? 32768.0F : 65536.0F) * inverse_of - Lanes(1.0F)) {}
 

@@ -55,6 +55,7 @@ double lat_long_texel_solid_angle(int width, int height, int row) {
 
 double cubemap_texel_solid_angle(int size, int row, int column) {
   const double half_edge = 1.0 / static_cast<double>(size);
+  // Mirrored columns give the same u, so both halves of a row have the same bits.
   const double u = (2.0 * std::min(column, size - 1 - column) + 1.0) * half_edge - 1.0;
   const double v = (2.0 * row + 1.0) * half_edge - 1.0;
   return math::rectangle_solid_angle(u, v, half_edge, half_edge, math::texel_rule(size));

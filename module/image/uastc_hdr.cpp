@@ -193,6 +193,7 @@ UastcLine stored_by(std::size_t mode, std::size_t brightest, Numbers n, const Fl
 
 /// The most exact mode that can hold the ends, if there is one. `kEndModes.size()`: none. Two modes each share a unit.
 std::size_t mode_for(const FloatEnds& wanted, Numbers& n) noexcept {
+  // Modes 7 and 6 have a step of 1, 5 and 4 of 2, 3 and 2 of 4, 1 and 0 of 8.
   for (std::size_t mode = kEndModes.size(); mode > 0; mode -= 2) {
     const float unit = 1.0F / static_cast<float>(1 << kEndModes[mode - 1].shift);
     const auto& [low, high] = wanted;
@@ -380,6 +381,9 @@ UastcLine store_uastc_line(const FloatEnds& wanted, UastcLines lines) noexcept {
   }
   const auto sum = [](const std::array<float, 3>& end) { return end[0] + end[1] + end[2]; };
   if (sum(ends[0]) > sum(ends[1])) std::swap(ends[0], ends[1]);
+  // a, b and c are not negative: the high end's brightest channel must be its largest, and not below the low end's.
+  // Ends that do not fit one way may fit exchanged; indices are found from the stored ends afterwards, so nothing else
+  // changes.
   for (int order = 0; order < 2; ++order) {
     const auto& high = ends[1];
     const std::size_t brightest = high[0] >= high[1] && high[0] >= high[2] ? 0 : high[1] >= high[2] ? 1 : 2;

@@ -311,6 +311,7 @@ class Balancer {
     constexpr std::array spreads{0.02, 0.08, 0.3};  // ends far apart have steps of 9 % and more
     const Trials trials = tried(bright.block, scale, spreads[static_cast<std::size_t>(sweep) % spreads.size()]);
     for (const Trial& trial : trials) {
+      // A trial must take the means nearer to the tolerance, else a cheaper block could be taken that makes them worse.
       if (cost(trial) < cost(*best) && excess(sum(rest, trial.light)) < excess(off_)) best = &trial;
     }
     bright.now = *best;

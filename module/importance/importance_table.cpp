@@ -213,6 +213,8 @@ class Builder {
         for (const Share& column : columns_.of(static_cast<int>(k))) {
           sum += static_cast<double>(weights[static_cast<std::size_t>(column.texel)]) * column.part;
         }
+        // The weight is constant in a source texel: its integral over a table's texel is the sum of weight times the
+        // part of longitude times the part of height.
         sums[k] += sum * scale;
       }
     }

@@ -63,6 +63,8 @@ void exponentials(std::array<double, 4>& values) noexcept {
       return;
     }
     const double turns = x * std::numbers::log2e + 0.5;
+    // floor by a conversion, which truncates: one less where that went up. |x| < 700 keeps n within the exponents of
+    // normal numbers.
     const auto whole = static_cast<double>(static_cast<std::int32_t>(turns));
     n[i] = whole > turns ? whole - 1.0 : whole;
     r[i] = (x - n[i] * kLnTwoHigh) - n[i] * kLnTwoLow;

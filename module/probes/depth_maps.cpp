@@ -170,6 +170,9 @@ void DepthMaps::add_row(const float* depths, int row, Scratch& scratch, bool& is
     const auto depth = static_cast<double>(depths[k]);
     const double length = std::abs(depth);
     const double counted = length < limit ? length : limit;
+    // Mean and mean square give the variance, from which a shader bounds the share of distances beyond its own by
+    // Chebyshev's inequality (Donnelly and Lauritzen, "Variance Shadow Maps", 2006). A limit keeps infinite distances
+    // from ruling both.
     means[k] += angles[k] * counted;
     squares[k] += angles[k] * (counted * counted);
     // (A back is nearer than nothing.) NaN is never counted: the call that meets one has no result.

@@ -73,6 +73,8 @@ constexpr double kGamma = 5.0;  // DDGIVolumeDesc::probeIrradianceEncodingGamma
 
 /// (irradiance / 2 pi)^(1 / gamma).
 float encoded(double irradiance) {
+  // The cosine-weighted mean of radiance is E / pi. RTXGI's blending divides by twice the sum of cosines, so a texel
+  // holds E / (2 pi), to the power 1 / gamma.
   if (!(irradiance > 0.0)) return 0.0F;
   return static_cast<float>(math::exponential(math::logarithm(irradiance / (2.0 * std::numbers::pi)) / kGamma));
 }

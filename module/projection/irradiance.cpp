@@ -59,6 +59,9 @@ namespace welkin {
 namespace {
 
 /// max(0, cosine).
+/// E(n) = Int L max(0, n . d) dw is the sum over texels of L Int max(0, n . d) dw. For a texel above the horizon the
+/// integral is the scalar product of n and Int d dw; a texel below it has none; the few that the horizon cuts are
+/// integrated over the part above it (texel_integrals.cpp).
 class CosineFunction final : public projection::KernelFunction {
  public:
   CosineFunction() {
@@ -220,6 +223,8 @@ Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const
                       const double v = centres[static_cast<std::size_t>(row % size)];
                       projection::DirectionRun run{};
                       for (int axis = 0; axis < 3; ++axis) {
+                        // Points of a face's row, not of unit length: start + u step = normal + v v' + u u' with the
+                        // frame's axes u' and v'. The kernel normalizes.
                         run.start[axis] = frame.normal[axis] + v * frame.v[axis];
                         run.step[axis] = frame.u[axis];
                       }

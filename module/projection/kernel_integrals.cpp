@@ -54,6 +54,8 @@ std::size_t list_cut(const KernelFunction& kernel, Scratch& scratch) {
 
 /// Replaces x at centroids in `room.values` by integrals over the row's texels by their points; 0 where the kernel is.
 /// Returns false if all are 0.
+/// Points and their weights are made once per row and serve all axes: what an axis adds is a product of vectors and the
+/// kernel's value per point.
 bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scratch& scratch) {
   const double radius = scratch.texels.radius;
   const TexelPoints& points = scratch.points;
@@ -103,6 +105,8 @@ bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& 
       seen |= values[i] != 0.0 ? 1 : 0;
     }
   }
+  // Few texels, those at the horizon, a break or the axis: a band along a circle, so of n texels on the sphere of the
+  // order of sqrt(n).
   for (std::size_t k = 0; k < cut; ++k) {
     const int column = scratch.cut[k];
     values[column] = integrals.integral({row, column}, axis, kernel);

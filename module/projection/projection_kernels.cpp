@@ -199,6 +199,8 @@ WELKIN_INLINE void sum_class(const float* plane, int channel, const float* weigh
 }
 
 /// Any number of weights, for three channels at once: class by class, as many at a time as have registers.
+/// With 32 registers eight weights at a time have 24 sums, three values, a weight and a product; with 16, three weights
+/// have 9 sums, three values, a weight and two products.
 WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
                            int groups, const FetchAhead& ahead, double* sums) {
   const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
@@ -276,6 +278,7 @@ void weighted_sums(const float* planes, int class_count, const float* weights, c
 void fold_sum_lanes(const double* lanes, int count, double* sums) {
   // Two lanes at a time is all that is left to do side by side; every build does it in these registers.
   for (int i = 0; i < count; ++i, lanes += kSumLanes) {
+    // (0 + 4) + (2 + 6) in one half of the pair, (1 + 5) + (3 + 7) in the other: halves of 4, of 2, of 1.
     const Pair even = Pair::load_unaligned(lanes) + Pair::load_unaligned(lanes + 4);
     const Pair odd = Pair::load_unaligned(lanes + 2) + Pair::load_unaligned(lanes + 6);
     sums[i] = sum(even + odd);

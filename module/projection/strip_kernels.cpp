@@ -135,6 +135,8 @@ WELKIN_INLINE void sum_columns_reversed(const StripRows& rows, int first, int te
 
 // Moments times weights.
 
+// Moments stay packed, r g b r g b ..., and each weight is stored three times in a row, once per channel: 48 floats of
+// 16 texels are whole registers of either, and nothing is shuffled before the end (`add_group_to_sums`).
 constexpr int kGroup = 3 * kLanes;  ///< floats of 16 texels
 
 struct Classes {
@@ -229,6 +231,8 @@ WELKIN_INLINE void for_each_block(const StripPieces& pieces, int texels, float* 
   float* const spare = scratch + 4 * piece;
   for (int first = 0; first < texels; first += strip_block(moments)) {
     const int count = texels - first < strip_block(moments) ? texels - first : strip_block(moments);
+    // Position t of the left piece meets column texels - 1 - t of the right one: positions first to first + count - 1
+    // are the right piece's columns from `mirrored` on, in the opposite order.
     const int mirrored = texels - first - count;
     sum_columns<Channel, channels, moments>(pieces.top_left, first, count, spare, scratch);
     sum_columns_reversed<Channel, channels, moments>(pieces.top_right, mirrored, count, spare, scratch + piece);

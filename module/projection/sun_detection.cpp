@@ -97,6 +97,8 @@ Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto& [texel, after] = changes[i];
     const glm::dvec3 taken = radiance_of(pixels + 3 * texel) - glm::dvec3(after);
+    // This is the irradiance on a surface that faces the sun, but for the cosine over the spot: (1 + cos a) / 2 in the
+    // mean for a disc of radius a.
     sun.irradiance += steradians[i] * taken;
     // The direction is that of Int L d dw: a texel of constant radiance adds L Int d dw, exactly.
     moment += luminance(taken) * moments[i];

@@ -166,6 +166,7 @@ void fill_points(const Mapping& mapping, int row, int columns, int order, TexelP
         points.x.push_back(direction.x);
         points.y.push_back(direction.y);
         points.z.push_back(direction.z);
+        // The rule's interval from -1 to 1 is a texel's edge: half a texel in each coordinate, a quarter in the area.
         points.weight.push_back(0.25 * rule.weights[i] * rule.weights[j] * mapping.density(across, down));
       }
     }

@@ -236,6 +236,8 @@ void TexelWeights::fill_reduced_row(int row, int first_column, int count, float*
   float* const whole_texels = scratch + functions * kTargetStride;  // solid angle times Y00, of the whole row
   fill_run({key_.size, row, first_column, count, 1, key_.midpoint}, whole_texels, kTargetStride);
 
+  // Whole texels (most of them where cells are large) take their solid angle from the same expansion as the weights of
+  // the face at its own size, function 0 of one band; only texels that a boundary cuts need a rule of their own.
   const int padded = (count + kLanes - 1) / kLanes * kLanes;
   for (int f = 0; f < functions; ++f) std::fill_n(weights + f * kChunk, padded, 0.0F);
 

@@ -315,6 +315,8 @@ void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors
 
 void part_orders(const float* z, int width, int orders, int channel, float* columns, std::ptrdiff_t order_stride) {
   for (int m = 0; m < orders; ++m) {
+    // Orders from `width` on repeat: e^(-2 pi i m k / width) depends on m modulo width. Constant texels have these
+    // aliases; their size is the sinc of m.
     const int index = m % width;
     const float* const here = z + std::ptrdiff_t{kComplexFloats} * index;
     const float* const mirrored = z + std::ptrdiff_t{kComplexFloats} * (index == 0 ? 0 : width - index);
@@ -347,6 +349,7 @@ void join_orders(const float* columns, std::ptrdiff_t order_stride, int orders, 
       store({north.re - south.im, north.im + south.re}, here + part);
     }
   }
+  // Between the orders and their mirror images all is 0.
   const Lanes zero(0.0F);
   float* const end = z + std::ptrdiff_t{kComplexFloats} * (orders > 0 ? width - orders + 1 : width);
   for (float* at = z + std::ptrdiff_t{kComplexFloats} * orders; at < end; at += kWidth) zero.store_aligned(at);
@@ -367,6 +370,8 @@ void load_row_quads(const RowQuads& rows, int width, float* planes) {
       Block even[kBlock];
       Block odd[kBlock];
       for (int k = 0; k < kBlock; ++k) {
+        // A difference of two floats that are within a factor of 2 of each other is exact (Sterbenz's lemma): where
+        // neighbouring rows are alike, nothing is rounded here.
         const Block north =
             Block::load_unaligned(rows.a[lane + k] + index) - Block::load_unaligned(rows.b[lane + k] + index);
         const Block south =

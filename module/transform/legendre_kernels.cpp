@@ -239,6 +239,9 @@ void analyse_order(const LegendreRun& run, const float* columns, double* state, 
   // Each degree's last two rows stay zero: sums come by eights.
   alignas(64) float rows[kDegrees * kRowFloats] = {};
   int first = run.groups;  // groups before it have not started
+  // P(m, m) holds sin^m(theta), down to 1e-280 (kVanished in ring_legendre.cpp), in a double's range: no scaling by
+  // powers of two along the recurrence. Where all functions of a four are below `threshold`, the four is left out of
+  // the sums.
   for (int four = 0; four < run.fours; four += 2) {
     // Starts never rise with the group (towards the equator), so the groups that have begun are the last ones.
     while (first > 0 && run.starts[first - 1] <= four + 1) --first;

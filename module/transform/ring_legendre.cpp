@@ -114,6 +114,9 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
 void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
   const auto last_lane = static_cast<std::size_t>(pairs_of(key.rings, key.places) - 1);
   row_weights_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(key.bands) * lanes());
+  // P(m, m) = norm sin^m, and a row's integral is Int P sin d theta = norm Int sin^(m + 1). `here` is that without the
+  // norm, `before` Int sin^m, and the next order's is the recurrence for n = m + 2. It starts with Int 1 = pi / 2 -
+  // theta and Int sin = cos(theta); all terms are positive, so it is stable upwards.
   std::vector<double> before(last_lane);  // Int sin^m
   std::vector<double> here(x_.data(), x_.data() + last_lane);
   std::vector<double> power(last_lane, 1.0);  // sin^m

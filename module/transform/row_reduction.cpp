@@ -199,7 +199,10 @@ void ReducedRows::finish(float* sums, const Strip& strip, int to) noexcept {
   std::copy_n(sums, std::ptrdiff_t{3} * columns, row(to) + std::ptrdiff_t{3} * (strip.first >> shape_.halvings));
 }
 
-/// The steps at coarse edges `first_edge` to `end_edge` - 1.
+/// Computes the steps at coarse edges `first_edge` to `end_edge` - 1. Interval i gives to edges i - 2 to i + 3. Going
+/// through the intervals in order, six sums are open at a time, in a ring by edge modulo 6; edge i - 2 is finished
+/// after interval i. Shares for edges of other tiles go to a row that nobody reads. Intervals at a tile's ends are read
+/// by both tiles, so every sum has its terms in one order whatever the tiles.
 void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Scratch& scratch) noexcept {
   for (int interval = first_edge - kStepShares + 1 + kSharesBefore; interval < end_edge + kSharesBefore; ++interval) {
     if (interval >= 0 && interval < shape_.rows) {

@@ -166,6 +166,8 @@ void Analysis::transform_rows(const RowQuads& rows, int group, RowScratch& scrat
 
 /// The integral of order m over a column, over the value at its middle.
 double column_extent(std::int64_t width, int m) noexcept {
+  // (e^(i m d / 2) - e^(-i m d / 2)) / (i m) = 2 sin(m d / 2) / m with d = 2 pi / width: m / (2 width) of a turn, which
+  // repeats in m after 2 width.
   if (m == 0) return 2.0 * kPi / static_cast<double>(width);
   return 2.0 * math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
          m;
