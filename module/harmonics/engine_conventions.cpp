@@ -38,6 +38,7 @@ constexpr glm::dmat3 matrix(const Rows& rows) {
 
 constexpr glm::dmat3 kSame{1.0};
 // Welkin's lat-long has +z at its centre, -x to the right of it and +y above. What follows places these three:
+// For example kCentreXRightZ: the engine's x is Welkin's z (the centre), its z Welkin's -x (the right), y stays.
 constexpr glm::dmat3 kCentreZRightX = matrix({{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
 constexpr glm::dmat3 kCentreXRightZ = matrix({{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}});
 constexpr glm::dmat3 kCentreXRightMinusZ = matrix({{0, 0, 1}, {0, 1, 0}, {1, 0, 0}});

@@ -150,6 +150,7 @@ void TexelOverlap::find(int a, int b) {
   const glm::dvec2 high(static_cast<double>(a + 1) / inner_, static_cast<double>(b + 1) / inner_);
   for (int number = 0; number < 8; ++number) {
     const Octant octant{number % 2 == 0 ? 1.0 : -1.0, number / 2 % 2 == 0 ? 1.0 : -1.0, number < 4 ? 1.0 : -1.0};
+    // The square lies wholly on the other side of x = 0.
     if (std::max(octant.x * low.x, octant.x * high.x) <= 0.0) continue;
     if (std::max(octant.y * low.y, octant.y * high.y) <= 0.0) continue;
     const Polygon<glm::dvec3> part = part_in_octant(low, high, octant);
@@ -189,6 +190,7 @@ void TexelOverlap::add_face(int face, std::span<const glm::dvec2> corners) {
   Polygon<glm::dvec2> beyond;
   Polygon<glm::dvec2> piece;
   Polygon<glm::dvec2> right;
+  // First into rows of cells, and each of these into cells, with what lies beyond an edge kept for the next cut.
   for (int row = first_row; row <= last_row; ++row) {
     const double lower_edge = static_cast<double>(row + 1) / parts_;
     split(

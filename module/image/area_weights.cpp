@@ -246,6 +246,7 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
   const double height = scratch.polar_.outer_height(0);
   const double area = (height + 1.0) * width_;
   WeighedRun run{TileKind::pole, 0, 0, 0, {}, &area};
+  // All columns have the same share, 1 / width of that of a row.
   run.patches.patch_rows = rows_.last_before(height, 0) + 1;
   run.patches.patch_groups = groups_for(width_);
   float* weight = scratch.weights_.data();

@@ -235,6 +235,8 @@ class Balancer {
       off_[c] -= errors[c].light;
       growth -= errors[c].squares;
     }
+    // Descent along one block at a time: with all others as they are, the level's cost depends on this block's squared
+    // error and on `rest` plus its light.
     const ChannelSums rest = off_;
     Candidate best = improved(unpack_bc6h(bytes_of(block)), rest);
     if (anew) {

@@ -77,6 +77,7 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
   for (int line = 0; line < given.size; ++line, decoded += values) {
     image::decode_texels(given.format, image::row_of(given, face, line), given.size, row.data());
     for (std::size_t k = 0; k < values; ++k) {
+      // As the encoder clamps it, so that what a half cannot hold is no error of the blocks.
       const float held = row[k] >= least ? std::min(row[k], image::kLargestHalf) : row[k] < least ? least : 0.0F;
       const auto value = static_cast<double>(held);
       const double error = (static_cast<double>(decoded[k]) - value) / std::max(std::abs(value), floor);

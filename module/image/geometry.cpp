@@ -194,6 +194,7 @@ TexelGrid::Neighbours TexelGrid::neighbours(std::int64_t texel) const noexcept {
 std::int64_t TexelGrid::on_lat_long(int row, int column) const noexcept {
   if (row < 0 || row >= rows_) {
     row = std::clamp(row, 0, rows_ - 1);
+    // The meridian opposite. An odd width has no column there, and half a column less is taken.
     column += columns_ / 2;
   }
   return std::int64_t{row} * columns_ + (column + columns_) % columns_;
@@ -278,6 +279,7 @@ glm::dmat3 rotation_about_y(double degrees) {
                 "a turn of " + platform::number_text(degrees) + " degrees about y; it must be within 1e6 degrees");
   }
   const math::SineCosine rotation = math::sine_cosine_of_turns(degrees / 360.0);
+  // Columns are where x, y and z go: x towards -z and z towards x, which is right-handed about +y.
   return {glm::dvec3(rotation.cosine, 0.0, -rotation.sine), glm::dvec3(0.0, 1.0, 0.0),
           glm::dvec3(rotation.sine, 0.0, rotation.cosine)};
 }

@@ -342,6 +342,7 @@ double ImportanceTable::density(const dvec3& direction) const {
   };
   const std::size_t column = cell((0.5 - math::turns_of(unit.x, unit.z)) * width, width);
   const double ring = std::sqrt(unit.x * unit.x + unit.z * unit.z);
+  // The angle of (y, ring) is the polar angle, from 0 to half a turn.
   const std::size_t row = cell(2.0 * math::turns_of(ring, unit.y) * height, height);
   return density_of(*this, row, column);
 }

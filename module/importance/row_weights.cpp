@@ -83,6 +83,8 @@ Overlaps Overlaps::of_columns(int texels, int cells) {
 }
 
 Overlaps Overlaps::of_rows(int texels, int cells) {
+  // 0.5 row / rows in height_of_edge is rounded once, so an edge that a cell and a texel share has one height,
+  // whichever counts it: heights of a cell's parts add up without gap or overlap.
   const auto height = [&](const Edge& edge) {
     return edge.of_cell ? height_of_edge(static_cast<int>(edge.cell), cells)
                         : height_of_edge(static_cast<int>(edge.texel), texels);

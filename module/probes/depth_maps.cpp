@@ -212,6 +212,7 @@ float DepthMaps::read(const DepthView& depths, Scratch& scratch, std::span<float
   }
   if (!is_number) return -1.0F;
   if (rules_.distance_size > 0) write_map(scratch, distances);
+  // 4 pi, but as the sum of the same numbers: a probe all of whose texels are bad has a quotient of 1 to rounding.
   for (const double angle : solid_angles_) whole += 6.0 * angle;
   return bad > 0.0 ? static_cast<float>(std::max(0.0, 1.0 - bad / whole)) : 1.0F;
 }

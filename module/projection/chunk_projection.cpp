@@ -222,6 +222,7 @@ QuadrantRuns ChunkProjection::runs_in_place(const RowRun& run, int rows, int who
 
 void ChunkProjection::fold_directly(const QuadrantChunk& chunk, int face, const FetchAhead& ahead,
                                     Scratch& scratch) const {
+  // Only then half a row is whole groups, without a middle column or a rest.
   const bool at_once = cubemap_.size % (2 * kLanes) == 0;
   const int rows_at_once = at_once ? chunk.row_count : 1;
   for (int row = 0; row < chunk.row_count; row += rows_at_once) {

@@ -240,6 +240,7 @@ SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& optio
     std::copy(sums.begin(), sums.end(), result.begin());
     return result;
   }
+  // A target size's error is the difference of its coefficients from those of all texels as areas, so both are summed.
   const NewFaceSums sums = projection.run_faces(jobs::part_of(control, 0.0, 0.7));
   ProjectionOptions whole = options;
   whole.target_size.reset();

@@ -114,6 +114,7 @@ StripWeights::StripWeights(int size, int bands, bool midpoint, const int* weight
   double odd[3][3] = {};
   for (int a = 0; a < evens; ++a) {
     const double* const zeros = kZeros[moments - kMinMoments];
+    // zeros[0] goes to the outermost row's centre, 7.5 rows from the middle; an odd number of nodes has one at 0.
     const double x = a < pairs ? kOutermostRow * zeros[a] / zeros[0] : 0.0;
     rows_[a] = -x;
     rows_[moments - 1 - a] = x;
@@ -124,6 +125,9 @@ StripWeights::StripWeights(int size, int bands, bool midpoint, const int* weight
   // part of a pair) to coefficients, which are what the moments weigh.
   invert(even, evens);
   invert(odd, pairs);
+  // Three bands and the midpoint rule have weights of whole texels at the nodes (an expansion of the integral, or the
+  // value at the centre). Others are integrated along the columns only, at one v: they are values of a function of v
+  // whose means over rows are wanted.
   if (!packed() && !midpoint) {
     average_rows(even, evens);
     average_rows(odd, pairs);

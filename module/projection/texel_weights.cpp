@@ -29,6 +29,9 @@ constexpr int kExpansionBands = 3;
 
 /// Orders the harmonics by symmetry: (even, even), (odd, even), (even, odd), (odd, odd) in (u, v).
 /// Re (u + iv)^m is even in v and of m's parity in u; Im (u + iv)^m is odd in v and of m - 1's parity in u.
+/// (u + i v)^m changes to its conjugate for -v, and to (-1)^m times the conjugate for -u: the real part is even in v
+/// and has m's parity in u, the imaginary one is odd in v and has the other. q(l, m) depends on the normal's component
+/// alone, which neither changes.
 int symmetry_class(int m) {
   const int order = m < 0 ? -m : m;
   if (m >= 0) return order % 2 == 0 ? 0 : 1;

@@ -93,6 +93,7 @@ void FrameTransform::add(const double* local, const int* rows, double* canonical
   for (int channel = 0; channel < 3; ++channel) {
     const double* const from = local + channel * functions_;
     double* const to = canonical + channel * functions_;
+    // f = sum of local c' Y' gives c = Int f Y = sum of c' Int Y' Y: the matrix times the local coefficients.
     for (const Entry& entry : entries_) to[entry.canonical] += entry.factor * from[rows[entry.local]];
   }
 }
