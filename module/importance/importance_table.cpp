@@ -322,6 +322,7 @@ ImportanceSample ImportanceTable::sample(double across, double down) const {
   const Step column = step_of(cdf_of(*this, row.index), across);
   const double top = importance::height_of_edge(static_cast<int>(row.index), height);
   const double bottom = importance::height_of_edge(static_cast<int>(row.index) + 1, height);
+  // Uniform in height, so uniform in area (Archimedes).
   const double y = -(top + row.within * (bottom - top));
   // The longitude is pi at the left edge and falls to -pi.
   const double turns = 0.5 - (static_cast<double>(column.index) + column.within) / width;

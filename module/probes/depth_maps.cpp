@@ -16,6 +16,7 @@ namespace welkin::probes {
 namespace {
 
 /// Blocks along an edge of a face: 5.6 degrees each, a third of the width of a lobe of power 50.
+/// (90 / 16 degrees; cos^50 is exp(-1/2) at 8.1 degrees from the axis, so the lobe is 16 degrees wide.)
 constexpr int kMaxBlocks = 16;
 
 /// The largest power whose lobes are wider than the blocks of kMaxBlocks.
@@ -24,6 +25,8 @@ constexpr int kMaxBlocks = 16;
 constexpr int kWideLobe = 65;
 
 /// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
+/// Beyond the angle where c^power = 1e-9 the lobe has the share Int from 0 to c of x^power dx / Int from 0 to 1 =
+/// c^(power + 1), less than 1e-9 of the weights.
 constexpr double kMinWeight = 1e-9;
 
 double power_of(double base, int power) noexcept {

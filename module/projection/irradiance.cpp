@@ -193,8 +193,8 @@ std::vector<double> texel_centres(int size) {
 }
 
 /// Returns whether these coefficients can sum to more than the floats hold. By the addition theorem the squares of a
-/// band's harmonics sum to (2 l + 1) / (4 pi), so |Y(l, m)| <= sqrt(31 / (4 pi)) = 1.58 for l <= 15; 2.3 leaves room. A
-/// NaN fails the comparison and counts as an overflow.
+/// band's harmonics sum to (2 l + 1) / (4 pi), so |Y(l, m)| <= sqrt(31 / (4 pi)) = 1.571 for l <= 15; 2.3 leaves room.
+/// A NaN fails the comparison and counts as an overflow.
 bool may_overflow(const std::vector<double>& channels) {
   double sum = 0.0;
   for (const double value : channels) sum += 2.3 * std::abs(value);

@@ -18,8 +18,8 @@
 
 namespace welkin::projection {
 
-// Why: let w(x) be what a texel in row x of a column weighs. A polynomial of degree n - 1 that meets w to 5e-8 is
-// w(x) = sum over j of c_j P_j(x), so
+// The reason: let w(x) be what a texel in row x of a column weighs. A polynomial of degree n - 1 that meets w to 5e-8
+// is w(x) = sum over j of c_j P_j(x), so
 //   sum over rows of w(x) L(x) = sum over j of c_j M_j,   M_j = sum over rows of P_j(x) L(x):
 // the rows are needed for the n moments M_j only, and the c_j serve all faces. The P_j are central factorials: with the
 // central difference d, d^2 P_j = P_(j - 1) among the even ones and among the odd ones, which makes means over rows

@@ -124,7 +124,7 @@ double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& axi
   if (unseen) return 0.0;
   const bool cut = kernel.hemisphere && std::abs(x - 1.0) <= radius;
   const int order = kernel.order(x, radius);
-  // Quarters halve the radius, and each kernel's `order` is above 0 for a part that is small enough beside its distance
+  // Quarters halve the radius, and each kernel's `order` is above 0 for a part that is small enough for its distance
   // from what is not smooth. At kMaxDepth a part is 2^-24 of the texel's edge and 2^-48 of its area.
   if (depth < kMaxDepth && (order == 0 || (cut && radius > kWidestCut) || mapping.too_wide(part))) {
     double sum = 0.0;

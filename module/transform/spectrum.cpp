@@ -144,6 +144,8 @@ RowQuads Analysis::rows_of(int group) const noexcept {
       rows.d[lane] = row(height - 1 - edge);
     } else {
       const bool equator = edge == pairs;
+      // (a - b) + (c - d) = row(height / 2) - row((height - 1) / 2), the step, and (a - b) - (c - d) is the sum of the
+      // two rows. An odd height has one middle row: no step, and twice the row.
       rows.a[lane] = equator ? row(height / 2) : zeros_.data();
       rows.b[lane] = rows.c[lane] = zeros_.data();
       rows.d[lane] = equator ? row((height + 1) / 2 - 1) : zeros_.data();
@@ -225,6 +227,7 @@ Spectrum Analysis::run(const Control& control) {
   const std::size_t workers = jobs::worker_count(placement);
   std::vector<AnalysisScratch> scratches;
   for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(bands_);
+  // Order m has bands - m degrees: m and bands - 1 - m together have bands + 1, the same work for every tile.
   run_orders(bands_, placement, workers, jobs::part_of(control, 0.4, 1.0),
              [&](int m, std::size_t worker) { sum_order(m, scratches[worker]); });
   return std::move(spectrum_);
