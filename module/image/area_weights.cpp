@@ -224,6 +224,8 @@ void TileWeights::weigh_border(TileScratch& scratch, RunSink& sink) const {
   const auto sides = [&](int column, TileSide* side) {
     const CubeTiling::Border border = tiling_.border(column);
     const double lower = scratch.lower_[static_cast<std::size_t>(column)];
+    // The upper boundary lies at first_height up to the longitude `middle` and at second_height from there on; the
+    // lower one at `lower`. Going round it has three upright sides.
     side[0] = {border.middle, border.first_height, border.second_height};
     side[1] = {tiling_.longitude(column + 1), border.second_height, lower};
     side[2] = {tiling_.longitude(column), lower, border.first_height};
@@ -262,6 +264,9 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
 }
 
 /// `sides(column, out)`: a tile's; how many there are.
+/// A texel's share is a product x(longitude) y(height). With X = Int x, Y = Int y Green's theorem makes the integral
+/// over a tile one around it, Int x y = sum over its sides of X(longitude) (Y(to) - Y(from)): sides along latitudes
+/// have no change of Y and drop out, and the tile's area is the same sum with X = longitude, Y = height (`weigh_tile`).
 template <class Sides>
 void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const {
   for (run.rest = 0; run.rest < 4; ++run.rest) {
@@ -365,6 +370,8 @@ void TileWeightTable::keep(const TileWeightKey& key, const std::shared_ptr<const
 
 TileWeightTable::TileWeightTable(const TileWeightKey& key)
     : weights_(key.width, key.height, key.size, true),
+      // Distances are counted from quarters of the width: whole columns if it divides by four (rest 0), halves if by
+      // two (rests 0 and 2), else quarters of a column.
       rests_(key.width % 4 == 0   ? 1
              : key.width % 2 == 0 ? 3
                                   : 4) {

@@ -168,9 +168,9 @@ class BitWriter {
 };
 
 /// Calls `visit(texel, bits)` for the indices as they follow each other: an anchor's has a bit less.
-template <class Visit>
 /// A line's ends can be exchanged if its indices are counted from the other end, with the same decoded texels. So a
 /// block may always be written with the upper bit 0 in the index of one texel of each line, its anchor.
+template <class Visit>
 void for_each_index(const Bc6hMode& mode, int partition, const Visit& visit) {
   const int bits = mode.two_lines ? 3 : 4;
   const int anchor = mode.two_lines ? bc6h_anchor(partition) : 0;

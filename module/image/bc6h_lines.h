@@ -290,6 +290,7 @@ template <class Texels>
 WELKIN_INLINE Projection between(const Lanes (&low)[3], const Lanes (&high)[3]) {
   Lanes reach[3];
   for (int c = 0; c < 3; ++c) reach[c] = high[c] - low[c];
+  // index = steps (h - low) . reach / |reach|^2 + 1/2, truncated later. Equal ends give index 0.
   const Lanes square = reach[0] * reach[0] + reach[1] * reach[1] + reach[2] * reach[2];
   const Lanes scale = select(square > Lanes(0.0F),
                              Lanes(Texels::steps) / select(square > Lanes(0.0F), square, Lanes(1.0F)), Lanes(0.0F));
@@ -314,6 +315,9 @@ WELKIN_INLINE EndChoice best_pair(const FittedLine& line, const Precision<is_sig
   Lanes least(kBig);
   for (int i = 0; i < 2; ++i) {
     const Lanes off_low = precision.meant(lows[i]) - low;
+    // The fitted ends have the least sum of squares, where its gradient is 0, and the sum is quadratic: moving the ends
+    // by off_low and off_high adds a off_low^2 + 2 b off_low off_high + c off_high^2. The mixed term is why the nearest
+    // numbers need not be the best ones.
     const Lanes of_low = line.a * off_low * off_low;
     const Lanes twice = Lanes(2.0F) * line.b * off_low;
     for (int j = 0; j < 2; ++j) {

@@ -112,6 +112,7 @@ class CubeCells final : public Cells {
   [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
     const image::Frame& frame = image::face_frame(place.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
+    // Weights are relative: du dv, alike for all samples, drops out when the sum is divided by that of the weights.
     const double squared = 1.0 + u * u + place.v * place.v;
     return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
   }

@@ -168,6 +168,7 @@ class LinesLeft {
       : ahead_(ahead), line_(groups), at_once_((3 * (ahead.lines - groups) + 2 * iterations - 1) / (2 * iterations)) {}
 
   WELKIN_INLINE void fetch() {
+    // at_once_ = ceil(left / (2/3 iterations)), left being the lines that folding has not asked for.
     for (const int end = line_ + at_once_; line_ < end && line_ < ahead_.lines; ++line_) {
       for (const char* stretch : ahead_.stretches) fetch_line(stretch, line_);
     }

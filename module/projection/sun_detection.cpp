@@ -121,6 +121,8 @@ std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const S
   if (brightest < 0) return std::nullopt;
   const double peak = luminance(radiance_of(pixels + 3 * brightest));
   const glm::dvec3 total_radiance = map.total_radiance();
+  // The mean over the finite texels' solid angle, not over 4 pi: texels without a value count neither as dark nor as
+  // bright.
   const double mean = luminance(total_radiance) / map.solid_angle();
   if (!(peak > 0.0) || peak < options.minimum_contrast * mean) return std::nullopt;
 

@@ -477,6 +477,9 @@ WELKIN_INLINE void gather(const SplineRun& run, const float* columns, int length
 void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   const int length = run.groups * kRingLanes + 2 * kSplineMargin;
   gather(run, columns, length, scratch);
+  // Margins are 32 floats, of which the inner 15 hold neighbours. The first loop leaves out the outer 16: what it would
+  // have to read lies before the buffer, and no ring is reached from there. The second one writes from the first ring
+  // on.
   constexpr int shifts[4] = {1, 2, 4, 8};
   constexpr float z = -0.267949192431122706F;
   constexpr float powers[4] = {z, z * z, z * z * z * z, z * z * z * z * z * z * z * z};

@@ -44,6 +44,8 @@ std::vector<RadixPair> radices_of(int length) {
   }
   std::vector<RadixPair> radices;
   std::size_t first = 0;
+  // A pass of two radices holds their product in local memory, at most 64 numbers: the largest is joined with the
+  // smallest, so that passes are alike.
   for (std::size_t last = fast.size(); first < last;) {  // a large one and a small one
     const int large = fast[first++];
     radices.emplace_back(large, first < last ? fast[--last] : 1);
