@@ -162,11 +162,11 @@ struct Radix8 {
   }
 };
 
-/// With n = p + count j and k + radix k' the exponent of e^(-2 pi i n (k + radix k') / (count radix)) is p k /
-/// (count radix) + j k / radix + p k' / count plus a whole number. The middle term is the butterfly over j, the first
-/// the twiddle t(p, k), and the last is the transform over p that the passes after this one do, with a stride of radix
-/// times as much. A butterfly's outputs are written `stride` apart (Stockham): after the last pass all are in order,
-/// without a permutation.
+/// Runs a whole pass of one small radix. With n = p + count j and k + radix k' the exponent of e^(-2 pi i n
+/// (k + radix k') / (count radix)) is p k / (count radix) + j k / radix + p k' / count plus a whole number. The middle
+/// term is the butterfly over j, the first the twiddle t(p, k), and the last is the transform over p that the passes
+/// after this one do, with a stride of radix times as much. A butterfly's outputs are written `stride` apart
+/// (Stockham): after the last pass all are in order, without a permutation.
 template <class Butterfly>
 void run_single(const FourierPass& pass, const float* in, float* out) {
   constexpr int radix = Butterfly::radix;
