@@ -29,6 +29,7 @@ constexpr double kBand0 = 0.886277;
 constexpr double kBand1 = 1.02333;
 constexpr double kBand2 = 0.858086;
 constexpr double kBand2HalfDifference = 0.429043;
+// sqrt(5 pi) / 8 = 0.4954159 rounds to 0.495416; 0.495417 is Babylon.js's own number.
 constexpr double kBand2Zonal = 0.495417;
 constexpr double kBand2HalfZonal = 0.247708;
 
@@ -45,6 +46,8 @@ glm::dvec3 lambertian(const SphericalHarmonics& radiance, int l, int m) {
 
 BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance) {
   const platform::FloatingPointScope floating_point;
+  // A band-2 harmonic as a quadratic form, with 1 = xx + yy + zz: 3 zz - 1 = 2 zz - xx - yy, so Y(2, 0) gives zz the
+  // whole zonal constant and xx, yy minus one half of it; Y(2, 2) gives xx - yy; a constant c is c xx + c yy + c zz.
   const glm::dvec3 ambient = lambertian(radiance, 0, 0) * kBand0;
   const glm::dvec3 zonal = lambertian(radiance, 2, 0) * kBand2Zonal;
   const glm::dvec3 half_zonal = lambertian(radiance, 2, 0) * kBand2HalfZonal;
@@ -81,6 +84,8 @@ namespace welkin::harmonics {
 SphericalHarmonics radiance_of(const BabylonPolynomial& polynomial) {
   // From what `lambertian` hands out back to radiance, and over `updateFromHarmonics` against its direction.
   const auto from_lambertian = [](const glm::dvec3& value, double lobe) { return value * (kPi / lobe); };
+  // With a = ambient and s = the harmonic (2, 0): pi (xx + yy) / 2 = a - kBand2HalfZonal s, pi zz = a + kBand2Zonal s.
+  // Their difference gives s, and then a; pi (xx - yy) / 2 is the half difference.
   const glm::dvec3 sum = (polynomial.xx + polynomial.yy) * (0.5 * kPi);  // ambient - half zonal
   const glm::dvec3 zonal = (polynomial.zz * kPi - sum) / (kBand2Zonal + kBand2HalfZonal);
   const glm::dvec3 ambient = (polynomial.zz * kPi - zonal * kBand2Zonal) / kBand0;

@@ -31,12 +31,14 @@ struct Rows {
   glm::dvec3 x, y, z;
 };
 
+// GLM's constructor takes columns.
 constexpr glm::dmat3 matrix(const Rows& rows) {
   return {rows.x.x, rows.y.x, rows.z.x, rows.x.y, rows.y.y, rows.z.y, rows.x.z, rows.y.z, rows.z.z};
 }
 
 constexpr glm::dmat3 kSame{1.0};
 // Welkin's lat-long has +z at its centre, -x to the right of it and +y above. What follows places these three:
+// For example kCentreXRightZ: the engine's x is Welkin's z (the centre), its z Welkin's -x (the right), y stays.
 constexpr glm::dmat3 kCentreZRightX = matrix({{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
 constexpr glm::dmat3 kCentreXRightZ = matrix({{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}});
 constexpr glm::dmat3 kCentreXRightMinusZ = matrix({{0, 0, 1}, {0, 1, 0}, {1, 0, 0}});
@@ -132,6 +134,7 @@ Nine canonical(const SphericalHarmonics& radiance) {
 }
 
 // R: with the Condon-Shortley sign, (-1)^m.
+// Index l (l + 1) + m has m's parity, as l (l + 1) is even: odd indices change sign.
 Nine with_phase(Nine nine) {
   for (std::size_t i = 1; i < kCoefficients; i += 2) nine[i] = -nine[i];
   return nine;
@@ -140,6 +143,8 @@ Nine with_phase(Nine nine) {
 // The basis functions' constants: Y(l, m) = K times 1; y, z, x; xy, yz, 3zz - 1, xz, xx - yy.
 std::array<double, kCoefficients> basis_constants() {
   const double inverse_pi = std::numbers::inv_pi;
+  // Each polynomial's square integrates to 1 with K: the means over the sphere of z^2, (x y)^2, (3 z^2 - 1)^2 and
+  // (x^2 - y^2)^2 are 1/3, 1/15, 4/5 and 4/15, and K^2 4 pi mean = 1.
   const double k1 = std::sqrt(3.0 * inverse_pi) / 2.0;
   const double k2 = std::sqrt(15.0 * inverse_pi) / 2.0;
   return {std::sqrt(inverse_pi) / 2.0, k1, k1, k1, k2, k2, std::sqrt(5.0 * inverse_pi) / 4.0, k2, k2 / 2.0};

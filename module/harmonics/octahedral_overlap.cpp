@@ -19,6 +19,7 @@ constexpr int kMinCells = 32;
 /// A convex polygon: four corners, and at most one more for each of the nine lines that cut it.
 template <class Point>
 struct Polygon {
+  // The lines: three of an octant, two of a face, four of a cell.
   std::array<Point, 16> corners;
   std::size_t count = 0;
 
@@ -37,6 +38,8 @@ void split(const Polygon<Point>& from, const Distance& distance, Polygon<Point>&
   for (const Point& here : from.all()) {
     const double here_distance = distance(here);
     if ((here_distance < 0.0) != (last_distance < 0.0)) {
+      // `distance` is linear on the segment, so it is 0 at the share last / (last - here) of it. (Sutherland and
+      // Hodgman 1974, keeping both sides.)
       const Point crossing = last + (here - last) * (last_distance / (last_distance - here_distance));
       below.add(crossing);
       above.add(crossing);
@@ -67,6 +70,10 @@ Polygon<glm::dvec3> part_in_octant(const glm::dvec2& low, const glm::dvec2& high
   for (const glm::dvec2& corner : {low, {high.x, low.y}, high, {low.x, high.y}}) square.add(corner);
   keep(square, [&](const glm::dvec2& p) { return octant.x * p.x; });
   keep(square, [&](const glm::dvec2& p) { return octant.y * p.y; });
+  // The map (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014) has
+  // z = 1 - |x| - |y|. Where that is below 0, the triangle beyond the square's diagonal is folded over it:
+  //   (x, y) becomes (sign x (1 - |y|), sign y (1 - |x|)).
+  // Within an octant all of this is linear, so corners stay corners and lines lines.
   keep(square, [&](const glm::dvec2& p) { return octant.z * (1.0 - octant.x * p.x - octant.y * p.y); });
   Polygon<glm::dvec3> part;
   for (const glm::dvec2& p : square.all()) {
@@ -82,10 +89,14 @@ Polygon<glm::dvec3> part_in_octant(const glm::dvec2& low, const glm::dvec2& high
 Polygon<glm::dvec2> part_on_face(Polygon<glm::dvec3> part, int face, int size) noexcept {
   const image::Frame& frame = image::face_frame(face);
   for (const glm::dvec3& axis : {frame.u, frame.v}) {
+    // |p . axis| is linear here: each axis is +-x, +-y or +-z, whose sign does not change in an octant. The faces that
+    // an octant touches are the three towards its signs.
     keep(part, [&](const glm::dvec3& p) { return glm::dot(p, frame.normal) - std::abs(glm::dot(p, axis)); });
   }
   Polygon<glm::dvec2> on_face;
   for (const glm::dvec3& p : part.all()) {
+    // u = p . u / p . normal from -1 to 1 is (u + 1) / 2 size texels from the edge; the first texel's centre, half a
+    // texel from it, is at 1: 1/2 + (u + 1) / 2 size = middle + u size / 2.
     const double scale = 0.5 * size / glm::dot(p, frame.normal);
     const double middle = 0.5 * (size + 1);
     on_face.add({middle + scale * glm::dot(p, frame.u), middle + scale * glm::dot(p, frame.v)});
@@ -113,6 +124,8 @@ RingedCube::RingedCube(const CubemapView& view)
         across(face, edge, k);
       }
     }
+    // Three faces meet at a cube's corner: bilinear interpolation has no fourth texel there. The mean of the three is
+    // the same value from all three faces.
     const int last = size_ + 1;
     for (const auto& [column, row] : {std::pair{0, 0}, {last, 0}, {0, last}, {last, last}}) {
       const int inner_column = std::clamp(column, 1, size_);
@@ -137,6 +150,7 @@ void TexelOverlap::find(int a, int b) {
   const glm::dvec2 high(static_cast<double>(a + 1) / inner_, static_cast<double>(b + 1) / inner_);
   for (int number = 0; number < 8; ++number) {
     const Octant octant{number % 2 == 0 ? 1.0 : -1.0, number / 2 % 2 == 0 ? 1.0 : -1.0, number < 4 ? 1.0 : -1.0};
+    // The square lies wholly on the other side of x = 0.
     if (std::max(octant.x * low.x, octant.x * high.x) <= 0.0) continue;
     if (std::max(octant.y * low.y, octant.y * high.y) <= 0.0) continue;
     const Polygon<glm::dvec3> part = part_in_octant(low, high, octant);
@@ -176,6 +190,7 @@ void TexelOverlap::add_face(int face, std::span<const glm::dvec2> corners) {
   Polygon<glm::dvec2> beyond;
   Polygon<glm::dvec2> piece;
   Polygon<glm::dvec2> right;
+  // First into rows of cells, and each of these into cells, with what lies beyond an edge kept for the next cut.
   for (int row = first_row; row <= last_row; ++row) {
     const double lower_edge = static_cast<double>(row + 1) / parts_;
     split(
@@ -201,6 +216,8 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     const double u = scale * (position.x - 0.5) - 1.0;
     const double v = scale * (position.y - 0.5) - 1.0;
     const double square = 1.0 + u * u + v * v;
+    // dw = du dv / r^3. `area` is twice a triangle's, in texels; such factors are common to all weights and drop out
+    // when these are divided by their sum.
     const double angle = area / (square * std::sqrt(square));
     const double s = position.x - column;
     const double t = position.y - row;
@@ -209,6 +226,9 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     down += angle * t;
     both += angle * s * t;
   };
+  // The mean of the values at the middles of a triangle's sides, times the area, is exact for quadratic functions, and
+  // s t, the highest term of bilinear interpolation, is quadratic: only r^-3 is approximated, over 1 / 32 of a face or
+  // less.
   const glm::dvec2& first = corners[0];
   for (std::size_t k = 2; k < corners.size(); ++k) {  // triangles, each by the middles of its sides
     const glm::dvec2& second = corners[k - 1];
@@ -221,6 +241,7 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
     add(0.5 * (second + third), area);
   }
   double* const weights = weights_.data() + patch.first + (row - patch.row) * patch.columns + (column - patch.column);
+  // Int (1 - s) (1 - t), Int s (1 - t), Int (1 - s) t and Int s t.
   weights[0] += whole - across - down + both;
   weights[1] += across - both;
   weights[patch.columns] += down - both;
@@ -240,6 +261,8 @@ FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept {
   const auto along = [&](const glm::dvec3& of, const glm::dvec3& axis) {
     return static_cast<int>(glm::dot(rotated(of), axis));
   };
+  // A symmetry takes the face's axes to axes of the other face, or their opposites: each product is -1, 0 or 1, the
+  // step of a column or a row there. The first texel lies at the far end of an axis along which the steps go down.
   to.across_columns = along(frame.u, other.u);
   to.across_rows = along(frame.u, other.v);
   to.down_columns = along(frame.v, other.u);

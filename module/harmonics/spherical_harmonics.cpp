@@ -42,6 +42,7 @@ std::size_t checked_coefficient_count(int bands) {
 }
 
 /// 1 / Y(0, 0) = sqrt(4 pi): what turns a constant function into its band-0 coefficient.
+/// Int 1 Y(0, 0) over the sphere = 4 pi / sqrt(4 pi).
 double band_zero_of_one() noexcept { return std::sqrt(4.0 * std::numbers::pi); }
 
 }  // namespace
@@ -195,6 +196,9 @@ class ProductPoints {
                harmonics::kPointLanes),
         weights_(static_cast<std::size_t>(count_)),
         basis_(static_cast<std::size_t>(key.bands * key.bands * count_)) {
+    // n Gauss points are exact up to the degree 2 n - 1, which is `degree` or one more. On a circle the sum of
+    // e^(i m phi) over D + 1 equal steps is 0 for 0 < |m| <= D, as the integral is; what is odd in sin(theta) has an
+    // odd order and is among those.
     const math::GaussRule rule = math::gauss_legendre(key.degree / 2 + 1);
     platform::AlignedBuffer<double> axes(static_cast<std::size_t>(3 * count_));
     for (int p = 0; p < count_; ++p) {

@@ -58,6 +58,8 @@ double sum_of_bands(const BandValues& values, bool positive, double lambda) {
 
 /// The lambda from `low` on at which negative bands shrunk far enough to leave `wanted`; they shrink steadily.
 double where_negatives_reach(const BandValues& values, double wanted, double low) {
+  // Each factor falls with lambda, so a sum of negative terms rises to 0 monotonically: bisection finds the only
+  // crossing, between neighbouring doubles. Growth by 4 reaches the largest double within 530 steps.
   double high = std::max(2.0 * low, 1e-6);
   while (sum_of_bands(values, false, high) < wanted && high < std::numeric_limits<double>::max() / 4.0) high *= 4.0;
   for (;;) {
@@ -71,6 +73,10 @@ double where_negatives_reach(const BandValues& values, double wanted, double low
 /// positive there shrink too, so with them held where they are lambda comes out too small; and again from there.
 double first_lambda_at(const BandValues& values, double target, double lambda) {
   for (int round = 0; round < kMaxRounds; ++round) {
+    // f(lambda) = values[0] + P(lambda) + N(lambda) with P >= 0 falling and N <= 0 rising. For l > lambda therefore
+    //   f(l) <= values[0] + P(lambda) + N(l),
+    // and below the l at which the right side is `target` f is below it, too: no solution is passed over. Where a step
+    // no longer moves lambda the two sides are equal.
     const double others = values[0] + sum_of_bands(values, true, lambda);
     if (others + sum_of_bands(values, false, lambda) >= target) return lambda;
     const double next = where_negatives_reach(values, target - others, lambda);
@@ -91,6 +97,10 @@ double first_lambda_at(const BandValues& values, double target, double lambda) {
 }  // namespace
 
 double min_laplacian_factor(int l, double lambda) noexcept {
+  // The g that minimizes |f - g|^2 + lambda |Laplacian g|^2. Harmonics are eigenfunctions of the Laplacian, with -l
+  // (l + 1), so each coefficient minimizes
+  //   (c - g)^2 + lambda l^2 (l + 1)^2 g^2   for itself, at   g = c / (1 + lambda l^2 (l + 1)^2)
+  // (Sloan, "Stupid Spherical Harmonics Tricks", 2008).
   const double laplacian = static_cast<double>(l) * (l + 1.0);
   return 1.0 / (1.0 + lambda * laplacian * laplacian);
 }
@@ -138,12 +148,14 @@ namespace {
 
 double hanning(int l, double width) {
   if (l >= width) return 0.0;
+  // (1 + cos(pi l / width)) / 2; a turn is 2 pi.
   return 0.5 * (1.0 + math::sine_cosine_of_turns(l / (2.0 * width)).cosine);
 }
 
 double lanczos(int l, double width) {
   if (l == 0) return 1.0;
   if (l >= width) return 0.0;
+  // sin(x) / x, x = pi l / width.
   return math::sine_cosine_of_turns(l / (2.0 * width)).sine / (std::numbers::pi * l / width);
 }
 

@@ -85,8 +85,13 @@ SoftCells TileWeights::soft_rows() const {
   std::vector<double> half_ramps(edges.size(), 0.0);
   for (int row = 1; row < height_; ++row) {
     const auto k = static_cast<std::size_t>(row);
+    // On a side face v = tan(lat) / cos(lon): in the middle column dv = d lat / cos^2, so a texel of dv = 2 / size has
+    // the height 2 / size cos^2(lat). On +-Y the distance from the middle is tan of the polar angle, and cos^2 of that
+    // is sin^2(lat). The larger of the two is that of the face the latitude lies on. edges are -sin(lat).
     const double squared = edges[k] * edges[k];
     const double texels = height_ / kPi * 2.0 / size() * std::max(squared, 1.0 - squared);
+    // Heights of rows differ. A ramp must not reach beyond the middle of a neighbour, where the next ramp may begin:
+    // half of the lower row at most.
     half_ramps[k] = half_ramp(texels) * std::min(edges[k] - edges[k - 1], edges[k + 1] - edges[k]);
   }
   return {std::move(edges), std::move(half_ramps)};
@@ -100,6 +105,8 @@ SoftCells TileWeights::soft_columns(double offset) const {
   const int count = width_ / 2 + 2 * reach_ + 2;
   for (int k = 0; k <= count; ++k) {
     const double distance = k - reach_ - offset;
+    // u = tan(longitude from the face's middle): d lon = 2 / size cos^2(lon). The middles are quarters of a turn apart,
+    // and the nearest one counts.
     const double turns = distance / width_;
     const double cosine = math::sine_cosine_of_turns(turns - 0.25 * std::floor(4.0 * turns + 0.5)).cosine;
     edges.push_back(distance);
@@ -189,6 +196,7 @@ void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink)
       const double top = scratch.upper_[at];
       const double bottom = scratch.lower_[at];
       scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - size.rows);
+      // A rectangle's weights are products: the shares of its height over the height, times the shares of its columns.
       const double scale = 1.0 / (bottom - top);
       rows_.for_each_share(scratch.rows_[at], size.rows, top, bottom,
                            [&](double share) { *weights++ = static_cast<float>(std::max(0.0, share * scale)); });
@@ -216,6 +224,8 @@ void TileWeights::weigh_border(TileScratch& scratch, RunSink& sink) const {
   const auto sides = [&](int column, TileSide* side) {
     const CubeTiling::Border border = tiling_.border(column);
     const double lower = scratch.lower_[static_cast<std::size_t>(column)];
+    // The upper boundary lies at first_height up to the longitude `middle` and at second_height from there on; the
+    // lower one at `lower`. Going round it has three upright sides.
     side[0] = {border.middle, border.first_height, border.second_height};
     side[1] = {tiling_.longitude(column + 1), border.second_height, lower};
     side[2] = {tiling_.longitude(column), lower, border.first_height};
@@ -233,9 +243,12 @@ void TileWeights::weigh_polar(int row, TileScratch& scratch, RunSink& sink) cons
 /// The texel around the pole of an odd number: all columns alike.
 void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
   scratch.polar_.place(0);
+  // A cap from height -1 (the pole) to `height`: its solid angle is 2 pi (height + 1), in columns times height
+  // (height + 1) width.
   const double height = scratch.polar_.outer_height(0);
   const double area = (height + 1.0) * width_;
   WeighedRun run{TileKind::pole, 0, 0, 0, {}, &area};
+  // All columns have the same share, 1 / width of that of a row.
   run.patches.patch_rows = rows_.last_before(height, 0) + 1;
   run.patches.patch_groups = groups_for(width_);
   float* weight = scratch.weights_.data();
@@ -251,6 +264,9 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
 }
 
 /// `sides(column, out)`: a tile's; how many there are.
+/// A texel's share is a product x(longitude) y(height). With X = Int x, Y = Int y Green's theorem makes the integral
+/// over a tile one around it, Int x y = sum over its sides of X(longitude) (Y(to) - Y(from)): sides along latitudes
+/// have no change of Y and drop out, and the tile's area is the same sum with X = longitude, Y = height (`weigh_tile`).
 template <class Sides>
 void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const {
   for (run.rest = 0; run.rest < 4; ++run.rest) {
@@ -279,6 +295,8 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       patches.count = std::min(together, static_cast<int>(std::max<std::size_t>(1, scratch.weights_.size() / patch)));
       for (int k = 0; k < patches.count; ++k) {
         const auto at = static_cast<std::size_t>(run.first + k);
+        // Patches of one size: those that need fewer rows than the widest are moved up at the lower end, where further
+        // rows would not exist. Rows that a tile does not touch weigh 0.
         scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
         TileSide side[TileRun::kMaxSides];
         const TileRun tile{side,
@@ -352,6 +370,8 @@ void TileWeightTable::keep(const TileWeightKey& key, const std::shared_ptr<const
 
 TileWeightTable::TileWeightTable(const TileWeightKey& key)
     : weights_(key.width, key.height, key.size, true),
+      // Distances are counted from quarters of the width: whole columns if it divides by four (rest 0), halves if by
+      // two (rests 0 and 2), else quarters of a column.
       rests_(key.width % 4 == 0   ? 1
              : key.width % 2 == 0 ? 3
                                   : 4) {
@@ -389,6 +409,8 @@ std::size_t TileWeightTable::floats_for(TileKind kind, int row) const noexcept {
   const auto touched = [](double cells) { return static_cast<int>(std::ceil(cells)) + 2; };  // with their ramps
   const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
   const double texel = 2.0 / weights_.size();  // of a face whose edges are 2 long, in the middle radians
+  // From the tangents: (t r + 1) / r - t r / (r + 1) = (1 + t) / r to the first order, and d atan = d tan / (1 + t^2).
+  // Its derivative in t is 0 where 1 - 2 t - t^2 = 0, t = sqrt(2) - 1, and its value there (1 + sqrt(2)) / 2 = kWidest.
   const double texel_rows = texel * weights_.height() / kPi;
   if (kind == TileKind::side && row > 0) return tiles * static_cast<std::size_t>(touched(texel_rows));
   double radians = texel;

@@ -39,6 +39,8 @@ class SoftCells {
   [[nodiscard]] double integral_from_edge(int edge, double from, double to) const noexcept {
     const auto at = static_cast<std::size_t>(std::min(edge, cells_));
     const double half = half_ramps_[at];
+    // The share beyond an edge rises from 0 at edge - half to 1 at edge + half: Int up to x is (x - edge + half)^2 /
+    // (4 half) on the ramp, and x - edge beyond it, where the first term is `half` and the second x - edge - half.
     const auto up_to = [&](double position) {  // as `weigh_tile` has it
       const double beyond = position - edges_[at];
       const double on_ramp = std::min(std::max(beyond, -half), half) + half;

@@ -168,6 +168,8 @@ class BitWriter {
 };
 
 /// Calls `visit(texel, bits)` for the indices as they follow each other: an anchor's has a bit less.
+/// A line's ends can be exchanged if its indices are counted from the other end, with the same decoded texels. So a
+/// block may always be written with the upper bit 0 in the index of one texel of each line, its anchor.
 template <class Visit>
 void for_each_index(const Bc6hMode& mode, int partition, const Visit& visit) {
   const int bits = mode.two_lines ? 3 : 4;
@@ -178,11 +180,14 @@ void for_each_index(const Bc6hMode& mode, int partition, const Visit& visit) {
 }
 
 std::int32_t sign_extended(std::uint32_t value, int bits) noexcept {
+  // Two's complement: value ^ sign is value + sign or, if the sign's bit is set, value - sign.
   const std::uint32_t sign = 1U << (bits - 1);
   return static_cast<std::int32_t>((value ^ sign) - sign);
 }
 
 /// An end of `bits` bits as one of 16 (and a sign), as far as possible the middle of what it stands for.
+/// (end + 1/2) 2^(16 - bits) is the middle of the 16-bit numbers whose upper bits are `end`; 0 and the largest number
+/// are moved to the ends of the range, so that black and the largest half can be stored.
 std::int32_t unquantised(std::int32_t end, int bits, Bc6hRange range) noexcept {
   if (range == Bc6hRange::positive) {
     if (bits >= 15 || end == 0) return end;
@@ -197,6 +202,7 @@ std::int32_t unquantised(std::int32_t end, int bits, Bc6hRange range) noexcept {
 
 /// Of a number between two ends; a half's bits.
 std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
+  // 0xFFFF 31 / 64 and 0x7FFF 31 / 32 are 31743, the bits of the largest finite half, 65504.
   if (range == Bc6hRange::positive) return static_cast<std::uint16_t>(value * 31 >> 6);
   const std::int32_t magnitude = (value < 0 ? -value : value) * 31 >> 5;
   return static_cast<std::uint16_t>(magnitude | (value < 0 && magnitude != 0 ? 0x8000 : 0));

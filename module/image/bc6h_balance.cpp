@@ -118,6 +118,7 @@ class Balancer {
   /// `rest`: what all other blocks have too much of.
   [[nodiscard]] double cost_of(const ChannelError& error, double rest, std::size_t c) const {
     const double excess = excess_of_mean(rest + error.light, total_[c]);
+    // worth_ kMeanTolerance^2 = kWorth times the level's squared error: see kWorth.
     return error.squares + worth_ * excess * excess;
   }
 
@@ -156,6 +157,8 @@ class Balancer {
   }
 
   /// Moves a line's ends of one channel to where the cost is least. `rest`: what all else has too much of.
+  /// Indices stay, so that the decoded values of a channel depend on that channel's two ends of the line alone:
+  /// (2 kReach + 1)^2 = 49 pairs of numbers are all there is to try, 16 at a time.
   void move_ends(std::size_t line, std::size_t c, double rest, Bc6hFields& fields, ChannelError& error) {
     const double wanted_light = set_texels(fields, line, c);
     const Bc6hNumbers first = bc6h_numbers(fields, range_);
@@ -195,6 +198,8 @@ class Balancer {
       std::array<ChannelError, 2> errors{};
       for (std::size_t line = 0; line < lines; ++line) errors[line] = line_error(fields, line, c);
       for (std::size_t line = 0; line < lines; ++line) {
+        // Nothing is changed as soon as the mean is within the tolerance: each step away from the fitted ends costs
+        // squared error.
         if (excess_of_mean(rest[c] + errors[0].light + errors[1].light, total_[c]) <= 0.0) break;
         move_ends(line, c, rest[c] + errors[1 - line].light, candidate.fields, errors[line]);
       }
@@ -230,6 +235,8 @@ class Balancer {
       off_[c] -= errors[c].light;
       growth -= errors[c].squares;
     }
+    // Descent along one block at a time: with all others as they are, the level's cost depends on this block's squared
+    // error and on `rest` plus its light.
     const ChannelSums rest = off_;
     Candidate best = improved(unpack_bc6h(bytes_of(block)), rest);
     if (anew) {

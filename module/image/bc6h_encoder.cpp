@@ -68,6 +68,7 @@ void check(const Bc6hCubemap& cubemap) {
 
 /// The sum of the squares of a face's relative errors.
 double face_squares(const CubemapView& given, const float* decoded, int face, bool is_signed) {
+  // 2^-14, the least normal half: below it halves have a fixed step, and a relative error says nothing.
   constexpr double floor = 1.0 / 16384.0;
   const auto values = 3 * static_cast<std::size_t>(given.size);
   std::vector<float> row(values);
@@ -76,6 +77,7 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
   for (int line = 0; line < given.size; ++line, decoded += values) {
     image::decode_texels(given.format, image::row_of(given, face, line), given.size, row.data());
     for (std::size_t k = 0; k < values; ++k) {
+      // As the encoder clamps it, so that what a half cannot hold is no error of the blocks.
       const float held = row[k] >= least ? std::min(row[k], image::kLargestHalf) : row[k] < least ? least : 0.0F;
       const auto value = static_cast<double>(held);
       const double error = (static_cast<double>(decoded[k]) - value) / std::max(std::abs(value), floor);
@@ -104,6 +106,7 @@ Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>>
   for (std::size_t level = 0; level < levels.size(); ++level) {
     EncodedLevels::Level& here = encoded.levels[level];
     const double values = 3.0 * static_cast<double>(texels_of(levels[level]));
+    // An error of n units is n 2^-10 / m of a value: mean square n^2 times mean 1 / m^2, taken as independent.
     result.levels.push_back({std::move(here.blocks), std::sqrt(here.squares * kMeanSquareOfUnits / values) / 1024.0});
   }
   return result;

@@ -35,6 +35,10 @@ void load(const float* const* rows, BlockGroup& group) {
 WELKIN_INLINE Lanes half_bits(Lanes value) {
   const auto bits = xsimd::bitwise_cast<Integers>(value);
   const Integers odd = (bits >> 13) & Integers(1);
+  // 13 bits of mantissa are dropped. Adding 0xFFF carries if they exceed half a unit, and one more if they are half a
+  // unit of an odd number: ties go to even. 112 = 127 - 15 is the difference of the exponents' biases. Adding 1/2 to
+  // what is below 2^-14 gives a float from 1/2 to 1, whose last bit counts 2^-24, as a denormal half's does; 0x3F000000
+  // are the bits of 1/2.
   const Integers normal = ((bits + Integers(0xFFF) + odd) >> 13) - Integers(112 << 10);
   const auto small = xsimd::bitwise_cast<Integers>(value + Lanes(0.5F)) - Integers(0x3F000000);
   return select(value < Lanes(6.103515625e-5F), xsimd::to_float(small), xsimd::to_float(normal));
@@ -70,6 +74,7 @@ WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* cl
   const Lanes sum = channels[0] + channels[1] + channels[2];
   // Below this all halves are 0, and a quotient could be infinite.
   const Mask lit = sum > Lanes(1.0e-30F);
+  // light[k] inverse is the texel's light over the weighted mean.
   const Lanes inverse = select(lit, count / select(lit, sum, Lanes(1.0F)), Lanes(0.0F));
   for (int k = 0; k < kTexels; ++k) {
     float* const at = weights + k * kLanes;
@@ -109,6 +114,9 @@ WELKIN_INLINE void store_ends(const FittedLine& line, SingleLine& to, Lanes (&lo
     difference = xsimd::max(difference, xsimd::abs(v_high[c] - v_low[c]));
   }
   const auto by_mode = [&](float mode11, float mode12, float mode13, float mode14) WELKIN_INLINE_LAMBDA {
+    // Differences have 4, 8 and 9 bits in steps of 1, 16 and 32: they reach 7, 127 and 255 steps upwards. Rounding one
+    // end up and the other down may add 2, so lines fit for sure up to 5, 125 and 253 steps. The mode of the finest
+    // steps is taken.
     return select(difference <= Lanes(5.0F), Lanes(mode14),
                   select(difference <= Lanes(125.0F * 16.0F), Lanes(mode13),
                          select(difference <= Lanes(253.0F * 32.0F), Lanes(mode12), Lanes(mode11))));
@@ -151,6 +159,8 @@ WELKIN_INLINE SingleLine stored_line(const BlockLanes& block, const FittedLine& 
       const Lanes off = decoded<is_signed>(low[c], reach[c], s) - block.value(k, c);
       square = square + off * off;
     }
+    // Weights above 1, which are for brightness, serve the fit only. The error is the plain sum of squares, with texels
+    // beyond the image's edge at their small weight.
     single.error = single.error + square * xsimd::min(block.weight(k), Lanes(1.0F));
   }
   return single;
@@ -183,6 +193,7 @@ WELKIN_INLINE void pack(const BlockLanes& block, const SingleLine& single, std::
   const AllTexels texels;
   const auto index = [&](int k)
                          WELKIN_INLINE_LAMBDA { return xsimd::to_int(index_at(block, texels, single.projection, k)); };
+  // Prefixes 0x03, 0x07, 0x0B and 0x0F. The first index has 3 bits and lies at bit 65, all others at 4 k + 64.
   const Integers prefix = ((mode - Integers(11)) << 2) | Integers(3);
   const Integers word0 = prefix | (first[0] << 5) | (first[1] << 15) | (first[2] << 25);
   const Integers word1 = (first[2] >> 7) | (second[0] << 3) | (second[1] << 13) | (second[2] << 23);
@@ -253,6 +264,7 @@ void two_lines(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks
 template <bool is_signed>
 WELKIN_INLINE Lanes value_of(Lanes number) {
   const Lanes bits = is_signed ? xsimd::abs(number) : number;
+  // Ten bits of mantissa go to 23, and 127 - 15 = 112 is added to the exponent. Denormals are multiples of 2^-24.
   const auto normal = xsimd::bitwise_cast<Lanes>((xsimd::to_int(bits) << 13) + Integers(112 << 23));
   const Lanes value = select(bits < Lanes(1024.0F), bits * Lanes(0x1p-24F), normal);
   return is_signed ? select(number < Lanes(0.0F), Lanes(0.0F) - value, value) : value;

@@ -107,8 +107,14 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
     gb = gb + wg * b;
     bb = bb + weight * b * b;
   }
+  // Over its trace: the largest eigenvalue is then from 1/3 to 1, and the products of four matrices, of values up to
+  // 3e4, stay within a float. Each multiplication takes the share of the second axis down by the quotient of the
+  // eigenvalues.
   const Lanes scale = Lanes(1.0F) / (rr + gg + bb + Lanes(1.0e-20F));
   for (Lanes* const entry : {&rr, &rg, &rb, &gg, &gb, &bb}) *entry = *entry * scale;
+  // The column of the largest diagonal element is the matrix times that axis: it is 0 only if the whole matrix is, for
+  // |n_ij| <= sqrt(n_ii n_jj), and it has a part along the first eigenvector unless that is orthogonal to the axis in
+  // which texels spread most.
   const Mask red = (rr >= gg) & (rr >= bb);
   const Mask green = gg >= bb;
   axis[0] = select(red, rr, select(green, rg, rb));
@@ -136,6 +142,8 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
     most = xsimd::max(most, texels.inside(k, position, Lanes(-kBig)));
   }
   const Lanes anchor = texels.at_anchor([&](int k) WELKIN_INLINE_LAMBDA { return plain.at(block, k); });
+  // The index is the rounded place from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
+  // the upper half, the ends are exchanged (its index must not have the upper bit).
   const Lanes range = most - least;
   const Mask turned = anchor - least > most - anchor;
   const Lanes size = select(range > Lanes(0.0F), Lanes(Texels::steps) / range, Lanes(0.0F));
@@ -170,6 +178,12 @@ WELKIN_INLINE FittedLine least_squares(const BlockLanes& block, const Texels& te
     green = green + p * (block.value(k, 1) - centre.mean[1]);
     blue = blue + p * (block.value(k, 2) - centre.mean[2]);
   }
+  // Minimizes sum w ((1 - s) low + s high - d)^2, d from the mean. With
+  //   a = sum w (1 - s)^2,   b = sum w s (1 - s),   c = sum w s^2,   R = sum w s d = -sum w (1 - s) d
+  // the normal equations are a low + b high = -R and b low + c high = R. Their solution is
+  //   low = -(b + c) R / det,   high = (a + b) R / det,   b + c = sum_p,   a + b = W - sum_p.
+  // det = a c - b^2 is W^2 times the weighted variance of s: below 1e-6 of W^2 all texels have one index, and both ends
+  // are the mean.
   FittedLine line;
   line.c = sum_ps;
   line.b = sum_p - sum_ps;
@@ -201,6 +215,8 @@ struct Precision {
       : step(step_of),
         inverse(inverse_of),
         half_step(select(step_of > Lanes(1.0F), step_of * Lanes(0.5F), Lanes(0.0F))),
+        // A stored n of fewer than 16 bits means the middle of n step to (n + 1) step, so truncation finds the nearest;
+        // with 16 bits n means itself, and 1/2 is added before.
         rounding(select(step_of > Lanes(1.0F), Lanes(0.0F), Lanes(0.5F))),
         largest(Lanes(is_signed ? 32768.0F : 65536.0F) * inverse_of - Lanes(1.0F)) {}
 
@@ -253,6 +269,7 @@ WELKIN_INLINE Lanes middle_of(Lanes v) {
 /// A half between two ends as the decoder computes it, exactly. `middle` = low + 1/2, `reach` = high - low.
 template <bool is_signed>
 WELKIN_INLINE Lanes decoded(Lanes middle, Lanes reach, Lanes s) {
+  // floor((low (64 - w) + high w + 32) / 64) = floor(low + 1/2 + (high - low) w / 64).
   const Lanes exact = middle + reach * s;
   if constexpr (is_signed) {
     const Lanes towards_zero = truncated(exact);
@@ -273,6 +290,7 @@ template <class Texels>
 WELKIN_INLINE Projection between(const Lanes (&low)[3], const Lanes (&high)[3]) {
   Lanes reach[3];
   for (int c = 0; c < 3; ++c) reach[c] = high[c] - low[c];
+  // index = steps (h - low) . reach / |reach|^2 + 1/2, truncated later. Equal ends give index 0.
   const Lanes square = reach[0] * reach[0] + reach[1] * reach[1] + reach[2] * reach[2];
   const Lanes scale = select(square > Lanes(0.0F),
                              Lanes(Texels::steps) / select(square > Lanes(0.0F), square, Lanes(1.0F)), Lanes(0.0F));
@@ -297,6 +315,9 @@ WELKIN_INLINE EndChoice best_pair(const FittedLine& line, const Precision<is_sig
   Lanes least(kBig);
   for (int i = 0; i < 2; ++i) {
     const Lanes off_low = precision.meant(lows[i]) - low;
+    // The fitted ends have the least sum of squares, where its gradient is 0, and the sum is quadratic: moving the ends
+    // by off_low and off_high adds a off_low^2 + 2 b off_low off_high + c off_high^2. The mixed term is why the nearest
+    // numbers need not be the best ones.
     const Lanes of_low = line.a * off_low * off_low;
     const Lanes twice = Lanes(2.0F) * line.b * off_low;
     for (int j = 0; j < 2; ++j) {

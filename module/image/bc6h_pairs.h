@@ -187,6 +187,8 @@ WELKIN_INLINE ModeChoice choose_mode(const Lanes (&v)[4][3]) {
   struct Candidate {
     float mode, step, red, green, blue;
   };
+  // By rising precision: an end of `end_bits` has the step 2^(16 - end_bits) and a difference of n bits reaches
+  // 2^(n - 1); a later candidate that fits replaces the ones before.
   constexpr Candidate candidates[] = {{2, 512, 32, 32, 32}, {9, 256, 16, 16, 32}, {8, 256, 16, 32, 16},
                                       {7, 256, 32, 16, 16}, {6, 128, 16, 16, 16}, {1, 64, 16, 16, 16},
                                       {5, 32, 8, 8, 16},    {4, 32, 8, 16, 8},    {3, 32, 16, 8, 8}};
@@ -201,6 +203,7 @@ WELKIN_INLINE ModeChoice choose_mode(const Lanes (&v)[4][3]) {
         wanted[c] = Lanes(0.0F);
         for (int end = 1; end < 4; ++end) {
           const Lanes difference = precision.stored(v[end][c]) - first;
+          // -reach <= d < reach if max(d + 1, -d) <= reach, for whole d.
           wanted[c] = xsimd::max(wanted[c], xsimd::max(difference + Lanes(1.0F), Lanes(0.0F) - difference));
         }
       }

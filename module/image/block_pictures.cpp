@@ -21,6 +21,8 @@ constexpr int kTileBlocks = 512;
 constexpr int kTileGroups = kTileBlocks / kLanes;
 
 /// Sums of squares above which a block with one line is tried with two, too: about 0.7 % rms.
+/// A block has 48 values: sqrt(4600 / 48) = 9.8 units rms, each 2^-10 / m of a value with a mean 1 / m^2 of 0.51
+/// (bc6h_encoder.cpp), is 0.0068.
 constexpr float kEnoughSquares = 4600.0F;
 
 /// Blocks of one level that are encoded together.

@@ -55,6 +55,7 @@ double lat_long_texel_solid_angle(int width, int height, int row) {
 
 double cubemap_texel_solid_angle(int size, int row, int column) {
   const double half_edge = 1.0 / static_cast<double>(size);
+  // Mirrored columns give the same u, so both halves of a row have the same bits.
   const double u = (2.0 * std::min(column, size - 1 - column) + 1.0) * half_edge - 1.0;
   const double v = (2.0 * row + 1.0) * half_edge - 1.0;
   return math::rectangle_solid_angle(u, v, half_edge, half_edge, math::texel_rule(size));
@@ -75,6 +76,9 @@ std::shared_ptr<const FaceSolidAngles> FaceSolidAngles::get(int size) {
 }
 
 FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
+  // A texel's half-width is 1 / size and the integrand's poles are at distance 1, so k points are off like
+  // (2 size)^(-2k). Computed against 12 points: 3e-14 for size 32 with 4, 1.5e-12 for 64 with 3 and 5e-12 for 512 with
+  // 2, relative.
   const auto order_for = [](int texels) { return texels < 64 ? 4 : (texels < 512 ? 3 : 2); };
   const math::GaussRule rule = size < 32 ? math::texel_rule(size) : math::gauss_legendre(order_for(size));
   const int half = (size + 1) / 2;
@@ -85,6 +89,7 @@ FaceSolidAngles::FaceSolidAngles(int size) : size_(size) {
   quadrant_.resize(index(half, 0));
   for (int row = 0; row < half; ++row) {
     const double v = (2.0 * row + 1.0) * half_edge - 1.0;
+    // The density is symmetric in u and v: half of the quadrant is enough.
     for (int column = 0; column <= row; ++column) {
       const double u = (2.0 * column + 1.0) * half_edge - 1.0;
       quadrant_[index(row, column)] = quadrant_[index(column, row)] =
@@ -128,6 +133,8 @@ int face_of(const glm::dvec3& direction) noexcept {
 
 glm::ivec3 point_of(int size, const CubeTexel& texel) noexcept {
   const WholeFrame& frame = whole_frame(texel.face);
+  // The unit is half a texel, so centres (odd places from the edge) are whole numbers and every symmetry of the cube
+  // maps them without rounding.
   return frame.normal * size + frame.u * (2 * texel.column + 1 - size) + frame.v * (2 * texel.row + 1 - size);
 }
 
@@ -187,6 +194,7 @@ TexelGrid::Neighbours TexelGrid::neighbours(std::int64_t texel) const noexcept {
 std::int64_t TexelGrid::on_lat_long(int row, int column) const noexcept {
   if (row < 0 || row >= rows_) {
     row = std::clamp(row, 0, rows_ - 1);
+    // The meridian opposite. An odd width has no column there, and half a column less is taken.
     column += columns_ / 2;
   }
   return std::int64_t{row} * columns_ + (column + columns_) % columns_;
@@ -271,6 +279,7 @@ glm::dmat3 rotation_about_y(double degrees) {
                 "a turn of " + platform::number_text(degrees) + " degrees about y; it must be within 1e6 degrees");
   }
   const math::SineCosine rotation = math::sine_cosine_of_turns(degrees / 360.0);
+  // Columns are where x, y and z go: x towards -z and z towards x, which is right-handed about +y.
   return {glm::dvec3(rotation.cosine, 0.0, -rotation.sine), glm::dvec3(0.0, 1.0, 0.0),
           glm::dvec3(rotation.sine, 0.0, rotation.cosine)};
 }

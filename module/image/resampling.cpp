@@ -43,12 +43,17 @@ void require_orthogonal(const glm::dmat3& rotation) {
 }
 
 // Texels a radian, where they lie closest: a cube's at the middle of an edge.
+// A face has size / 2 texels per unit of u, and u = tan(angle) has the slope 1 + u^2: size / 2 texels per radian in the
+// middle of a face and size at u = 1, v = 0. (Along u it is size / 2 (1 + u^2 + v^2) / sqrt(1 + v^2), 1.06 size in the
+// corners.)
 double closest_texels(const CubemapView& source) { return source.size; }
 double closest_texels(const LatLongView& source) {
   return std::max(0.5 * source.width, 1.0 * source.height) / std::numbers::pi;
 }
 
 int samples_along_edge(double source_density, double result_density) {
+  // As many samples as source texels lie under a texel of the result, so that none is skipped. 1e-9: a quotient that is
+  // whole but for rounding does not take one more.
   const double ratio = source_density / result_density;
   return std::max(kMinSamples, static_cast<int>(std::ceil(ratio - 1e-9)));
 }
@@ -107,6 +112,7 @@ class CubeCells final : public Cells {
   [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
     const image::Frame& frame = image::face_frame(place.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
+    // Weights are relative: du dv, alike for all samples, drops out when the sum is divided by that of the weights.
     const double squared = 1.0 + u * u + place.v * place.v;
     return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
   }
@@ -349,6 +355,7 @@ Between between(double place) noexcept {
 
 void LatLongSampler::add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
   if (row < 0 || row >= height_) {
+    // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
     row = row < 0 ? 0 : height_ - 1;
     column += 0.5 * width_;
   }
@@ -390,6 +397,8 @@ void CubemapSampler::add(const glm::dvec3& direction, double weight, glm::dvec3&
   const int face = face_of(direction);
   const Frame& frame = face_frame(face);
   const double scale = 0.5 * size_ / glm::dot(direction, frame.normal);
+  // u from -1 to 1 is (u + 1) / 2 size from the edge, and texel 0's centre is half a texel from it: column =
+  // (size - 1) / 2 + u size / 2.
   const double middle = 0.5 * (size_ - 1);
   const Between column = between(middle + scale * glm::dot(direction, frame.u));
   const Between row = between(middle + scale * glm::dot(direction, frame.v));
@@ -432,6 +441,8 @@ std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& rotation, int w
   if (!is_near(std::abs(up.y), 1.0) || !is_near(up.x, 0.0) || !is_near(up.z, 0.0)) return {};
   const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, 1);
   const glm::dvec3 left = rotation * glm::dvec3(1, 0, 0);
+  // `ahead` and `left` have the longitudes 0 and 1/4 turn. The longitude of the rotated `ahead` is the shift, and
+  // whether `left` is still to the left of it (their cross product's sign) says whether the order of longitudes stays.
   const double shift = math::turns_of(ahead.x, ahead.z) * width;
   const bool is_whole = std::abs(shift - std::round(shift)) <= kColumnTolerance;
   const double whole = is_whole ? std::round(shift) : std::floor(shift);

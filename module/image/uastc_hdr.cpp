@@ -179,6 +179,8 @@ UastcLine stored_by(std::size_t mode, std::size_t brightest, Numbers n, const Fl
   };
   const auto& [low, high] = wanted;
   const auto as_float = [&](Number number) { return static_cast<float>(n[number]); };
+  // In the order in which the numbers depend on each other: c, b and d are differences to a (and to each other), so
+  // each is computed from what the earlier ones have become, and their rounding does not add up.
   store(kA, high[0] * unit);
   store(kC, as_float(kA) - low[0] * unit);
   store(kB0, as_float(kA) - high[1] * unit);
@@ -191,6 +193,7 @@ UastcLine stored_by(std::size_t mode, std::size_t brightest, Numbers n, const Fl
 
 /// The most exact mode that can hold the ends, if there is one. `kEndModes.size()`: none. Two modes each share a unit.
 std::size_t mode_for(const FloatEnds& wanted, Numbers& n) noexcept {
+  // Modes 7 and 6 have a step of 1, 5 and 4 of 2, 3 and 2 of 4, 1 and 0 of 8.
   for (std::size_t mode = kEndModes.size(); mode > 0; mode -= 2) {
     const float unit = 1.0F / static_cast<float>(1 << kEndModes[mode - 1].shift);
     const auto& [low, high] = wanted;
@@ -212,6 +215,7 @@ UastcLine stored_plainly(const FloatEnds& wanted, const LevelTable& levels) noex
   UastcLine line{};
   for (std::size_t c = 0; c < 3; ++c) {
     const std::int32_t step = c == 2 ? 32 : 16;
+    // Bit 7 of bytes 4 and 5 name the brightest channel, 0 to 2; both set say that the numbers are plain.
     const std::int32_t mark = c == 2 ? 0x80 : 0;
     for (std::size_t end = 0; end < 2; ++end) {
       std::int32_t number = std::min(nearest(wanted[end][c] / static_cast<float>(step)), kLargestEnd / step);
@@ -248,6 +252,8 @@ class BlockBits {
   }
   void put_indices(const std::array<std::uint8_t, kBlockTexels>& indices, int bits) noexcept {
     std::uint64_t stream = 0;
+    // ASTC reads indices from the block's last bit down: the reverse of a stream that begins with texel 0's lowest bit.
+    // Where it is shorter than 64 bits, reversing leaves it at the upper end.
     for (std::size_t k = kBlockTexels; k-- > 0;) stream = stream << bits | indices[k];
     // The stream's bits in the opposite order.
     constexpr std::array<std::uint64_t, 6> halves{0x5555555555555555U, 0x3333333333333333U, 0x0F0F0F0F0F0F0F0FU,
@@ -375,6 +381,9 @@ UastcLine store_uastc_line(const FloatEnds& wanted, UastcLines lines) noexcept {
   }
   const auto sum = [](const std::array<float, 3>& end) { return end[0] + end[1] + end[2]; };
   if (sum(ends[0]) > sum(ends[1])) std::swap(ends[0], ends[1]);
+  // a, b and c are not negative: the high end's brightest channel must be its largest, and not below the low end's.
+  // Ends that do not fit one way may fit exchanged; indices are found from the stored ends afterwards, so nothing else
+  // changes.
   for (int order = 0; order < 2; ++order) {
     const auto& high = ends[1];
     const std::size_t brightest = high[0] >= high[1] && high[0] >= high[2] ? 0 : high[1] >= high[2] ? 1 : 2;
@@ -458,6 +467,8 @@ void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* b
 
 std::uint16_t half_of_logarithm(std::int32_t logarithm) noexcept {
   const std::int32_t m = logarithm & 0x7FF;
+  // 2^x - 1 by three straight lines, in eighths of a half's last bit; they meet at m = 512 (1536), 1536 (5632) and the
+  // next power of two, 2048 (8192).
   const std::int32_t mantissa = m < 512 ? 3 * m : m >= 1536 ? 5 * m - 2048 : 4 * m - 512;
   return static_cast<std::uint16_t>(std::min((logarithm >> 11 << 10) + (mantissa >> 3), 0x7BFF));
 }

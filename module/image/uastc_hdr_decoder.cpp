@@ -25,6 +25,8 @@ struct Levels {
 
 constexpr int count_of(Levels levels) { return levels.base << levels.bits; }
 constexpr int bits_of(Levels levels, int numbers) {
+  // Five digits of base 3 have 243 <= 2^8 values, three of base 5 125 <= 2^7; a last group that is not full takes as
+  // many bits as its digits need, ceil(8 n / 5) and ceil(7 n / 3) in all.
   const int digits = levels.base == 3 ? (8 * numbers + 4) / 5 : levels.base == 5 ? (7 * numbers + 2) / 3 : 0;
   return levels.bits * numbers + digits;
 }
@@ -234,6 +236,7 @@ constexpr int share_of(int number, Levels levels) {
     const int b = n == 1 ? 0 : !trits ? 0x42 * upper : n == 2 ? 0x45 * upper : upper << 5 | upper;
     share = (a & 0x20) | (((number >> n) * c + b) ^ a) >> 2;
   }
+  // From 0 to 63 to 0 to 64, so that the high end is reached exactly.
   return share > 32 ? share + 1 : share;
 }
 

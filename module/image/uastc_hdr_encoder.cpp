@@ -250,6 +250,7 @@ class Balancer {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       std::array<float, 3> factors{1.0F, 1.0F, 1.0F};
       for (std::size_t c = 0; c < 3 && lane > 0; ++c) {
+        // A linear congruential generator modulo 2^32; the lower bits repeat soon, so the upper 16 are taken.
         state_ = 1664525U * state_ + 1013904223U;
         const double part = 2.0 * static_cast<double>(state_ >> 16U) / 65535.0 - 1.0;
         factors[c] = static_cast<float>(scale[c] * (1.0 + spread * part));
@@ -287,6 +288,7 @@ class Balancer {
       const auto value = static_cast<double>(texels.values[k]);
       const double off = static_cast<double>(float_from_half(halves[k])) - value;
       trial.light[k % 3] += off;
+      // Below 2^-14, the least normal half, errors are not relative.
       trial.squares += off * off / std::max(value * value, 0x1p-28);
     }
     return trial;
@@ -297,6 +299,8 @@ class Balancer {
     ChannelSums scale{};
     for (std::size_t c = 0; c < 3; ++c) {
       const auto whole = static_cast<double>(level_.lights[bright.block][c]);
+      // With its light times 1 - off / light the block would take away all that the level has too much, if ends had no
+      // steps.
       scale[c] = whole > 0.0 ? std::clamp(1.0 - off_[c] / whole, 0.7, 1.4) : 1.0;
     }
     const double values = 3.0 * static_cast<double>(texels_of(pictures_));
@@ -307,6 +311,7 @@ class Balancer {
     constexpr std::array spreads{0.02, 0.08, 0.3};  // ends far apart have steps of 9 % and more
     const Trials trials = tried(bright.block, scale, spreads[static_cast<std::size_t>(sweep) % spreads.size()]);
     for (const Trial& trial : trials) {
+      // A trial must take the means nearer to the tolerance, else a cheaper block could be taken that makes them worse.
       if (cost(trial) < cost(*best) && excess(sum(rest, trial.light)) < excess(off_)) best = &trial;
     }
     bright.now = *best;

@@ -37,12 +37,18 @@ void fill_entries(std::span<const Value> values, Scratch& scratch, AliasEntry* e
     entries[k] = {1.0F, static_cast<std::uint32_t>(k)};
     (share < 1.0 ? scratch.poor : scratch.rich).push_back(static_cast<std::uint32_t>(k));
   }
+  // An entry is picked with the probability 1 / count, and then either itself or its alias. After filling, what k gets
+  // over all entries is its share: k's own fill and what it gives to others sum to share(k), because a poor entry takes
+  // 1 - share from its rich one, and a poor one is never touched again. Every round settles one entry, so the time is
+  // linear (Vose 1991).
   while (!scratch.poor.empty() && !scratch.rich.empty()) {
     const std::uint32_t poor = scratch.poor.back();
     const std::uint32_t rich = scratch.rich.back();
     scratch.poor.pop_back();
     entries[poor] = {static_cast<float>(scratch.shares[poor]), rich};
     double& rest = scratch.shares[rich];
+    // rest - (1 - share), in the order that loses less: both are added before 1 is taken off (Schwarz, "Darts, Dice,
+    // and Coins", 2011).
     rest = (rest + scratch.shares[poor]) - 1.0;
     if (rest >= 1.0) continue;
     scratch.rich.pop_back();

@@ -35,6 +35,8 @@ Level half_of(const Level& finer, const Control& control) {
   for_each_row(level, control, [&](int row) {
     float* const to = level.probabilities.data() + std::ptrdiff_t{row} * level.width;
     for (int k = 0; k < level.width; ++k) {
+      // A block's probability is that of its four parts, so a sample descends from the last level with one choice among
+      // four at each. Cells beyond an odd edge have 0. The sum's order is fixed: rows first.
       const double upper = value(2 * k, 2 * row) + value(2 * k + 1, 2 * row);
       to[k] = static_cast<float>(upper + (value(2 * k, 2 * row + 1) + value(2 * k + 1, 2 * row + 1)));
     }

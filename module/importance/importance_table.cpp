@@ -213,6 +213,8 @@ class Builder {
         for (const Share& column : columns_.of(static_cast<int>(k))) {
           sum += static_cast<double>(weights[static_cast<std::size_t>(column.texel)]) * column.part;
         }
+        // The weight is constant in a source texel: its integral over a table's texel is the sum of weight times the
+        // part of longitude times the part of height.
         sums[k] += sum * scale;
       }
     }
@@ -230,6 +232,7 @@ class Builder {
     const double even = mean * importance::texel_solid_angle(size_.width, size_.height, row);
     for (float& value : function_of(row)) {
       // What is even to rounding has nothing above its mean.
+      // max(0, f - mean) over the sphere, integrated over the texel: f's integral less mean times solid angle.
       value = static_cast<float>(std::max(0.0, static_cast<double>(value) - even * (1.0 + 1e-6)));
     }
     finish_row(row);
@@ -259,6 +262,8 @@ struct Step {
 };
 
 Step step_of(std::span<const float> cdf, double number) noexcept {
+  // The inverse of the cumulative distribution: the first step whose end is above the number. Steps of height 0 end at
+  // their beginning and are never the first. Numbers stay below 1, the end of the last step that rises.
   const double inside = number > 0.0 ? std::min(number, 1.0 - 0x1p-53) : 0.0;  // NaN: 0
   const auto above =
       std::upper_bound(cdf.begin(), cdf.end(), inside, [](double a, float b) { return a < static_cast<double>(b); });
@@ -277,6 +282,7 @@ std::span<const float> cdf_of(const ImportanceTable& table, std::size_t row) noe
 /// By the function, and not by the steps of the cumulative distributions: where those of dim texels beside a bright one
 /// are rounded, some are picked more often than the function says and others never, as often together.
 double density_of(const ImportanceTable& table, std::size_t row, std::size_t column) noexcept {
+  // Per steradian: the texel's probability over its solid angle, as directions are even within it.
   const double probability =
       static_cast<double>(table.function[row * static_cast<std::size_t>(table.width) + column]) / table.integral;
   return probability / importance::texel_solid_angle(table.width, table.height, static_cast<int>(row));
@@ -316,6 +322,7 @@ ImportanceSample ImportanceTable::sample(double across, double down) const {
   const Step column = step_of(cdf_of(*this, row.index), across);
   const double top = importance::height_of_edge(static_cast<int>(row.index), height);
   const double bottom = importance::height_of_edge(static_cast<int>(row.index) + 1, height);
+  // Uniform in height, so uniform in area (Archimedes).
   const double y = -(top + row.within * (bottom - top));
   // The longitude is pi at the left edge and falls to -pi.
   const double turns = 0.5 - (static_cast<double>(column.index) + column.within) / width;
@@ -336,6 +343,7 @@ double ImportanceTable::density(const dvec3& direction) const {
   };
   const std::size_t column = cell((0.5 - math::turns_of(unit.x, unit.z)) * width, width);
   const double ring = std::sqrt(unit.x * unit.x + unit.z * unit.z);
+  // The angle of (y, ring) is the polar angle, from 0 to half a turn.
   const std::size_t row = cell(2.0 * math::turns_of(ring, unit.y) * height, height);
   return density_of(*this, row, column);
 }

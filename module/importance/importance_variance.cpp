@@ -95,6 +95,8 @@ ImportanceVariance importance_variance(const LatLongView& source, const Importan
   for (const Scratch& one : scratch) record.add(one.texels.record);
   projection::throw_if_rejected(record, false);
   if (all.weight == 0.0) return {};
+  // Relative to (Int w)^2, for one sample: Int w^2 / p / (Int w)^2 - 1, with p = 1 / (4 pi) for directions that are
+  // even over the sphere, and the table's p. By Cauchy and Schwarz neither is below 0.
   const double square = all.weight * all.weight;
   // Rounding may leave a table that is exact a hair below 0.
   return {std::max(0.0, 4.0 * kPi * all.squared / square - 1.0), std::max(0.0, all.squared_by_table / square - 1.0)};

@@ -51,6 +51,7 @@ void RowWeights::read(int row, Scratch& scratch, std::span<float> weights) const
   }
   switch (weight_) {
     case ImportanceWeight::mean:
+      // Thirds first: the sum of three large floats could be infinite.
       return weigh(rgb, weights, [](float r, float g, float b) { return r / 3.0F + g / 3.0F + b / 3.0F; });
     case ImportanceWeight::largest:
       return weigh(rgb, weights, [](float r, float g, float b) { return std::max(std::max(r, g), b); });
@@ -82,6 +83,8 @@ Overlaps Overlaps::of_columns(int texels, int cells) {
 }
 
 Overlaps Overlaps::of_rows(int texels, int cells) {
+  // 0.5 row / rows in height_of_edge is rounded once, so an edge that a cell and a texel share has one height,
+  // whichever counts it: heights of a cell's parts add up without gap or overlap.
   const auto height = [&](const Edge& edge) {
     return edge.of_cell ? height_of_edge(static_cast<int>(edge.cell), cells)
                         : height_of_edge(static_cast<int>(edge.texel), texels);
@@ -95,6 +98,8 @@ double height_of_edge(int row, int rows) noexcept {
 }
 
 double texel_solid_angle(int width, int height, int row) noexcept {
+  // Archimedes: a zone's solid angle is 2 pi times its height. These are differences of edges' heights, not the product
+  // of image/geometry.cpp: with the same edges the parts of a texel in several cells add up to the texel.
   return (height_of_edge(row + 1, height) - height_of_edge(row, height)) * 2.0 * std::numbers::pi / width;
 }
 

@@ -11,6 +11,8 @@ BasisRecurrence make_recurrence() noexcept {
   double start_squared = 1.0 / (4.0 * std::numbers::pi);
   for (int m = 0; m < kRecurrenceBands; ++m) {
     const double order = m;
+    // q(m, m)^2 = q(m - 1, m - 1)^2 (2 m + 1) / (2 m), and 2 - [m = 0] once: see basis.h. Roots of exact quotients keep
+    // each constant within a rounding or two.
     if (m > 0) start_squared *= (2.0 * order + 1.0) / (2.0 * order);
     if (m == 1) start_squared *= 2.0;
     recurrence.start[m] = std::sqrt(start_squared);

@@ -30,6 +30,7 @@ Legendre legendre(int n, double x) {
     before = here;
     here = next;
   }
+  // (1 - x^2) P(n)' = n (P(n - 1) - x P(n)).
   return {here, n * (x * here - before) / (x * x - 1.0)};
 }
 
@@ -38,12 +39,14 @@ void make_rule(int order, double* nodes, double* weights) {
   const auto n = static_cast<std::size_t>(order);
   for (std::size_t i = 0; i < (n + 1) / 2; ++i) {
     // Tricomi's start, then Newton; five steps are more than double precision needs.
+    // x_i = cos(pi (i + 3/4) / (n + 1/2)), i from 0, off by O(n^-2); each of Newton's steps squares the error.
     double x = sine_cosine_of_turns((static_cast<double>(i) + 0.75) / (2.0 * order + 1.0)).cosine;
     if (2 * i + 1 == n) x = 0.0;
     for (int step = 0; step < 6 && x != 0.0; ++step) {
       const Legendre p = legendre(order, x);
       x -= p.value / p.derivative;
     }
+    // w = 2 / ((1 - x^2) P'(x)^2) (Abramowitz and Stegun 25.4.29).
     const double derivative = legendre(order, x).derivative;
     const double weight = 2.0 / ((1.0 - x * x) * derivative * derivative);
     nodes[i] = -x;
@@ -67,6 +70,8 @@ GaussRule gauss_legendre(int order) {
 }
 
 GaussRule texel_rule(int size) {
+  // rho^(-2 order), rho = size + sqrt(size^2 + 1) (quadrature.h), is 4e-22 for 1, 9e-21 for 2, 1e-19 for 3, 5e-20 for
+  // 8, 9e-19 for 32 and 3e-15 for 129.
   if (size == 1) return gauss_legendre(28);
   if (size == 2) return gauss_legendre(16);
   if (size < 8) return gauss_legendre(12);

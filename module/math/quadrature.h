@@ -22,8 +22,10 @@ inline constexpr int kMaximumGaussOrder = 32;
 /// size is as exact as a float.
 inline constexpr int kLargestIntegratedFace = 128;
 
-/// The Gauss rule that integrates over a texel of an N-texel face to double precision. The integrand's poles
-/// at u = +-i sqrt(1 + v^2) are 2N half-widths away, so the error falls like (4N)^(-2 order).
+/// The Gauss rule that integrates over a texel of an N-texel face to double precision. The integrand's poles at u = +-i
+/// sqrt(1 + v^2) are N half-widths away or more, so the error falls like rho^(-2 order) with rho = N + sqrt(N^2 + 1),
+/// the sum of the half-axes of the largest ellipse about the texel (in half-widths) without a pole: nearly
+/// (2 N)^(-2 order).
 [[nodiscard]] GaussRule texel_rule(int size);
 
 struct GaussNodes {

@@ -123,6 +123,7 @@ class Capture {
                       });
       project_many(std::span(views).first(count), grey, projection,
                    jobs::part_of(control, share(first), share(first + count)));
+      // All three channels are alike.
       for (std::size_t k = 0; k < count * functions; ++k) into_.sky[first * functions + k] = grey[k].x;
     }
   }
@@ -152,6 +153,8 @@ BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions
   probes.bands = options.projection.bands;
   probes.distance_size = with_depths ? options.distance_size : 0;
   probes.distance_limit = limit_of(grid, options);
+  // The light of bands l < b through a visibility V from an environment of bands l' < e needs Int V Y(l) Y(l'), which
+  // is 0 for degrees of V above l + l': b + e - 1 bands of V are all.
   probes.sky_bands = options.environment_bands > 0 ? options.projection.bands + options.environment_bands - 1 : 0;
   return probes;
 }

@@ -56,6 +56,7 @@ class DepthMaps {
     double weight;
   };
 
+  /// Returns the first texel of a block: the least k with floor(k edge / size) = block, ceil(block size / edge).
   [[nodiscard]] int first_of(int block) const noexcept { return (block * size_ + edge_ - 1) / edge_; }
   void add_row(const float* depths, int row, Scratch& scratch, bool& is_number) const noexcept;
   void gather_shares(int column, int row);

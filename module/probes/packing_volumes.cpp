@@ -25,6 +25,9 @@ namespace welkin::probes {
 namespace {
 
 // Irradiance from radiance of three bands: y_lm(n) A_l without the direction's polynomials, as in probe_sampling.glsl.
+// A(l) K(l, m) with A = pi, 2 pi / 3, pi / 4 and the harmonics' constants: pi sqrt(1 / (4 pi)), 2 pi / 3
+// sqrt(3 / (4 pi)), pi / 4 sqrt(15 / (4 pi)), pi / 4 sqrt(5 / (16 pi)). (x x - y y) has half of kBand2:
+// sqrt(15 / (16 pi)).
 constexpr double kBand0 = 0.88622692545275801;  // sqrt(pi) / 2
 constexpr double kBand1 = 1.0233267079464885;   // sqrt(pi / 3)
 constexpr double kBand2 = 0.85808553080978302;  // sqrt(15 pi) / 8
@@ -51,6 +54,7 @@ std::array<dvec3, 6> cube_sides(const BakedProbes& probes, std::size_t probe) {
     towards[axis] = 1.0;
     const dvec3 ahead = irradiance_of(probes, probe, towards);
     const dvec3 behind = irradiance_of(probes, probe, -towards);
+    // A side is the even part along its axis plus the odd one, or minus it on the negative side.
     const dvec3 even = 0.5 * (ahead + behind);
     const dvec3 odd = 1.25 * 0.5 * (ahead - behind);
     for (int c = 0; c < 3; ++c) {
@@ -69,6 +73,8 @@ constexpr double kGamma = 5.0;  // DDGIVolumeDesc::probeIrradianceEncodingGamma
 
 /// (irradiance / 2 pi)^(1 / gamma).
 float encoded(double irradiance) {
+  // The cosine-weighted mean of radiance is E / pi. RTXGI's blending divides by twice the sum of cosines, so a texel
+  // holds E / (2 pi), to the power 1 / gamma.
   if (!(irradiance > 0.0)) return 0.0F;
   return static_cast<float>(math::exponential(math::logarithm(irradiance / (2.0 * std::numbers::pi)) / kGamma));
 }

@@ -195,11 +195,16 @@ ChunkProjection::RowRun ChunkProjection::row_run(const QuadrantChunk& chunk, int
           .mirrored_row = mirrored_row,
           .first_column = chunk.first_column,
           .count = chunk.column_count,
+          // Columns from size / 2 on have no mirror image in u: at most the middle one of an odd size. Its right run is
+          // 0, so the even classes hold it once. The odd ones hold it negated, where their functions' weights are 0,
+          // for u is.
           .paired = std::min(chunk.column_count, cubemap_.size / 2 - chunk.first_column),
           .position = index * chunk.groups_per_row * kLanes};
 }
 
 const std::byte* ChunkProjection::mirrored(const std::byte* row, int first_column, int count) const {
+  // Column k is mirrored to size - 1 - k, so columns first to first + count - 1 lie from size - first - count on, in
+  // the opposite order.
   return row + (cubemap_.size - first_column - count) * texel_bytes_;
 }
 
@@ -217,6 +222,7 @@ QuadrantRuns ChunkProjection::runs_in_place(const RowRun& run, int rows, int who
 
 void ChunkProjection::fold_directly(const QuadrantChunk& chunk, int face, const FetchAhead& ahead,
                                     Scratch& scratch) const {
+  // Only then half a row is whole groups, without a middle column or a rest.
   const bool at_once = cubemap_.size % (2 * kLanes) == 0;
   const int rows_at_once = at_once ? chunk.row_count : 1;
   for (int row = 0; row < chunk.row_count; row += rows_at_once) {

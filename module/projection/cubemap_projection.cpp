@@ -240,6 +240,7 @@ SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& optio
     std::copy(sums.begin(), sums.end(), result.begin());
     return result;
   }
+  // A target size's error is the difference of its coefficients from those of all texels as areas, so both are summed.
   const NewFaceSums sums = projection.run_faces(jobs::part_of(control, 0.0, 0.7));
   ProjectionOptions whole = options;
   whole.target_size.reset();
@@ -268,6 +269,9 @@ double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const g
                          const MidpointError& error) {
   std::array<glm::dvec3, std::size_t{kMaximumBands} * kMaximumBands> exact;
   for (std::size_t f = 0; f < radiance.size(); ++f) exact[f] = radiance[f] - off[f];
+  // c(0, 0) = Int L Y(0, 0) = flux / sqrt(4 pi) in each channel. `beyond` bounds what the error of a texel leaves, per
+  // unit of its light (L w), as a norm over all functions, so its product with the flux bounds the coefficients' error.
+  // That holds for light that is nowhere negative.
   const double flux = std::sqrt(4.0 * std::numbers::pi * glm::dot(radiance[0], radiance[0]));
   return relative_error(radiance, {exact.data(), radiance.size()}, error.beyond() * flux);
 }

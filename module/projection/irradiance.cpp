@@ -37,10 +37,15 @@ void require_possible(std::ptrdiff_t normals) {
 
 std::vector<glm::dvec3> spiral(int count) {
   require_possible(count);
+  // The Fibonacci spiral. A zone of the sphere of height dy has the area 2 pi dy (Archimedes), so heights in equal
+  // steps give each point the same area, and plain means over the points are means over the sphere. The azimuth
+  // advances by the golden angle, 1 - 1 / phi of a turn: its continued fraction is [0; 2, 1, 1, 1, ...], so no small
+  // number of steps nearly closes a turn and points of neighbouring rounds do not line up.
   const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
   std::vector<glm::dvec3> normals;
   for (int i = 0; i < count; ++i) {
     const double y = 1.0 - (2.0 * i + 1.0) / count;
+    // sqrt(1 - y^2) without the cancellation of 1 - y y near the poles.
     const double ring = std::sqrt((1.0 - y) * (1.0 + y));
     const math::SineCosine azimuth = math::sine_cosine_of_turns(golden * i);
     normals.emplace_back(ring * azimuth.sine, y, ring * azimuth.cosine);
@@ -54,6 +59,9 @@ namespace welkin {
 namespace {
 
 /// max(0, cosine).
+/// E(n) = Int L max(0, n . d) dw is the sum over texels of L Int max(0, n . d) dw. For a texel above the horizon the
+/// integral is the scalar product of n and Int d dw; a texel below it has none; the few that the horizon cuts are
+/// integrated over the part above it (texel_integrals.cpp).
 class CosineFunction final : public projection::KernelFunction {
  public:
   CosineFunction() {
@@ -65,12 +73,16 @@ class CosineFunction final : public projection::KernelFunction {
   void evaluate(std::span<double> x) const noexcept override {
     for (double& value : x) value = value < 1.0 ? 1.0 - value : 0.0;
   }
-  /// Texels' own shape is what is not linear.
+  /// Returns the points along an edge. On a face the integrand is (a u + b v + c) r^-4, which is linear but for the
+  /// texel's own shape: poles lie at u = +-i sqrt(1 + v^2). With the half-width h = radius / sqrt(2), k points are off
+  /// by nearly (h / 2)^(2k): measured at random texels and axes, 1.6e-8 of the texel's solid angle at radius 0.02 with
+  /// 2 points, 9e-9 at 0.09 with 3 and 6e-9 at 0.2 with 4. From 0.2 on the texel is divided.
   [[nodiscard]] int order(double /*x*/, double radius) const noexcept override {
     if (radius < 0.02) return 2;
     if (radius < 0.09) return 3;
     return radius < 0.2 ? 4 : 0;
   }
+  // No texel is too near to the axis: a texel's moment gives the integral of a cosine exactly.
   [[nodiscard]] double far(double /*radius*/) const noexcept override { return 0.0; }
 };
 
@@ -119,6 +131,7 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
     truth_squares += size * size;
     glm::dvec3 sum(0.0);
     for (std::size_t l = 0; l < bands; ++l) {
+      // `sum` is E of l + 1 bands here: one pass over the coefficients gives the errors of all numbers of bands.
       for (std::size_t k = l * l; k < (l + 1) * (l + 1); ++k) sum += basis[k] * irradiance.coefficients()[k];
       const double difference = glm::length(sum - truth[n]);
       squares[l] += difference * difference;
@@ -129,6 +142,7 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
       errors[l].relative = std::max(errors[l].relative, ratio(difference, size));
     }
   }
+  // Normals stand for equal areas (`spiral`), so no weights are needed: rms = sqrt(Int |E_l - E|^2 / Int |E|^2).
   const double truth_rms = std::sqrt(truth_squares / static_cast<double>(normals.size()));
   for (std::size_t l = 0; l < bands; ++l) {
     errors[l].bands = static_cast<int>(l) + 1;
@@ -169,6 +183,8 @@ std::vector<double> channels_of(const SphericalHarmonics& harmonics) {
   return channels;
 }
 
+/// Returns u of each column's centre, (2 column + 1) / size - 1, as one quotient of whole numbers: rounded once, and
+/// exactly symmetric about 0.
 std::vector<double> texel_centres(int size) {
   std::vector<double> centres;
   centres.reserve(static_cast<std::size_t>(size));
@@ -176,7 +192,9 @@ std::vector<double> texel_centres(int size) {
   return centres;
 }
 
-/// Whether these coefficients can sum to more than the floats hold; no harmonic of 16 bands exceeds 2.3.
+/// Returns whether these coefficients can sum to more than the floats hold. By the addition theorem the squares of a
+/// band's harmonics sum to (2 l + 1) / (4 pi), so |Y(l, m)| <= sqrt(31 / (4 pi)) = 1.571 for l <= 15; 2.3 leaves room.
+/// A NaN fails the comparison and counts as an overflow.
 bool may_overflow(const std::vector<double>& channels) {
   double sum = 0.0;
   for (const double value : channels) sum += 2.3 * std::abs(value);
@@ -205,6 +223,8 @@ Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const
                       const double v = centres[static_cast<std::size_t>(row % size)];
                       projection::DirectionRun run{};
                       for (int axis = 0; axis < 3; ++axis) {
+                        // Points of a face's row, not of unit length: start + u step = normal + v v' + u u' with the
+                        // frame's axes u' and v'. The kernel normalizes.
                         run.start[axis] = frame.normal[axis] + v * frame.v[axis];
                         run.step[axis] = frame.u[axis];
                       }

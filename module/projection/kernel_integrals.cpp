@@ -28,6 +28,9 @@ struct Scratch {
 
 /// Lists the texels of a row, whose `room.values` are x, that are near the axis or at a break. Returns their number.
 std::size_t list_cut(const KernelFunction& kernel, Scratch& scratch) {
+  // x = 1 - cos(angle), and |d cos| <= d angle: over a texel x stays within `radius` of x at the centroid. So a texel
+  // whose x is farther than that from the horizon (x = 1) and from a break is not cut. The test may list too many
+  // texels, which costs time only.
   const double radius = scratch.texels.radius;
   const double far = scratch.points.count > 0 ? 0.0 : kernel.far(radius);
   const double horizon = kernel.hemisphere ? radius : -1.0;
@@ -51,12 +54,15 @@ std::size_t list_cut(const KernelFunction& kernel, Scratch& scratch) {
 
 /// Replaces x at centroids in `room.values` by integrals over the row's texels by their points; 0 where the kernel is.
 /// Returns false if all are 0.
+/// Points and their weights are made once per row and serve all axes: what an axis adds is a product of vectors and the
+/// kernel's value per point.
 bool integrate_points(const glm::dvec3& axis, const KernelFunction& kernel, Scratch& scratch) {
   const double radius = scratch.texels.radius;
   const TexelPoints& points = scratch.points;
   bool seen = false;
   std::size_t first = 0;
   for (double& value : scratch.values) {
+    // By the same bound: no point of the texel is where the kernel is above 0.
     const bool dark = value > kernel.last + radius || value < kernel.first - radius;
     seen = seen || !dark;
     if (!dark) {
@@ -89,12 +95,18 @@ bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& 
     seen |= integrate_points(axis, kernel, scratch) ? 1 : 0;
   } else {
     kernel.evaluate(scratch.values);
+    // Away from breaks and the axis k(n . d) = k(x0) + k' (n . d - n . c) + O(radius^2), c the centroid's unit
+    // direction. The mean of d has that direction and the length moment / solid angle = 1 - O(radius^2), so the linear
+    // term's integral is of the second order, too: the solid angle times the value at c is off in that order. A
+    // multiple of the cosine has no such error with the moment as weight: Int n . d dw = n . Int d dw = moment (n . c).
     const double* const weights = kernel.cosine ? texels.moment.data() : texels.solid_angle.data();
     for (std::size_t i = 0; i < count; ++i) {
       values[i] *= weights[i];
       seen |= values[i] != 0.0 ? 1 : 0;
     }
   }
+  // Few texels, those at the horizon, a break or the axis: a band along a circle, so of n texels on the sphere of the
+  // order of sqrt(n).
   for (std::size_t k = 0; k < cut; ++k) {
     const int column = scratch.cut[k];
     values[column] = integrals.integral({row, column}, axis, kernel);
@@ -136,6 +148,7 @@ void integrate_batch(const SanitizedSource& source, const TexelIntegrals& integr
     }
   });
 
+  // Slots are added tile after tile, whichever thread filled them, so the sums' order does not depend on the threads.
   const std::size_t first = result.size();
   result.resize(first + axes.size(), glm::dvec3(0.0));
   for (std::size_t k = 0; k < slots.size(); ++k) result[first + k % axes.size()] += slots[k];

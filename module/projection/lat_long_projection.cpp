@@ -48,6 +48,10 @@ void for_each_overlap(int index, int count, int cells, const Use& use) {
 
 /// Integral of cos(m lon) (m >= 0) or sin(|m| lon) over column `index` of `width`, or width times the value
 /// at its centre. The integral over a width d is the centre's value times 2 sin(m d / 2) / m.
+/// With d the column's width,
+///   Int e^(i m x) dx over it = e^(i m lon) (e^(i m d / 2) - e^(-i m d / 2)) / (i m) = e^(i m lon) 2 sin(m d / 2) / m,
+/// and the cosine is the real part, the sine the imaginary one. For d = 2 pi / width, m d / 2 is order / (2 width) of a
+/// turn.
 double column_integral(int m, int index, int width, bool midpoint) {
   const int order = m < 0 ? -m : m;
   const double step = 2.0 * kPi / width;
@@ -64,6 +68,8 @@ math::SineCosine at_latitude(double row, int height) { return math::sine_cosine_
 
 /// Solid angle per unit of longitude of rows `begin` to `end`: the difference of the latitudes' sines,
 /// written as a product so that nothing cancels.
+/// sin(a) - sin(b) = 2 cos((a + b) / 2) sin((a - b) / 2); rows are pi / height apart, so (a - b) / 2 is (end - begin) /
+/// (4 height) of a turn.
 double row_extent(double begin, double end, int height) {
   return 2.0 * at_latitude(0.5 * (begin + end), height).cosine *
          math::sine_cosine_of_turns((end - begin) / (4.0 * height)).sine;
@@ -89,6 +95,9 @@ void integrate_row(int row, int height, int bands, bool midpoint, double* sums) 
   }
   // The integrands are trigonometric polynomials of degree up to 16: sixteen points carry them over half a
   // turn, fewer over less.
+  // (q(l, m) cos^m has the degree l <= 15 in sine and cosine, and the solid angle's cosine adds 1.) Errors of
+  // e^(i d lat) for all d <= 16, relative to the row's extent in latitude, computed: 3e-10 for one row (24 points),
+  // below 1e-15 for two and three; 1.5e-12 for four (12 points), below 1e-14 up to 63; 1.3e-14 from 64 on (6 points).
   const math::GaussRule rule = math::gauss_legendre(height < 4 ? 24 : height < 64 ? 12 : 6);
   for (int i = 0; i < rule.order; ++i) {
     const math::SineCosine latitude = at_latitude(row + 0.5 * (1.0 + rule.nodes[i]), height);
@@ -134,6 +143,7 @@ void LatLongWeights::fill_columns(const LatLongWeightsKey& key) {
     for (int m = 1 - bands_; m < bands_; ++m) {
       double weight = 0.0;
       for_each_overlap(column, key.width, cells, [&](int cell, double begin, double end) {
+        // A column's share of a cell is (end - begin) columns of width / cells each, times what the cell weighs.
         weight += (end - begin) * cells_per_column * column_integral(m, cell, cells, key.midpoint);
       });
       chunk[weight_row(m) * kChunk + column % kChunk] = static_cast<float>(weight);
@@ -237,6 +247,7 @@ FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
 }
 
 /// Returns the ratios of the mean of cos(m lon) over a column to its value at the centre.
+/// (2 sin(m d / 2) / m) / d with d = 2 pi / width: what turns sums by the midpoint rule into sums over areas.
 double mean_over_centre(int order, int width) {
   if (order == 0) return 1.0;
   return 2.0 * math::sine_cosine_of_turns(0.5 * order / width).sine / (order * 2.0 * kPi / width);
@@ -504,6 +515,9 @@ void LatLongProjector::State::add_row(int row, Scratch& scratch) noexcept {
         const int factor = l * (l + 1) / 2 + order;
         local[l * (l + 1) + m] += factors[factor] * row_sums[weights->weight_row(m)];
         if (!errs()) continue;
+        // The midpoint rule's column weights are d cos(m lon), the exact ones that times `mean_over_centre`, the same
+        // for all columns; rows have factors of both rules. So the exact coefficients follow from the same sums over a
+        // row.
         const double to_mean = reduced ? 1.0 : over_centre[static_cast<std::size_t>(order)];
         exact_local[l * (l + 1) + m] += exact_factors[factor] * to_mean * exact_sums_of_row[weights->weight_row(m)];
       }

@@ -33,6 +33,8 @@ math::TableCache<Key, MidpointError>& cache() {
 /// symmetric and positive definite.
 void solve(std::vector<double>& matrix, int n, double* right) {
   const auto at = [n](int row, int column) { return static_cast<std::size_t>(row * n + column); };
+  // matrix = L L^T, column by column, in its lower triangle: L_ij = (m_ij - sum over k < j of L_ik L_jk) / L_jj. Then L
+  // y = b downwards and L^T x = y upwards.
   for (int j = 0; j < n; ++j) {
     for (int i = j; i < n; ++i) {
       double sum = matrix[at(i, j)];
@@ -60,6 +62,8 @@ void solve(std::vector<double>& matrix, int n, double* right) {
 struct MidpointError::Samples {
   Samples(int size, int bands, const std::vector<int>& weight_rows)
       : functions(bands * bands), values(static_cast<std::size_t>(functions)) {
+    // A face's four quadrants are mirror images, so one is enough. Samples are evenly spaced over it and include the
+    // texels at the face's middle, at an edge's middle and at a corner.
     const int half = (size + 1) / 2;
     const int across = std::min(half, kMaxSamples);
     const auto texel = [&](int k) { return across > 1 ? k * (half - 1) / (across - 1) : 0; };
@@ -81,6 +85,8 @@ struct MidpointError::Samples {
       for (std::size_t k = 0; k < values.size(); ++k)
         to[first + static_cast<std::size_t>(weight_rows[k])] += share * values[k];
     };
+    // off = Y(centre) - (1 / W) sum over the rule's points of h^2 w_i w_j r^-3 Y, W the same sum without Y: what the
+    // midpoint rule has too much per unit of a texel's light.
     put(u, v, 1.0, centres);
     put(u, v, 1.0, off);
     const math::GaussRule rule = math::texel_rule(size);
@@ -112,6 +118,13 @@ MidpointError::MidpointError(int size, int bands, const TexelWeights& weights)
   combine(Samples(size, bands, weight_rows_));
 }
 
+// Each class has its own least squares: C minimizes sum over samples |off - C centre|^2 + lambda |C|^2. Its rows solve
+// (G + lambda 1) C_a = R_a with G = sum centre centre^T, R = sum off centre^T and lambda = kRidge trace(G) / n. In a
+// direction of singular value s the gain is s / (s^2 + lambda) <= 1 / (2 sqrt(lambda)), so no entry of C exceeds 5e4
+// |off| / sqrt(trace(G) / n), |off|^2 being the sum over all samples, however alike the functions are on few texels.
+//
+// A projection's sums S = sum L w centre then have the error sum L w off = C S + sum L w left, and the norm of the last
+// sum is at most sum L w max |left|: the light times `beyond_`.
 void MidpointError::combine(const Samples& samples) {
   const auto functions = static_cast<std::size_t>(samples.functions);
   std::vector<double> left(samples.off);
@@ -152,6 +165,7 @@ void MidpointError::combine(const Samples& samples) {
 }
 
 void MidpointError::add(int face, const double* face_sums, double* canonical) const noexcept {
+  // C S, class by class, in the face's frame, and then to the world's like the sums themselves.
   double off[3 * kMaximumBands * kMaximumBands];
   const int functions = bands_ * bands_;
   for (int channel = 0; channel < 3; ++channel) {

@@ -21,6 +21,8 @@ constexpr int kClassesOfHalves = 2;
 
 WELKIN_INLINE void store_quadrant_classes(const simd::Adder& adder, Lanes top_left, Lanes top_right, Lanes bottom_left,
                                           Lanes bottom_right, float* plane) {
+  // Eight additions for four classes: sums and differences in u first, then those of them in v (a Hadamard matrix as a
+  // product of two). Each texel counts with the sign of its mirror image in the class.
   const Lanes top_sum = adder.add(top_left, top_right);
   const Lanes top_difference = top_right - top_left;
   const Lanes bottom_sum = adder.add(bottom_left, bottom_right);
@@ -166,6 +168,7 @@ class LinesLeft {
       : ahead_(ahead), line_(groups), at_once_((3 * (ahead.lines - groups) + 2 * iterations - 1) / (2 * iterations)) {}
 
   WELKIN_INLINE void fetch() {
+    // at_once_ = ceil(left / (2/3 iterations)), left being the lines that folding has not asked for.
     for (const int end = line_ + at_once_; line_ < end && line_ < ahead_.lines; ++line_) {
       for (const char* stretch : ahead_.stretches) fetch_line(stretch, line_);
     }
@@ -197,6 +200,8 @@ WELKIN_INLINE void sum_class(const float* plane, int channel, const float* weigh
 }
 
 /// Any number of weights, for three channels at once: class by class, as many at a time as have registers.
+/// With 32 registers eight weights at a time have 24 sums, three values, a weight and a product; with 16, three weights
+/// have 9 sums, three values, a weight and two products.
 WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
                            int groups, const FetchAhead& ahead, double* sums) {
   const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
@@ -274,6 +279,7 @@ void weighted_sums(const float* planes, int class_count, const float* weights, c
 void fold_sum_lanes(const double* lanes, int count, double* sums) {
   // Two lanes at a time is all that is left to do side by side; every build does it in these registers.
   for (int i = 0; i < count; ++i, lanes += kSumLanes) {
+    // (0 + 4) + (2 + 6) in one half of the pair, (1 + 5) + (3 + 7) in the other: halves of 4, of 2, of 1.
     const Pair even = Pair::load_unaligned(lanes) + Pair::load_unaligned(lanes + 4);
     const Pair odd = Pair::load_unaligned(lanes + 2) + Pair::load_unaligned(lanes + 6);
     sums[i] = sum(even + odd);
@@ -313,6 +319,8 @@ RowMeasure measure_row(const float* values, int count) {
       sum[k] = sum[k] + value;
       least[k] = xsimd::min(least[k], value);
       largest[k] = xsimd::max(largest[k], value);
+      // 0 x is 0 for finite x, and NaN for NaN and infinities; a sum keeps a NaN. So one product and one sum take the
+      // place of a comparison and a branch for each value.
       odd[k] = odd[k] + value * Lanes(0.0F);
     }
   }
@@ -363,6 +371,8 @@ void evaluate_harmonics(const DirectionRun& run, const math::BasisRecurrence& re
     const DoubleLanes x = points(run.start[0], run.step[0], u);
     const DoubleLanes y = points(run.start[1], run.step[1], u);
     const DoubleLanes z = points(run.start[2], run.step[2], u);
+    // The basis is a polynomial of a unit direction: normalize once per point. Lanes beyond `count` repeat the first
+    // point, so that none divides by 0.
     const DoubleLanes scale = DoubleLanes(1.0) / xsimd::sqrt(x * x + y * y + z * z);
     DoubleLanes sums[3] = {DoubleLanes(0.0), DoubleLanes(0.0), DoubleLanes(0.0)};
     math::for_each_basis_value(recurrence, x * scale, y * scale, z * scale, DoubleLanes(1.0), bands,

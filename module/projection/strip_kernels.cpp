@@ -24,6 +24,8 @@ constexpr int binomial(int n, int k) {
   for (int i = 1; i <= k; ++i) result = result * (n - k + i) / i;
   return result;
 }
+// The two polynomials of strip_kernels.h. B(i + j, 2 j) is 0 for i < j: the inner rows have no part in the higher
+// moments, and `add` leaves these terms out.
 constexpr int even_factor(int j, int i) { return binomial(i + j, 2 * j); }
 constexpr int odd_factor(int j, int i) { return (2 * i + 1) * binomial(i + j, 2 * j) / (2 * j + 1); }
 
@@ -85,6 +87,8 @@ WELKIN_INLINE void add_pairs(const char* middle, std::ptrdiff_t stride, const Ad
                              Column<0, moments>& column) {
   if constexpr (begin < end) {
     constexpr int i = end - 1;
+    // x = +-(i + 1/2): an even polynomial meets the sum of the pair, an odd one below - above. `adder` is the same
+    // addition on another unit, with AVX-512 a fused multiplication by 1; a quarter of the sums take it.
     const Lanes below = load_values<Channel, channels>(middle + i * stride);
     const Lanes above = load_values<Channel, channels>(middle - (i + 1) * stride);
     column.template add<i, begins>(adder, i % 4 == 0 ? adder.add(below, above) : below + above, below - above);
@@ -131,6 +135,8 @@ WELKIN_INLINE void sum_columns_reversed(const StripRows& rows, int first, int te
 
 // Moments times weights.
 
+// Moments stay packed, r g b r g b ..., and each weight is stored three times in a row, once per channel: 48 floats of
+// 16 texels are whole registers of either, and nothing is shuffled before the end (`add_group_to_sums`).
 constexpr int kGroup = 3 * kLanes;  ///< floats of 16 texels
 
 struct Classes {
@@ -160,6 +166,8 @@ struct FunctionSums {
   FunctionSums<f + 1> next;
 
   WELKIN_INLINE void add(const Classes& classes, const float* weights) {
+    // Three bands have 4, 2, 2 and 1 functions that are (even, even), (odd, even), (even, odd) and (odd, odd) in
+    // (u, v): see `symmetry_class` in texel_weights.cpp.
     const Lanes value = f < 4 ? classes.ee : f < 6 ? classes.oe : f < 8 ? classes.eo : classes.oo;
     here = here + value * Lanes::load_aligned(weights);
     next.add(classes, weights + kGroup);
@@ -223,6 +231,8 @@ WELKIN_INLINE void for_each_block(const StripPieces& pieces, int texels, float* 
   float* const spare = scratch + 4 * piece;
   for (int first = 0; first < texels; first += strip_block(moments)) {
     const int count = texels - first < strip_block(moments) ? texels - first : strip_block(moments);
+    // Position t of the left piece meets column texels - 1 - t of the right one: positions first to first + count - 1
+    // are the right piece's columns from `mirrored` on, in the opposite order.
     const int mirrored = texels - first - count;
     sum_columns<Channel, channels, moments>(pieces.top_left, first, count, spare, scratch);
     sum_columns_reversed<Channel, channels, moments>(pieces.top_right, mirrored, count, spare, scratch + piece);
@@ -291,6 +301,8 @@ WELKIN_INLINE void weigh(const MomentsFromRows& matrix, const float* rows, int r
       for (int a = 0; a < pairs; ++a) {
         const Lanes above = Lanes::load_aligned(at + a * row);
         const Lanes below = Lanes::load_aligned(at + (moments - 1 - a) * row);
+        // A polynomial through the rows' weights splits by parity: its even part at x is (w(x) + w(-x)) / 2, its odd
+        // one (w(x) - w(-x)) / 2. The halves are in the matrix.
         sum[a] = above + below;
         difference[a] = below - above;
       }

@@ -18,6 +18,14 @@
 
 namespace welkin::projection {
 
+// The reason: let w(x) be what a texel in row x of a column weighs. A polynomial of degree n - 1 that meets w to 5e-8
+// is w(x) = sum over j of c_j P_j(x), so
+//   sum over rows of w(x) L(x) = sum over j of c_j M_j,   M_j = sum over rows of P_j(x) L(x):
+// the rows are needed for the n moments M_j only, and the c_j serve all faces. The P_j are central factorials: with the
+// central difference d, d^2 P_j = P_(j - 1) among the even ones and among the odd ones, which makes means over rows
+// simple (strip_weights.cpp). Odd ones are whole because (2 i + 1) / (2 j + 1) B(i + j, 2 j) = B(i + j + 1, 2 j + 1) +
+// B(i + j, 2 j + 1). At i = 7 the largest are 126 and 378 (j = 2), so a product with a half float of 11 bits does not
+// round.
 inline constexpr int kStripRows = 16;
 /// Positions to the left of a face's middle that are taken at once, at most, with their mirror images: their weights
 /// stay in the second-level cache from face to face.

@@ -216,6 +216,8 @@ void StripProjection::sum_in_double(const Tile& tile, int face, Scratch& scratch
       sanitize(tile, face, piece, row, rgb, counted_before);
       for (int t = 0; t < tile.positions; ++t) {
         const float* const texel_rgb = rgb + kChannels * (piece.right ? tile.positions - 1 - t : t);
+        // The signs are those of `classes_of` (strip_kernels.cpp): odd in u is right less left, odd in v is bottom less
+        // top, and odd in both is their product.
         // A position's sign in each class: by its piece.
         for (int f = 0, symmetry = -1, left = 0; f < functions_; ++f, --left) {
           while (left == 0) left = weights_.class_counts().count[++symmetry];

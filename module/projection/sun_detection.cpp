@@ -97,7 +97,10 @@ Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto& [texel, after] = changes[i];
     const glm::dvec3 taken = radiance_of(pixels + 3 * texel) - glm::dvec3(after);
+    // This is the irradiance on a surface that faces the sun, but for the cosine over the spot: (1 + cos a) / 2 in the
+    // mean for a disc of radius a.
     sun.irradiance += steradians[i] * taken;
+    // The direction is that of Int L d dw: a texel of constant radiance adds L Int d dw, exactly.
     moment += luminance(taken) * moments[i];
   }
   const double length = std::sqrt(glm::dot(moment, moment));
@@ -105,6 +108,7 @@ Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion
   for (const double angle : image::solid_angles_of(grid, region.spot)) sun.solid_angle += angle;
   sun.radiance = sun.irradiance / sun.solid_angle;
   sun.texels = changes.size();
+  // The radius is that of a disc with the spot's solid angle.
   // A disc of radius a has 2 pi (1 - cos a) = 4 pi sin^2(a/2) steradians.
   const double half_sine = std::sqrt(std::min(1.0, sun.solid_angle / (4.0 * std::numbers::pi)));
   sun.angular_radius_degrees = 2.0 * math::arc_sine(half_sine) * (180.0 / std::numbers::pi);
@@ -117,6 +121,8 @@ std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const S
   if (brightest < 0) return std::nullopt;
   const double peak = luminance(radiance_of(pixels + 3 * brightest));
   const glm::dvec3 total_radiance = map.total_radiance();
+  // The mean over the finite texels' solid angle, not over 4 pi: texels without a value count neither as dark nor as
+  // bright.
   const double mean = luminance(total_radiance) / map.solid_angle();
   if (!(peak > 0.0) || peak < options.minimum_contrast * mean) return std::nullopt;
 
@@ -190,6 +196,8 @@ void MapTotals::read_row(int row, std::span<const double> steradians, Tile& sums
     sums.solid_angle += steradians[column];
     const double brightness = luminance(radiance);
     const std::int64_t texel = first + static_cast<std::int64_t>(column);
+    // Rows are read class by class, not in the map's order, so the smaller index is asked for: the result is the first
+    // of equals whatever the order.
     const bool first_of_equals = brightness == sums.brightest_luminance && texel < sums.brightest;
     if (sums.brightest < 0 || brightness > sums.brightest_luminance || first_of_equals) {
       sums.brightest_luminance = brightness;
@@ -292,6 +300,9 @@ std::optional<BrightRegion> find_bright_region(const image::TexelGrid& grid, con
   BrightRegion region{{seed}, {}, {}};
   for (std::size_t next = 0; next < region.spot.size(); ++next) {
     const std::int64_t texel = region.spot[next];
+    // If all texels are within the radius of one centre, any two of them are within twice the radius of each other. So
+    // this gives up on spots that the second test would refuse, before a bright sky has been walked to its end.
+    // Neighbours of the seed are exempt: on a coarse map one step may be more than the radius.
     if (glm::dot(grid.direction(texel), start) < least_cosine_to_start && !is_beside(texel)) return std::nullopt;
     append_neighbours(grid, texel, seen, region.spot, bright);
   }
@@ -313,6 +324,8 @@ glm::vec3 radiance_around(const BrightRegion& region, const float* pixels) {
   for (int channel = 0; channel < 3; ++channel) {
     std::transform(region.ring.begin(), region.ring.end(), values.begin(),
                    [&](std::int64_t texel) { return pixels[3 * texel + channel]; });
+    // The median, not the mean: the ring may hold a few texels of glare or of another light, which must not be spread
+    // over the spot.
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
     std::nth_element(values.begin(), middle, values.end());
     median[channel] = std::max(0.0F, *middle);

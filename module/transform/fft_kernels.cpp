@@ -34,6 +34,11 @@ struct Index {
 // Discrete Fourier transforms of a few numbers: `load(j)` gives the j-th, `put(Index<k>, number)` takes the k-th
 // result.
 
+// All have the sign of e^(-2 pi i j k / radix). Inputs j and radix - j meet conjugate roots: with s = x(j) + x(-j) and
+// d = x(j) - x(-j)
+//   x(j) w^(jk) + x(-j) w^(-jk) = s cos(2 pi j k / radix) - i d sin(2 pi j k / radix),
+// so each pair costs real factors only, and outputs k and radix - k share all but one sign: `plus_turned_back`
+// (a - i b) and `plus_turned` (a + i b).
 struct Radix2 {
   static constexpr int radix = 2;
   template <class Load, class Put>
@@ -146,6 +151,8 @@ struct Radix8 {
     const Complex u_back = plus_turned_back(u, v);
     const Complex u_on = plus_turned(u, v);
     // times e^(-i pi / 4) and e^(-3 i pi / 4)
+    // e^(-i pi / 4) (p + i q) = ((p + q) + i (q - p)) sqrt(1/2), and e^(-3 i pi / 4) (p + i q) = ((q - p) - i (p + q))
+    // sqrt(1/2): `third` has the imaginary part with the opposite sign.
     const Complex first = {(u_back.re + u_back.im) * diagonal, (u_back.im - u_back.re) * diagonal};
     const Complex third = {(u_on.im - u_on.re) * diagonal, (u_on.re + u_on.im) * diagonal};
     put(Index<1>(), x_back + first);
@@ -155,7 +162,11 @@ struct Radix8 {
   }
 };
 
-/// A whole pass of one small radix.
+/// Runs a whole pass of one small radix. With n = p + count j and k + radix k' the exponent of e^(-2 pi i n
+/// (k + radix k') / (count radix)) is p k / (count radix) + j k / radix + p k' / count plus a whole number. The middle
+/// term is the butterfly over j, the first the twiddle t(p, k), and the last is the transform over p that the passes
+/// after this one do, with a stride of radix times as much. A butterfly's outputs are written `stride` apart
+/// (Stockham): after the last pass all are in order, without a permutation.
 template <class Butterfly>
 void run_single(const FourierPass& pass, const float* in, float* out) {
   constexpr int radix = Butterfly::radix;
@@ -235,6 +246,8 @@ constexpr RunSecond kRunSecond[] = {
     nullptr, nullptr, run_second<Radix2>, run_second<Radix3>, run_second<Radix4>, run_second<Radix5>,
     nullptr, nullptr, run_second<Radix8>};
 
+/// j = p + second j1 and k = q + first k1: the split above once more, for the inner length first x second. At most 8 x
+/// 8 numbers of 16 lanes: 8 KiB.
 void run_double(const FourierPass& pass, const float* in, float* out) {
   alignas(64) float local[kComplexFloats * 64];
   const int radix = pass.radix * pass.second_radix;
@@ -302,6 +315,8 @@ void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors
 
 void part_orders(const float* z, int width, int orders, int channel, float* columns, std::ptrdiff_t order_stride) {
   for (int m = 0; m < orders; ++m) {
+    // Orders from `width` on repeat: e^(-2 pi i m k / width) depends on m modulo width. Constant texels have these
+    // aliases; their size is the sinc of m.
     const int index = m % width;
     const float* const here = z + std::ptrdiff_t{kComplexFloats} * index;
     const float* const mirrored = z + std::ptrdiff_t{kComplexFloats} * (index == 0 ? 0 : width - index);
@@ -310,6 +325,8 @@ void part_orders(const float* z, int width, int orders, int channel, float* colu
     for (int part = 0; part < kRingLanes; part += kWidth) {
       const Complex a = load(here + part);
       const Complex b = load(mirrored + part);
+      // z = even + i odd with both real: their transforms obey F(-m) = conj F(m), so z(m) + conj z(-m) = 2 even(m) and
+      // z(m) - conj z(-m) = 2 i odd(m). The factor 2 stays in the columns.
       store({a.re + b.re, a.im - b.im}, even + part);
       store({a.im + b.im, b.re - a.re}, odd + part);
     }
@@ -327,10 +344,12 @@ void join_orders(const float* columns, std::ptrdiff_t order_stride, int orders, 
       const Complex b = load(odd + part);
       const Complex north = a + b;
       const Complex south = a - b;
+      // conj north + i conj south = (re n + im s) + i (re s - im n).
       if (m > 0) store({north.re + south.im, south.re - north.im}, mirrored + part);
       store({north.re - south.im, north.im + south.re}, here + part);
     }
   }
+  // Between the orders and their mirror images all is 0.
   const Lanes zero(0.0F);
   float* const end = z + std::ptrdiff_t{kComplexFloats} * (orders > 0 ? width - orders + 1 : width);
   for (float* at = z + std::ptrdiff_t{kComplexFloats} * orders; at < end; at += kWidth) zero.store_aligned(at);
@@ -351,6 +370,8 @@ void load_row_quads(const RowQuads& rows, int width, float* planes) {
       Block even[kBlock];
       Block odd[kBlock];
       for (int k = 0; k < kBlock; ++k) {
+        // A difference of two floats that are within a factor of 2 of each other is exact (Sterbenz's lemma): where
+        // neighbouring rows are alike, nothing is rounded here.
         const Block north =
             Block::load_unaligned(rows.a[lane + k] + index) - Block::load_unaligned(rows.b[lane + k] + index);
         const Block south =

@@ -41,6 +41,8 @@ const Transforms& transforms(int bands) {
 
 SphereRule::SphereRule(int bands) : bands_(bands) {
   const auto count = static_cast<std::size_t>(bands * bands);
+  // Products of two harmonics have degrees up to 2 bands - 2: `bands` Gauss points are exact up to 2 bands - 1 in z,
+  // and 2 bands equal azimuths for orders up to 2 bands - 1.
   const math::GaussRule rule = math::gauss_legendre(bands);
   const int azimuths = 2 * bands;
   values_.resize(static_cast<std::size_t>(rule.order * azimuths) * count);
@@ -91,6 +93,7 @@ void FrameTransform::add(const double* local, const int* rows, double* canonical
   for (int channel = 0; channel < 3; ++channel) {
     const double* const from = local + channel * functions_;
     double* const to = canonical + channel * functions_;
+    // f = sum of local c' Y' gives c = Int f Y = sum of c' Int Y' Y: the matrix times the local coefficients.
     for (const Entry& entry : entries_) to[entry.canonical] += entry.factor * from[rows[entry.local]];
   }
 }

@@ -64,6 +64,8 @@ struct SingleState {
   WELKIN_INLINE void advance(const LegendreRun& run, int i) {
     const Lanes a_even(run.a_single[i]);
     const Lanes a_odd(run.a_single[i + 1]);
+    // x alone is off by up to 3e-8, the same way in each step: Q would belong to another colatitude, and its phase, l
+    // theta, would drift in proportion to l. x_rest removes that, and random roundings grow as sqrt(l).
     even_ = (a_even * x + a_even * x_rest) * odd_ - even_;
     odd_ = (a_odd * x + a_odd * x_rest) * even_ - odd_;
   }
@@ -133,6 +135,7 @@ WELKIN_INLINE void run_recurrence(const LegendreRun& run, int group, int four, i
   float* odd = even + kAnalysisGroups * kFunctionFloats;
   int i = 4 * four + 2;
   int pairs = kDegrees / 2;
+  // States stand at the group's first four: the even and the odd function of degrees before it count as 0.
   if (run.starts[group] > four) {  // begins in the second four
     for (int k = 0; k < 2; ++k, even += kRingLanes, odd += kRingLanes) {
       Lanes(0.0F).store_aligned(even);
@@ -236,7 +239,11 @@ void analyse_order(const LegendreRun& run, const float* columns, double* state, 
   // Each degree's last two rows stay zero: sums come by eights.
   alignas(64) float rows[kDegrees * kRowFloats] = {};
   int first = run.groups;  // groups before it have not started
+  // P(m, m) holds sin^m(theta), down to 1e-280 (kVanished in ring_legendre.cpp), in a double's range: no scaling by
+  // powers of two along the recurrence. Where all functions of a four are below `threshold`, the four is left out of
+  // the sums.
   for (int four = 0; four < run.fours; four += 2) {
+    // Starts never rise with the group (towards the equator), so the groups that have begun are the last ones.
     while (first > 0 && run.starts[first - 1] <= four + 1) --first;
     if (first == run.groups) continue;
     for (int part = 0; part < kRingLanes; part += kWidth) {
@@ -273,6 +280,7 @@ int find_start(const double* a, const double* x, const double* sectoral, double 
   for (int k = 0; k < kRingLanes; k += kDoubleWidth) {
     const DoubleLanes first = DoubleLanes::load_unaligned(sectoral + k);
     first.store_aligned(state + k);
+    // Q(m + 1) = a(m + 1) x Q(m), for Q(m - 1) = 0.
     (DoubleLanes(a[1]) * DoubleLanes::load_aligned(x + k) * first).store_aligned(state + kRingLanes + k);
   }
   for (int k = 0; k < kRingLanes; ++k) most = most < sectoral[k] ? sectoral[k] : most;
@@ -369,11 +377,14 @@ void integrate_sums(const IntegralRun& run, const float* sums, float* coefficien
     } else {
       const float* const sum = sums + std::ptrdiff_t{kHarmonicFloats} * (i - 1);
       for (int k = 0; k < kHarmonicFloats; ++k) {
+        // J(l) = alpha(l) J(l - 2) - beta(l) K(l - 1): the recurrence of the integrals (ring_legendre.h), summed over
+        // rows by parts (spectrum.cpp).
         next[k] = run.alpha[i] * before[k] - run.beta[i] * static_cast<double>(sum[k]);
       }
     }
     float* const out = coefficients + std::ptrdiff_t{kHarmonicFloats} * i;
     for (int k = 0; k < kHarmonicFloats; k += 2) {
+      // phase conj J = (pr Jr + pi Ji) + i (pi Jr - pr Ji).
       out[k] = static_cast<float>(run.phase_real * next[k] + run.phase_imaginary * next[k + 1]);
       out[k + 1] = static_cast<float>(run.phase_imaginary * next[k] - run.phase_real * next[k + 1]);
     }
@@ -404,6 +415,10 @@ void scale_harmonics(const ScaleRun& run, const float* in, float* out) {
 // inverse is a recursion, which would go ring by ring; but 1 / (1 - z s) is the product of (1 + (z s)^(2^k)) for k = 0,
 // 1, 2, ..., and four factors leave out only z^16 = 7e-10. So every ring is served at once.
 
+// z^2 + 4 z + 1 = 0 gives 1 + z^2 = -4 z, so (1 - z s) (1 - z s^-1) = 1 + z^2 - z (s + s^-1) = -6 z (s^-1 + 4 + s) / 6,
+// and kSplineGain = -6 z. The product of the first four factors is (1 - (z s)^16) / (1 - z s), exactly. Four sums of
+// two reach 1 + 2 + 4 + 8 = 15 rings each way, and a ring beyond a pole or the equator is another ring's with a sign
+// (`mirrored`), so no boundary condition is needed.
 constexpr int kRows = 12;   // of a column: two parts of six numbers
 constexpr int kReach = 15;  // rings that four factors bring together, each way
 
@@ -424,6 +439,8 @@ WELKIN_INLINE Mirrored mirrored(int pair, const SplineRun& run) {
     ring = circle - 1 - ring;
     if (run.odd_order) sign = -1.0F;
   }
+  // The rings on a meridian and on the one opposite make a circle of 2 rings. Half a turn further order m has the sign
+  // (-1)^m. South of the equator the value is even - odd.
   const bool south = ring >= (run.rings + 1) / 2;
   return {south ? run.rings - 1 - ring : ring, sign, south ? -sign : sign};
 }
@@ -460,6 +477,9 @@ WELKIN_INLINE void gather(const SplineRun& run, const float* columns, int length
 void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   const int length = run.groups * kRingLanes + 2 * kSplineMargin;
   gather(run, columns, length, scratch);
+  // Margins are 32 floats, of which the inner 15 hold neighbours. The first loop leaves out the outer 16: what it would
+  // have to read lies before the buffer, and no ring is reached from there. The second one writes from the first ring
+  // on.
   constexpr int shifts[4] = {1, 2, 4, 8};
   constexpr float z = -0.267949192431122706F;
   constexpr float powers[4] = {z, z * z, z * z * z * z, z * z * z * z * z * z * z * z};
@@ -471,6 +491,8 @@ void spline_rings(const SplineRun& run, float* columns, float* scratch) {
     const Lanes power(powers[k]);
     const int shift = shifts[k];
     each_row([&](float* values, int) WELKIN_INLINE_LAMBDA {
+      // 1 + power s^shift in place, from the last ring down, so that values i - shift are still the old ones; the
+      // factors of s^-1 run upwards for the same reason.
       for (int i = length - kWidth; i >= kRingLanes; i -= kWidth) {
         const Lanes sum = Lanes::load_aligned(values + i) + power * Lanes::load_unaligned(values + i - shift);
         sum.store_aligned(values + i);

@@ -10,6 +10,7 @@ using simd::kWidth, simd::Lanes;
 WELKIN_INLINE void share_register(const StepRun& run, float* const* sums, int at) {
   Lanes total[kStepShares];
   for (int k = 0; k < kStepShares; ++k) total[k] = Lanes::load_unaligned(sums[k] + at);
+  // Each row is loaded once, as the one below an edge and then the one above the next.
   Lanes above = Lanes::load_unaligned(run.rows[0] + run.first + at);
   for (int edge = 0; edge < run.edges; ++edge) {
     const Lanes below = Lanes::load_unaligned(run.rows[edge + 1] + run.first + at);
@@ -34,6 +35,8 @@ void share_steps(const StepRun& run, float* const* sums) {
 
 // Plain loops, which the compiler vectorises: the order of operations is that of the source.
 void halve_columns(const float* in, int count, float* out) {
+  // The filter at every column, of which every other one is kept: twice the sums, in a loop whose loads follow each
+  // other. 3 floats are one texel: taps 0 and 5, 1 and 4, 2 and 3 share their factor.
   constexpr int block = 32;  // texels of the result
   float sums[6 * block];
   for (int first = 0; first < count; first += block) {

@@ -44,6 +44,8 @@ std::vector<RadixPair> radices_of(int length) {
   }
   std::vector<RadixPair> radices;
   std::size_t first = 0;
+  // A pass of two radices holds their product in local memory, at most 64 numbers: the largest is joined with the
+  // smallest, so that passes are alike.
   for (std::size_t last = fast.size(); first < last;) {  // a large one and a small one
     const int large = fast[first++];
     radices.emplace_back(large, first < last ? fast[--last] : 1);
@@ -112,10 +114,13 @@ void RingFourier::plan_passes(const std::vector<std::pair<int, int>>& radices) {
 // a convolution, done on a circle too long for its ends to meet.
 void RingFourier::plan_convolution() {
   std::size_t padded = 1;
+  // k - j runs from -(length - 1) to length - 1, 2 length - 1 values, which must not meet modulo `padded`.
   while (padded < 2 * static_cast<std::size_t>(length_)) padded *= 2;
   convolution_ = std::make_shared<const RingFourier>(static_cast<int>(padded));
   std::vector<Number> response(padded);
   for (int n = 0; n < length_; ++n) {
+    // e^(-pi i n^2 / length) repeats when n^2 grows by 2 length: n^2 modulo that, in whole numbers, keeps the angle
+    // exact.
     const std::int64_t square = std::int64_t{n} * n % (std::int64_t{2} * length_);
     const Number w = root(square, std::int64_t{2} * length_);
     append(chirp_, w);
@@ -152,6 +157,8 @@ float* RingFourier::transform(const FourierKernels& kernels, float* values, floa
   kernels.multiply_complex(spectrum, kComplexFloats, chirp_spectrum_.data(), padded, spectrum);
   // The inverse transform is the forward one read backwards.
   float* const result = convolution_->transform(kernels, spectrum, other);
+  // sum X(k) e^(+2 pi i n k / padded) is the transform of X at -n, which lies at padded - n; the division by `padded`
+  // is in chirp_spectrum_.
   kernels.multiply_complex(result, 0, chirp_.data(), 1, values);
   kernels.multiply_complex(result + std::ptrdiff_t{kComplexFloats} * (padded - 1), -kComplexFloats, chirp_.data() + 2,
                            length_ - 1, values + kComplexFloats);

@@ -114,6 +114,9 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
 void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
   const auto last_lane = static_cast<std::size_t>(pairs_of(key.rings, key.places) - 1);
   row_weights_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(key.bands) * lanes());
+  // P(m, m) = norm sin^m, and a row's integral is Int P sin d theta = norm Int sin^(m + 1). `here` is that without the
+  // norm, `before` Int sin^m, and the next order's is the recurrence for n = m + 2. It starts with Int 1 = pi / 2 -
+  // theta and Int sin = cos(theta); all terms are positive, so it is stable upwards.
   std::vector<double> before(last_lane);  // Int sin^m
   std::vector<double> here(x_.data(), x_.data() + last_lane);
   std::vector<double> power(last_lane, 1.0);  // sin^m
@@ -126,6 +129,7 @@ void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
     const double n = m + 2.0;
     // Lane by lane, so that compilers make registers of them.
     for (std::size_t q = 0; q < last_lane; ++q) {
+      // -(g(0) - g): what a step weighs.
       weights[q] = norm * (here[q] - here_whole);
       power[q] *= sines_[q];
       const double next = (power[q] * x_.data()[q] + (n - 1.0) * before[q]) / n;
@@ -162,6 +166,7 @@ std::size_t LegendreRings::bytes() const noexcept {
 
 namespace {
 
+// kBeyond: kernels read a(m + i) for i < 4 fours + 6, and 4 fours <= bands - m + 3.
 constexpr std::size_t kFactorsCacheBytes = std::size_t{64} << 20U;  // 512 bands take 4 MiB, 1536 take 38
 constexpr int kBeyond = 9;                                          // degrees that kernels run past the last one
 
@@ -196,6 +201,8 @@ void LegendreFactors::fill_order(int m, int count) {
   // Loop by loop, so that compilers make registers of all but one: `beta` has e(l) meanwhile.
   for (int i = 1; i < count; ++i) beta[i] = ratio(m + i, m);
   for (int i = 1; i < count; ++i) alpha[i] = beta[i - 1] / beta[i];
+  // With P(l) = gamma(l) Q(l), e(l) P(l) = x P(l - 1) - e(l - 1) P(l - 2) divided by e(l) gamma(l) has the factor
+  // e(l - 1) gamma(l - 2) / (e(l) gamma(l)) of Q(l - 2): 1 for the gamma(l) here. That of x Q(l - 1) is a(l).
   gamma[1] = 1.0;
   for (int i = 2; i < count; ++i) gamma[i] = alpha[i] * gamma[i - 2];
   for (int i = 1; i < count; ++i) {

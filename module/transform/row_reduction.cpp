@@ -21,9 +21,14 @@ constexpr int kSharesBefore = 2;    ///< coarse edges before an interval that it
 constexpr int kSharesBeyond = 2;    ///< coarse edges beyond a pole that fine edges give to
 
 /// Fine columns that filters read beyond either end of a strip.
+/// Output column i of a halving is centred between columns 2 i and 2 i + 1, and its six taps begin at 2 i - 2. So m
+/// columns of margin after a halving need 2 m + 2 before it, and h halvings 2 (2^h - 1).
 constexpr int margin_of(int halvings) { return 2 * ((1 << halvings) - 1); }
 
 /// Lagrange's polynomials of the nodes -2 to 3 at 0 <= t < 1.
+/// For a wave of degree k and nodes h apart, interpolation is off by max |prod (t - node)| (k h)^6 / 6! =
+/// (2.5 1.5 0.5)^2 / 720 (k h)^6 = 0.005 (k h)^6, largest at t = 1/2. The transpose of the interpolation gives a step
+/// at t to the six nodes: sum over nodes of share g(node) = g(t), nearly, for every g of these degrees.
 std::array<double, kStepShares> shares_at(double t) {
   std::array<double, kStepShares> shares{};
   for (int k = 0; k < kStepShares; ++k) {
@@ -52,6 +57,10 @@ ReducedShape reduced_shape(int width, int height, int bands) noexcept {
 }
 
 double column_response(int width, int halvings, int order) noexcept {
+  // (1, 5, 10, 10, 5, 1) / 32 is ((1 + s) / 2)^5 for the shift s by a column: about its middle it multiplies
+  // e^(i m lon) by cos(m d / 2)^5, d = 2 pi / width, and m d / 2 is m / (2 width) of a turn. The width halves with each
+  // stage. Orders m and width / 2 - m then fall together, the latter by sin(m d / 2)^5, which is the tan^5 of the
+  // header after division. Kernels divide by 16 instead of 32: the sum over half as many columns stays.
   double response = 1.0;
   for (int k = 0; k < halvings; ++k, width /= 2) {
     const double cosine =
@@ -131,6 +140,14 @@ void ReducedRows::find_shares() {
       } else {
         beyond_[at + static_cast<std::size_t>(pole_distance - 1)] = static_cast<float>(share);
       }
+      // J(m) = sum over rows of f Int sin^(m + 1). With Phi(theta) = Int from 0 to theta of sin^(m + 1) and summation
+      // by parts from either pole, a step at theta weighs
+      //   -Phi(theta) in the north,   Phi(pi - theta) in the south,
+      // and the two rows next to the equator weigh g0 = Phi(pi / 2) each. As Phi(theta) + Phi(pi - theta) = 2 g0, the
+      // step's weight jumps by 2 g0 at the equator, while interpolation takes it for its smooth continuation. So a
+      // share that a step in the north gives beyond the equator counts 2 g0 too much, and one to the equator itself,
+      // where the weight is 0 in place of -g0, counts g0 too much; those of a step in the south count as much too
+      // little. The sum of the two rows, which weighs g0, makes up for that.
       // Twice what goes beyond the equator, and once what goes to it: minus from the north, plus from the south.
       const std::int64_t side = 2 * std::int64_t{edge} - height;
       if (side < 0 && to >= equator) across -= (to > equator ? 2.0 : 1.0) * share;
@@ -160,6 +177,8 @@ void ReducedRows::add_interval(int interval, const float* shares, const Strip& s
 }
 
 /// What edges near a pole give beyond it to coarse edge `edge`, half a turn away.
+/// g(-theta) = (-1)^m g(theta), and a turn of the row by 180 degrees multiplies order m by (-1)^m: so the share goes to
+/// the mirrored edge with the row shifted by half its width, for all orders at once.
 void ReducedRows::add_beyond_pole(int edge, const Strip& strip, Scratch& scratch) noexcept {
   const bool south = edge > shape_.rows / 2;
   const int distance = south ? shape_.rows - edge : edge;
@@ -180,7 +199,10 @@ void ReducedRows::finish(float* sums, const Strip& strip, int to) noexcept {
   std::copy_n(sums, std::ptrdiff_t{3} * columns, row(to) + std::ptrdiff_t{3} * (strip.first >> shape_.halvings));
 }
 
-/// The steps at coarse edges `first_edge` to `end_edge` - 1.
+/// Computes the steps at coarse edges `first_edge` to `end_edge` - 1. Interval i gives to edges i - 2 to i + 3. Going
+/// through the intervals in order, six sums are open at a time, in a ring by edge modulo 6; edge i - 2 is finished
+/// after interval i. Shares for edges of other tiles go to a row that nobody reads. Intervals at a tile's ends are read
+/// by both tiles, so every sum has its terms in one order whatever the tiles.
 void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Scratch& scratch) noexcept {
   for (int interval = first_edge - kStepShares + 1 + kSharesBefore; interval < end_edge + kSharesBefore; ++interval) {
     if (interval >= 0 && interval < shape_.rows) {
@@ -261,6 +283,8 @@ RowQuads ReducedRows::quads(int group) const noexcept {
       rows.a[lane] = row(edge - 1);
       rows.c[lane] = row(shape_.rows - edge - 1);
     } else if (edge == equator) {
+      // (a - b) + (c - d) = S / 2 + D / 2 + D / 2 - S / 2 = D and (a - b) - (c - d) = S, with the step D and the sum S
+      // at the equator: one lane has both as its even and its odd part, as in spectrum.cpp.
       rows.a[lane] = rows.d[lane] = row(row_of_half_sum());
       rows.b[lane] = row(row_of_negated_step());
       rows.c[lane] = row(edge - 1);

@@ -144,6 +144,8 @@ RowQuads Analysis::rows_of(int group) const noexcept {
       rows.d[lane] = row(height - 1 - edge);
     } else {
       const bool equator = edge == pairs;
+      // (a - b) + (c - d) = row(height / 2) - row((height - 1) / 2), the step, and (a - b) - (c - d) is the sum of the
+      // two rows. An odd height has one middle row: no step, and twice the row.
       rows.a[lane] = equator ? row(height / 2) : zeros_.data();
       rows.b[lane] = rows.c[lane] = zeros_.data();
       rows.d[lane] = equator ? row((height + 1) / 2 - 1) : zeros_.data();
@@ -166,6 +168,8 @@ void Analysis::transform_rows(const RowQuads& rows, int group, RowScratch& scrat
 
 /// The integral of order m over a column, over the value at its middle.
 double column_extent(std::int64_t width, int m) noexcept {
+  // (e^(i m d / 2) - e^(-i m d / 2)) / (i m) = 2 sin(m d / 2) / m with d = 2 pi / width: m / (2 width) of a turn, which
+  // repeats in m after 2 width.
   if (m == 0) return 2.0 * kPi / static_cast<double>(width);
   return 2.0 * math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
          m;
@@ -183,6 +187,9 @@ void Analysis::sum_order(int m, AnalysisScratch& scratch) noexcept {
   // A pixel's longitude is pi - 2 pi (i + 1/2) / width, and its extent turns the value at the centre into an integral;
   // the column numbers are doubled.
   const std::int64_t columns = columns_of_row_;
+  // c(m) = Int f e^(-i m lon): with lon = pi - 2 pi (i + 1/2) / n and real f it is e^(-i m pi (1 - 1 / n)) conj F(m), F
+  // the transform with e^(-2 pi i m k / n). As e^(-i m pi) = e^(i m pi), the phase is m (n + 1) / (2 n) of a turn. It
+  // multiplies conj J, and all orders beyond n / 2 are meant as well: m is reduced in whole numbers.
   const math::SineCosine phase = math::sine_cosine_of_turns(static_cast<double>(m * (columns + 1) % (2 * columns)) /
                                                             static_cast<double>(2 * columns));
   const double extent = column_extent(source_.width, m) /
@@ -220,6 +227,7 @@ Spectrum Analysis::run(const Control& control) {
   const std::size_t workers = jobs::worker_count(placement);
   std::vector<AnalysisScratch> scratches;
   for (std::size_t k = 0; k < workers; ++k) scratches.emplace_back(bands_);
+  // Order m has bands - m degrees: m and bands - 1 - m together have bands + 1, the same work for every tile.
   run_orders(bands_, placement, workers, jobs::part_of(control, 0.4, 1.0),
              [&](int m, std::size_t worker) { sum_order(m, scratches[worker]); });
   return std::move(spectrum_);
@@ -368,11 +376,16 @@ class Synthesis {
 void Synthesis::sum_order(int m, SynthesisScratch& scratch) noexcept {
   const platform::FlushDenormalsScope flush;
   // A texel's longitude is pi - 2 pi (i + 1/2) / columns.
+  // f(lon_i) = sum of c(m) e^(i m lon_i) with e^(i m lon_i) = e^(i m pi (1 - 1 / n)) e^(-2 pi i m i / n): the forward
+  // transform again, after a phase of m (n - 1) / (2 n) turns.
   const std::int64_t width = grid_.columns();
   const math::SineCosine phase =
       math::sine_cosine_of_turns(static_cast<double>(m * (width - 1) % (2 * width)) / static_cast<double>(2 * width));
   double scale = 1.0;
   if (spline_) {
+    // Along a ring order m is an eigenvector of the B-spline's samples (c[-1] + 4 c[0] + c[1]) / 6 with the eigenvalue
+    // (4 + 2 cos(2 pi m / n)) / 6 = (2 + wave) / 3: dividing by it is the spline's prefilter, at the cost of a number
+    // per order. Down the meridians `spline_rings` does it, which leaves out kSplineGain.
     const double wave = math::sine_cosine_of_turns(static_cast<double>(m) / static_cast<double>(width)).cosine;
     scale = kSplineGain * 3.0 / (2.0 + wave);
   }
@@ -466,6 +479,7 @@ void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::
 GridSize grid_for_bands(int bands, double oversampling) noexcept {
   constexpr double least_rings = 8.0;
   constexpr double most_rings = 32768.0;
+  // 1e-9: a product such as 48 x 4/3 may come out a rounding above a whole number, and must not give one ring more.
   const double rings = std::clamp(std::ceil(bands * oversampling - 1e-9), least_rings, most_rings);
   const int columns = fast_even_length(2 * static_cast<int>(rings));
   return {columns / 2, columns};

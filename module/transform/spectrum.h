@@ -69,6 +69,9 @@ void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::
 /// two columns a ring). What a cubic B-spline through the samples loses of degree l half way between four of them, as a
 /// share of that degree, each way: 6e-5 for l = rings / 8, 1.2e-3 for rings / 4, 7e-3 for 3/8, 2.8e-2 for rings / 2,
 /// 0.24 for 3/4; like (l / rings)^4. A lobe's last bands, at 4/3, are small enough for that; others may ask for more.
+/// (A wave e^(i w k) on samples k has the spline coefficients 3 / (2 + cos w) times its values, and the B-spline half
+/// way between samples is 23/48 at +-1/2 and 1/48 at +-3/2. So it comes back there as (23 cos(w / 2) + cos(3 w / 2)) /
+/// 24 x 3 / (2 + cos w) of itself, and w = pi l / rings down the meridians.)
 struct GridSize {
   int rings;
   int columns;
