@@ -137,6 +137,8 @@ struct batch {
   batch() = default;
   WELKIN_INLINE batch(register_type values) : data(values) {}
   WELKIN_INLINE batch(Value value) : data(Do::all(value)) {}
+  template <class... Others>
+  requires(sizeof...(Others) + 1 == size) WELKIN_INLINE batch(Value first, Others... others) : data{first, others...} {}
   WELKIN_INLINE operator register_type() const { return data; }
 
   static WELKIN_INLINE batch load_aligned(const Value* from) { return Do::load(from); }
