@@ -51,17 +51,18 @@ double smooth_error(double radians, double alpha, int points) {
 }
 
 /// Returns the error for other lobes: fits to Gauss' error terms for a bell of which `alpha` is 2.2 standard
-/// deviations. Over half an edge h the mean by n points errs by h^(2 n) f^(2 n) times 1/270, 1/31500 and 1/6945750 for
-/// n = 2, 3 and 4. In units of 2 alpha h is edge / 2 and the bell's deviation 1 / 4.4, so at its peak f^(4) = 3 4.4^4,
-/// f^(6) = 15 4.4^6 and f^(8) = 105 4.4^8: 0.26 edge^4, 0.054 edge^6 and 8.3e-3 edge^8. The root mean square over all
-/// places and both axes, over the bell's own, is 1.0 to 1.3 times that.
+/// deviations. Over half an edge h the mean by n points errs by h^(2 n) f^(2 n) times 1/270, 1/31500, 1/6945750 and
+/// 4.04e-10 for n = 2, 3, 4 and 5. In units of 2 alpha h is edge / 2 and the bell's deviation 1 / 4.4, so at its peak
+/// f^(4) = 3 4.4^4, f^(6) = 15 4.4^6, f^(8) = 105 4.4^8 and f^(10) = 945 4.4^10: 0.26 edge^4, 0.054 edge^6, 8.3e-3
+/// edge^8 and 1.0e-3 edge^10. The root mean square over all places and both axes, over the bell's own, is 1.0 to 1.3
+/// times that.
 double smooth_table_error(double radians, double alpha, int points) {
   const double edge = radians / (2.0 * alpha);
   const double square = edge * edge;
   const double fourth = square * square;
   if (points == 2) return 0.26 * fourth;
   if (points == 3) return 0.054 * fourth * square;
-  return points == 4 ? 8e-3 * fourth * fourth : 5e-5 * fourth * fourth * square;
+  return points == 4 ? 8e-3 * fourth * fourth : 1e-3 * fourth * fourth * square;
 }
 
 }  // namespace

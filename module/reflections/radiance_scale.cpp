@@ -8,8 +8,8 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr float kHuge = 1e30F;
-constexpr float kDown = 0x1p-64F;
+constexpr float kHuge = 1e18F;      ///< sums of squares of what is larger may exceed the range of floats
+constexpr float kDown = 0x1p-100F;  ///< makes of the largest float 2.7e8
 constexpr float kDark = 1e-25F;
 constexpr float kUp = 0x1p100F;
 

@@ -16,7 +16,7 @@ constexpr int kMiddle = kSpread / 2;
 // A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
 // Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
 // from the middle of a face's line to its diagonal: hence half of three. Along the first edge of a line that runs away
-// from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces.
+// from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces (`EdgeLine::cut` allows for it).
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
 constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twice
 constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
@@ -121,7 +121,10 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     // that the height 1 of the face's edge bounds all lines.
     const double reach = (here.to - here.from) * here.to * height /
                          (std::sqrt(here.distance * here.distance + here.to * here.to) * (low + here.from * here.from));
-    const double cells = std::max(across, reach * per_column);
+    // Where longitude is denser at the edge's beginning than 2 times its mean, that decides.
+    const double densest =
+        (here.to - here.from) * here.distance / (here.distance * here.distance + here.from * here.from);
+    const double cells = std::max({across, reach * per_column, 0.5 * densest * per_column});
     first_parts_[static_cast<std::size_t>(index)] = part;
     part += static_cast<std::uint32_t>(std::max(1.0, std::ceil(cells / kPartCells)));
   }

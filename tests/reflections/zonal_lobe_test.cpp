@@ -167,6 +167,25 @@ TEST_CASE("Kernels have their closed forms", "[zonal]") {
     const std::vector<double> named = ZonalLobe::phong(3.0).spectrum(64);
     for (std::size_t l = 0; l < named.size(); ++l) CHECK(std::abs(spectrum[l] - named[l]) < 1e-11);
   }
+  SECTION("Functions that end at the cosine -1, to the last band") {
+    for (const double slope : {0.0, 1.0}) {
+      const ZonalLobe own = ZonalLobe::from_function([slope](double c) { return 1.0 + slope * c; }, {});
+      const std::vector<double> spectrum = own.spectrum(1536);
+      for (std::size_t l = 0; l < spectrum.size(); ++l) {
+        CAPTURE(slope, l);
+        REQUIRE(std::abs(spectrum[l] - (l == 0 ? 1.0 : l == 1 ? slope / 3.0 : 0.0)) < 1e-10);
+      }
+    }
+  }
+  SECTION("GGX as a function has its own alpha, by which lamps are searched for") {
+    for (const double alpha : {0.02, 0.05, 0.08}) {
+      const ZonalLobe own = ZonalLobe::from_function([alpha](double c) {
+        const double width = alpha * alpha + 0.5 * (1.0 - c) * (1.0 - alpha * alpha);
+        return c > 0.0 ? c / (width * width) : 0.0;
+      });
+      CHECK(std::abs(own.lobe()->light_alpha() - alpha) < 0.05 * alpha);
+    }
+  }
   SECTION("A spectrum is what it was made of, and its values are their sum") {
     const ZonalLobe own = ZonalLobe::from_spectrum({2.0, 1.0, 0.5});
     CHECK(own.spectrum(4) == std::vector<double>{1.0, 0.5, 0.25, 0.0});
