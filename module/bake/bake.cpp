@@ -36,7 +36,7 @@ namespace welkin {
 namespace baking {
 namespace {
 
-/// What a pass came to, where that is not what was planned.
+/// The outcome of a pass that did not go as planned.
 struct Outcome {
   PassAction action = PassAction::run;
   std::string reason{};

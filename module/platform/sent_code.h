@@ -1,4 +1,4 @@
-// Whether the program is sent to whoever runs it before it can begin, as WebAssembly is to a page. Kernels have fewer
+// Tells targets whose code is sent over a network before it can run, as WebAssembly is to a page. Kernels have fewer
 // variants there, and large ones are called instead of inlined.
 #pragma once
 

@@ -34,8 +34,8 @@ WELKIN_INLINE Lanes::register_type floats_of_bytes(const std::uint8_t* p) {
 }
 #endif
 
-/// Of 255, rounded once. 1 / 255 = 2^-8 + 2^-16 + 2^-24 + ...: eight bits times the first two terms are exact, and the
-/// rest is too small for its own rounding to be seen. image/pixels.cpp decodes by the same product.
+/// Divides by 255 and rounds once. 1 / 255 = 2^-8 + 2^-16 + 2^-24 + ...: eight bits times the first two terms are
+/// exact, and the rest is too small for its own rounding to be seen. image/pixels.cpp decodes by the same product.
 WELKIN_INLINE Lanes::register_type load(const std::uint8_t* p) {
   const Lanes value(floats_of_bytes(p));
   return value * Lanes(0x1.01p-8F) + value * Lanes(static_cast<float>(1.0 / 255.0 - 0x1.01p-8));
@@ -65,7 +65,7 @@ WELKIN_INLINE Rgb load_packed_rgb(const Channel* first) {
   return load_rgb<reversed>(values);
 }
 
-/// The same of four channels, of which the fourth is dropped.
+/// Reads four channels, of which the fourth is dropped.
 template <bool reversed>
 WELKIN_INLINE Rgb load_byte_rgba(const std::uint8_t* first) {
   alignas(16) float values[4 * kWidth];
@@ -82,7 +82,7 @@ WELKIN_INLINE Rgb load_packed_rgb(const Channel* first) {
                                            detail::load(first + 2 * kWidth));
 }
 
-/// The same of four channels, of which the fourth is dropped.
+/// Reads four channels, of which the fourth is dropped.
 template <bool reversed>
 WELKIN_INLINE Rgb load_byte_rgba(const std::uint8_t* first) {
   return detail::rgb_from_rgba<reversed>(detail::load(first), detail::load(first + kWidth),
