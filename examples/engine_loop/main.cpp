@@ -3,35 +3,66 @@
 //   scripts/engine-loop                                     # ten seconds of each, a table and a plot
 //   scripts/engine-loop --setup own-idle,own-normal,lent    # ways to set the worker up
 //
-// One concept a file: the loop (loop.h), the engine's work (frame_work.h), its requests (schedule.h), who does it
-// (no_baker.h, synchronous_baker.h, worker_baker.h), how the worker is set up (worker_setup.h).
+// Worth reading for an engine of one's own: bakers.h. The rest is a stage for it: the engine's work (frame_work.h), its
+// requests (schedule.h), its frames (loop.h).
 #include <tbb/info.h>
-#include <tbb/task_arena.h>
 
+#include <CLI/CLI.hpp>
 #include <exception>
-#include <filesystem>
 #include <iostream>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "environments.h"
-#include "frame_csv.h"
-#include "frame_work.h"
-#include "loop.h"
-#include "no_baker.h"
-#include "options.h"
-#include "plot.h"
-#include "real_time.h"
-#include "same_light.h"
-#include "schedule.h"
-#include "statistics.h"
-#include "synchronous_baker.h"
-#include "worker_baker.h"
-#include "worker_setup.h"
+#include "results.h"
 
 namespace engine_loop {
 namespace {
+
+struct Options {
+  double seconds = 10.0;  ///< of each run
+  double work_ms = 6.0;
+  std::vector<std::string> setups{"own-idle"};
+  int threads = 0;
+  bool real_time = false, no_plot = false;
+  std::filesystem::path environments;  ///< a folder; empty: none
+  std::filesystem::path output = "engine_loop";
+  int sky_size = 256, level_size = 1024;
+};
+
+constexpr const char* kFooter =
+    R"(Set-ups of the worker:
+  own-idle     threads of its own that run on processors nothing else wants
+  own-below    ... with a tenth of a normal thread's share
+  own-normal   ... as the engine's own
+  lent         a TBB arena of low priority beside the engine's
+  lent-engine  the arena that frames are computed in: how not to do it
+
+Writes frames.csv (one line a frame) and frames.png (by gnuplot, if it is there).
+Exit codes: 0 done; 1 light differs between the runs, or a file is bad; 2 the
+command line is.)";
+
+void add_options(CLI::App& program, Options& options) {
+  const auto range = [](auto least, auto most) { return CLI::Range(least, most).description(""); };
+  program.footer(kFooter);
+  program.add_option("--seconds", options.seconds, "Length of each run, at 60 frames a second (10)")
+      ->check(range(0.1, 3600.0));
+  program.add_option("--work", options.work_ms, "The engine's own work in a frame, ms on all processors (6)")
+      ->check(range(0.1, 16.0));
+  program.add_option("--setup", options.setups, "One or more set-ups of the worker (own-idle); see below")
+      ->check(CLI::IsMember(kSetups).description(""))
+      ->delimiter(',');
+  program
+      .add_option("--threads", options.threads,
+                  "Of the worker (0: one less than there are processors), or slots of a lent arena (0: all)")
+      ->check(range(0, 1024));
+  program.add_flag("--real-time", options.real_time, "Rank the engine's threads as real-time ones while in a frame");
+  program.add_option("--environments", options.environments,
+                     "Folder of .exr and .hdr files to stream in; without any, some are written first");
+  program.add_option("-o,--output", options.output, "Folder for what is written (engine_loop)");
+  program.add_option("--sky-size", options.sky_size, "Edge of the changing sky's cubemap, texels (256)")
+      ->check(range(1, 4096));
+  program.add_option("--level-size", options.level_size, "Edge of a level's cubemaps, texels (1024)")
+      ->check(range(1, 4096));
+  program.add_flag("--no-plot", options.no_plot, "Do not have gnuplot draw the frames");
+}
 
 std::vector<std::filesystem::path> files_to_stream(const Options& options) {
   if (!options.environments.empty()) {
@@ -47,18 +78,18 @@ std::vector<Run> run_all(const Options& options, const ScheduleOptions& wishes, 
   std::vector<Run> runs;
   const auto run = [&](const std::string& name, Baker&& baker) {
     std::cerr << "engine_loop: " << name << ", " << options.seconds << " s\n";
-    runs.push_back(run_loop(name, wishes.frames, work, Schedule(wishes), baker));
+    runs.push_back(run_loop(name, work, Schedule(wishes), baker));
   };
-  run("no baking", NoBaker());
+  run("no baking", Baker());
   run("synchronous", SynchronousBaker(arena));
   for (const std::string& name : options.setups) {
-    const WorkerSetup setup = worker_setup(name, options.threads, arena);
-    run(name, WorkerBaker(setup.options));
+    std::optional<tbb::task_arena> low;
+    run(name, WorkerBaker(worker_options(name, options.threads, arena, low)));
   }
   return runs;
 }
 
-/// Whether all of the workers' runs gave the synchronous one's light; says which did not.
+/// Returns whether all of the workers' runs gave the synchronous one's light, and says which did not.
 bool light_is_the_same(const std::vector<Run>& runs) {
   bool same = true;
   for (std::size_t run = 2; run < runs.size(); ++run) {
@@ -70,12 +101,11 @@ bool light_is_the_same(const std::vector<Run>& runs) {
   return same;
 }
 
-void write_pictures(const Options& options, const std::vector<Run>& runs) {
-  const std::filesystem::path csv = options.output / "frames.csv";
+void write_frames(const Options& options, const std::vector<Run>& runs) {
+  const std::filesystem::path csv = options.output / "frames.csv", png = options.output / "frames.png";
   write_csv(csv, runs);
   std::cout << "frames: " << csv.string() << '\n';
   if (options.no_plot) return;
-  const std::filesystem::path png = options.output / "frames.png";
   if (draw_plot(csv, png, runs)) {
     std::cout << "plot: " << png.string() << '\n';
   } else {
@@ -85,17 +115,18 @@ void write_pictures(const Options& options, const std::vector<Run>& runs) {
 
 int run(const Options& options) {
   std::filesystem::create_directories(options.output);
-  const ScheduleOptions wishes{options.frames(), options.sky_size, options.level_size, files_to_stream(options)};
+  const ScheduleOptions wishes{static_cast<int>(60.0 * options.seconds + 0.5), options.sky_size, options.level_size,
+                               files_to_stream(options)};
   tbb::task_arena arena(tbb::info::default_concurrency());
   std::optional<RealTime> real_time;
   if (options.real_time) real_time.emplace(arena);
   FrameWork work = FrameWork::that_takes(options.work_ms, arena);
-  std::cout << work.characters() << " characters, " << work.objects() << " objects, " << wishes.files.size()
-            << " files, on " << tbb::info::default_concurrency() << " processors\n\n";
+  std::cout << work.characters() << " characters, " << wishes.files.size() << " files, on "
+            << tbb::info::default_concurrency() << " processors\n\n";
   if (real_time && real_time->refused()) std::cerr << "engine_loop: the system does not allow --real-time\n";
   const std::vector<Run> runs = run_all(options, wishes, arena, work);
   std::cout << table(runs) << '\n';
-  write_pictures(options, runs);
+  write_frames(options, runs);
   const bool same = light_is_the_same(runs);
   if (same) std::cout << "Every worker's light is the synchronous calls' light, bit by bit.\n";
   return same ? 0 : 1;
@@ -105,11 +136,17 @@ int run(const Options& options) {
 }  // namespace engine_loop
 
 int main(int argument_count, char** arguments) {
-  int exit_code = 0;
-  const auto options = engine_loop::parse_options(argument_count, arguments, exit_code);
-  if (!options) return exit_code;
+  engine_loop::Options options;
+  CLI::App program{
+      R"(A game loop at 60 Hz that bakes the light of streamed files, of a turning sun and
+of freshly loaded levels: not at all, inside its frames, and with a worker.)",
+      "engine_loop"};
+  add_options(program, options);
   try {
-    return engine_loop::run(*options);
+    program.parse(argument_count, arguments);
+    return engine_loop::run(options);
+  } catch (const CLI::ParseError& request) {
+    return program.exit(request) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "engine_loop: " << error.what() << '\n';
     return 1;
