@@ -34,9 +34,9 @@ std::wstring command_line(const std::string& line) {
 }
 
 /// "A=B C=D", set while it lives.
-class Environment {
+class Variables {
  public:
-  explicit Environment(const std::string& text) {
+  explicit Variables(const std::string& text) {
     for (std::size_t start = 0; start < text.size();) {
       const std::size_t end = std::min(text.find(' ', start), text.size());
       const std::string word = text.substr(start, end - start);
@@ -45,11 +45,11 @@ class Environment {
       start = end + 1;
     }
   }
-  ~Environment() {
+  ~Variables() {
     for (const std::string& name : names_) SetEnvironmentVariableA(name.c_str(), nullptr);
   }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
+  Variables(const Variables&) = delete;
+  Variables& operator=(const Variables&) = delete;
 
  private:
   void set(const std::string& name, const std::string& value) {
@@ -70,7 +70,7 @@ HANDLE inherited_file(const std::filesystem::path& path, DWORD access, DWORD dis
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment) {
   const TemporaryDirectory folder;
-  const Environment variables(environment);
+  const Variables set(environment);
   STARTUPINFOW start{};
   start.cb = sizeof start;
   start.dwFlags = STARTF_USESTDHANDLES;
