@@ -105,8 +105,7 @@ std::vector<fs::path> pictures_that_fit(const std::string& named) {
   if (!folder.empty() && !fs::is_directory(folder, unknown)) return {};
   std::vector<fs::path> found = pictures_below(folder, pattern.find("**") != std::string::npos ? kAnyDepth : parts);
   std::erase_if(found, [&](const fs::path& path) {
-    const std::u8string below = path.lexically_relative(folder.empty() ? "." : folder).generic_u8string();
-    return !fits({reinterpret_cast<const char*>(below.data()), below.size()}, pattern);
+    return !fits(platform::generic_utf8(path.lexically_relative(folder.empty() ? "." : folder)), pattern);
   });
   return found;
 }
@@ -117,7 +116,7 @@ std::vector<fs::path> pictures_that_fit(const std::string& named) {
 std::string relative_to(const fs::path& folder, const fs::path& file) {
   std::error_code unknown;
   const fs::path parent = fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown);
-  return platform::utf8((parent / file.filename()).lexically_proximate(folder));
+  return platform::generic_utf8((parent / file.filename()).lexically_proximate(folder));
 }
 
 /// A plan without jobs.
@@ -185,7 +184,7 @@ class Planner {
     for (const fs::path& file : files) {
       const fs::path name = is_folder ? file.lexically_relative(path) : file.filename();
       wishes_.push_back(
-          {.input = platform::utf8(file), .name = platform::utf8(name), .options = options_, .found = true});
+          {.input = platform::utf8(file), .name = platform::generic_utf8(name), .options = options_, .found = true});
     }
   }
 

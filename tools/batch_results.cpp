@@ -236,8 +236,7 @@ std::string link_from(const fs::path& folder, const fs::path& to) {
   std::error_code unknown;
   const fs::path from = fs::weakly_canonical(fs::absolute(folder, unknown), unknown);
   const fs::path target = fs::weakly_canonical(fs::absolute(to, unknown), unknown);
-  const std::u8string link = target.lexically_proximate(from).generic_u8string();
-  return {reinterpret_cast<const char*>(link.data()), link.size()};
+  return platform::generic_utf8(target.lexically_proximate(from));
 }
 
 /// Adds what the page says of a bake: its source and its mips, as its manifest has them.

@@ -99,6 +99,12 @@ using std::from_chars;
   return {text.begin(), text.end()};
 }
 
+/// A path as UTF-8 with '/' between its parts on every system: for plans, links and names that others read.
+[[nodiscard]] inline std::string generic_utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.generic_u8string();
+  return {text.begin(), text.end()};
+}
+
 /// The path that UTF-8 names. Throws `Error` (invalid_argument) where the system's paths are characters, as on Windows,
 /// and these bytes are none.
 [[nodiscard]] std::filesystem::path path_of(std::string_view utf8);

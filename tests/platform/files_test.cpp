@@ -193,7 +193,7 @@ TEST_CASE("Places beyond 4 GiB are written and read", kLargeTags) {
 TEST_CASE("Bytes that are no UTF-8 name a file only where names are bytes", "[platform]") {
   const std::string name = "sky\xFF.exr";
 #if defined(_WIN32)
-  CHECK(thrown_by([&] { static_cast<void>(platform::path_of(name)); }).says("is no UTF-8"));
+  CHECK(thrown_by([&] { static_cast<void>(platform::path_of(name)); }).says("is not valid UTF-8"));
 #else
   CHECK(platform::utf8(platform::path_of(name)) == name);
 #endif

@@ -5,6 +5,13 @@
 
 namespace welkin::test {
 
+/// Whether allocations by malloc are seen as those by operator new are: it cannot be replaced in Windows.
+#if defined(_WIN32)
+inline constexpr bool kSeesMalloc = false;
+#else
+inline constexpr bool kSeesMalloc = true;
+#endif
+
 /// Allocations inside tiles since the last `forget_allocations_in_tiles()`, on all threads, by operator new or malloc.
 /// Sanitizers bring a heap of their own: 0 under them.
 [[nodiscard]] long allocations_in_tiles() noexcept;

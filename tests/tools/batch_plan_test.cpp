@@ -154,8 +154,10 @@ TEST_CASE("A list's lines have names and options of their own", "[command][batch
   CHECK(names_of_jobs(plan) == std::vector<std::string>{"small", "large", "matte"});
   CHECK(plan.at("jobs")[2].at("options").back() == "in/needs.json");
   // From anywhere else: what the plan names lies where the plan does.
-  const CommandResult run =
-      run_program("/usr/bin/env", "-C / " + quoted(WELKIN_COMMAND) + " batch run " + quoted(batch.jobs()) + " --json");
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::current_path(here.root_path());
+  const CommandResult run = run_program(WELKIN_COMMAND, "batch run " + quoted(batch.jobs()) + " --json");
+  std::filesystem::current_path(here);
   INFO(run.errors);
   REQUIRE(run.exit_code == 0);
   const nlohmann::json index = batch.merged();

@@ -156,7 +156,7 @@ TEST_CASE("Merging looks at every byte", "[command][batch][slow]") {
   CHECK(contains(missing.errors, "missing result " + result.filename().string()));
 }
 
-TEST_CASE("The index has a page of previews", "[command][batch]") {
+TEST_CASE("The index has a page of previews", "[command][batch][posix]") {
   const Batch batch(1, " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
   std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "a<b>&\"%.pfm");
   batch.plan(quoted(batch.input()) + " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");

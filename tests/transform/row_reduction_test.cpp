@@ -97,7 +97,7 @@ TEST_CASE("Reduced rows take no more memory than was said, and not much less", "
     const std::uint64_t said = transforms::ReducedRows::most_bytes(width, height, bands, workers);
     CAPTURE(width, peak, said);
     CHECK(peak <= said + 16384);  // tables of the pool
-    CHECK(said <= peak + peak / 4 + 16384);
+    if (kSeesMalloc) CHECK(said <= peak + peak / 4 + 16384);
   }
   CHECK(transforms::ReducedRows::most_bytes(256, 128, 96, 4) == 0);
   CHECK(transforms::ReducedRows::most_bytes(8192, 4096, 1000, 2) > std::size_t{20} << 20U);
