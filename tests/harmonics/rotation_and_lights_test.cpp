@@ -31,20 +31,6 @@ double worst_difference(const SphericalHarmonics& rotated, const SphericalHarmon
   return worst;
 }
 
-/// All 48 signed permutations of the axes.
-std::vector<glm::dmat3> cube_symmetries() {
-  std::vector<glm::dmat3> all;
-  int order[3] = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      glm::dmat3 map(0.0);
-      for (int k = 0; k < 3; ++k) map[k][order[k]] = (signs >> k & 1) != 0 ? -1.0 : 1.0;
-      all.push_back(map);
-    }
-  } while (std::next_permutation(order, order + 3));
-  return all;
-}
-
 }  // namespace
 
 TEST_CASE("Turned coefficients are those of the turned function, in every number of bands", "[sh][turn]") {

@@ -223,17 +223,6 @@ TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][pol
   }
 }
 
-TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy]") {
-  TestCubemap cubemap{1, 3, {}};
-  for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
-  ProjectionOptions options;
-  options.pixels.clamp = RadianceClamp{100.0F, true};
-  const glm::dvec3 average = mean_radiance(project(cubemap.view(), options).radiance);
-  CHECK(average.x == Approx(100.0).epsilon(1e-6));
-  CHECK(average.y == Approx(50.0).epsilon(1e-6));
-  CHECK(average.z == Approx(25.0).epsilon(1e-6));
-}
-
 TEST_CASE("Gamma input is linearised texel by texel", "[sh][policy]") {
   for (const int size : kSizes) {
     const TestCubemap cubemap = make_cubemap(Content::gamma_encoded, size, 3, 1);
