@@ -84,30 +84,6 @@ TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf][tru
   }
 }
 
-TEST_CASE("Twice the nodes change no albedo by 1e-5", "[brdf]") {
-  const reflections::AlbedoQuadrature dense_ggx({20, 20, 32}, reflections::AlbedoQuadrature::Radii::even);
-  const reflections::AlbedoQuadrature dense_sheen({28, 16, 32}, reflections::AlbedoQuadrature::Radii::thinning);
-  const reflections::AlbedoRules rules;
-  for (int row = 0; row < 97; ++row) {
-    const double roughness = (row + 0.5) / 97.0 * (row % 3 == 0 ? 0.3 : 1.0);
-    for (int first = 0; first < 129; first += simd::kLanes) {
-      Sixteen cosines{};
-      for (std::size_t k = 0; k < cosines.size(); ++k) {
-        cosines[k] = (static_cast<float>(first) + static_cast<float>(k) + 0.5F) / 144.0F;
-      }
-      const auto set = active_instruction_set();
-      const Albedos few = albedos(rules.ggx(roughness), rules.sheen(roughness), roughness, cosines, set);
-      const Albedos many = albedos(dense_ggx.rule(), dense_sheen.rule(), roughness, cosines, set);
-      for (std::size_t k = 0; k < cosines.size(); ++k) {
-        INFO("roughness " << roughness << " N.V " << cosines[k]);
-        REQUIRE(std::abs(few.whole[k] - many.whole[k]) < 1e-5F);
-        REQUIRE(std::abs(few.fresnel[k] - many.fresnel[k]) < 1e-5F);
-        REQUIRE(std::abs(few.sheen[k] - many.sheen[k]) < 1e-5F * std::max(1.0F, many.sheen[k]));
-      }
-    }
-  }
-}
-
 TEST_CASE("BRDF tables of any size are within 1e-5 of twice the nodes at each texel", "[brdf]") {
   const reflections::AlbedoQuadrature dense_ggx({20, 20, 32}, reflections::AlbedoQuadrature::Radii::even);
   const reflections::AlbedoQuadrature dense_sheen({28, 16, 32}, reflections::AlbedoQuadrature::Radii::thinning);

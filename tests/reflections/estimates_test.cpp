@@ -85,9 +85,8 @@ TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][sp
   for (int k = 0; k < 4; ++k) {
     const Cubemap lamps = random.cubemap(Family::lamps, 67);
     const PrefilteredSpecular result = prefilter_specular(lamps.view(), {.size = 4, .mips = 1, .roughness = {0.4447}});
-    const std::vector<glm::dvec3> truth = reference_specular(lamps.view(), 0.4447, centres(4));
     CAPTURE(k);
-    CHECK(level_error(result.cubemap, 0, truth).rms < 2e-6);
+    CHECK(error_of_mip(lamps.view(), result, 0).rms < 2e-6);
   }
 }
 
