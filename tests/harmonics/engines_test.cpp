@@ -320,9 +320,6 @@ glm::dvec3 vector_shader(const EngineLight& light, const glm::dvec3& n) {
   return sum;
 }
 
-// Unity's nine numbers without its vectors: what they mean in GetShaderConstantsFromNormalizedSH is Filament's sum.
-glm::dvec3 unity_sum(const EngineLight& light, const glm::dvec3& n) { return filament_shader(light, n); }
-
 // The basis with the Condon-Shortley sign, as Unreal's SHBasisFunction and Babylon.js's SphericalHarmonics have it.
 glm::dvec3 signed_sum(const std::vector<glm::dvec3>& c, const glm::dvec3& n, const Constants& k) {
   return k.k0 * c[0] - k.k1 * n.y * c[1] + k.k1 * n.z * c[2] - k.k1 * n.x * c[3] + k.k2 * n.x * n.y * c[4] -
@@ -396,7 +393,8 @@ const ShaderCase kCases[] = {{Engine::welkin, filament_shader, 1.0 / kPi, kRound
                              {Engine::three, three_shader_exact, 1.0, kRounding},
                              {Engine::filament, filament_shader, 1.0 / kPi, kRounding},
                              {Engine::unity, vector_shader, 1.0 / kPi, kRounding},
-                             {Engine::unity, unity_sum, 1.0 / kPi, kRounding},
+                             // its nine numbers without the vectors: GetShaderConstantsFromNormalizedSH
+                             {Engine::unity, filament_shader, 1.0 / kPi, kRounding},
                              {Engine::unreal, vector_shader, 1.0 / kPi, kRounding},
                              {Engine::unreal, unreal_packed, 1.0 / kPi, kRounding},
                              {Engine::unreal, unreal_transfer, 1.0, 5e-6},
