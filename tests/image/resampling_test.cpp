@@ -1,11 +1,14 @@
 // Resampling between cubemaps and lat-longs, by filter and by area.
 #include "welkin/resampling.h"
 
+#include "image/area_resampling.h"
+#include "image/area_weights.h"
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -24,30 +27,12 @@ glm::dvec3 radiance(const glm::dvec3& d) {
           1.5 - 0.7 * d.y + 0.4 * (d.x * d.x - d.z * d.z)};
 }
 
-void put(std::span<float> pixels, std::size_t texel, const glm::dvec3& value) {
-  for (int c = 0; c < 3; ++c) pixels[3 * texel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
-}
-
 Cubemap smooth_cubemap(int size, const glm::dmat3& rotation = glm::dmat3(1.0)) {
-  Cubemap map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
-  for (int row = 0; row < 6 * size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      put(map.pixels(), static_cast<std::size_t>(row * size + column), radiance(glm::transpose(rotation) * to));
-    }
-  }
-  return map;
+  return cubemap_of(size, [&](const glm::dvec3& d) { return radiance(glm::transpose(rotation) * d); });
 }
 
 LatLongImage smooth_lat_long(int width, int height, const glm::dmat3& rotation = glm::dmat3(1.0)) {
-  LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column) {
-      const glm::dvec3 to = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
-      put(map.pixels, static_cast<std::size_t>(row * width + column), radiance(glm::transpose(rotation) * to));
-    }
-  }
-  return map;
+  return lat_long_of(width, height, [&](const glm::dvec3& d) { return radiance(glm::transpose(rotation) * d); });
 }
 
 double worst_difference(std::span<const float> a, std::span<const float> b) {
@@ -253,15 +238,10 @@ TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels"
 
 TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[area][slow]") {
   for (const int width : {256, 255}) {
-    LatLongImage map = black(width, 128);
     const auto radiance = [](const glm::dvec3& d) {
       return glm::dvec3(1.0 + 0.5 * d.x + 0.3 * d.y * d.z, 2.0 + d.z - d.x * d.y * d.z, 1.5 - 0.7 * d.y);
     };
-    for (int texel = 0; texel < width * 128; ++texel) {
-      const glm::dvec3 value =
-          radiance(image::lat_long_direction(width, 128, texel % width + 0.5, texel / width + 0.5));
-      for (int c = 0; c < 3; ++c) map.pixels[static_cast<std::size_t>(3 * texel + c)] = static_cast<float>(value[c]);
-    }
+    const LatLongImage map = lat_long_of(width, 128, radiance);
     for (const int size : {3, 48, 64, 150, 600}) {
       double worst[2] = {};
       double worst_off_poles = 0.0;
@@ -347,6 +327,67 @@ TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in 
     forget_allocations_in_tiles();
     run_with_threads(3, resample);
     CHECK(allocations_in_tiles() == 0);
+  }
+}
+
+// All weights are kept and give the same bits again, and sources are read where they lie.
+
+namespace {
+
+std::vector<float> cube_by_area(const LatLongView& source, int size) {
+  const std::size_t face = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  std::vector<float> texels(6 * face);
+  std::array<float*, 6> faces{};
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = texels.data() + i * face;
+  image::fill_cubemap_by_area(source, size, faces, Control{});
+  return texels;
+}
+
+}  // namespace
+
+TEST_CASE("All weights of tiles are kept, and give the bits that they gave at first", "[resampling][area]") {
+  // Widths that all images share, that pairs share and that none share; rows coarser and finer than texels.
+  for (const auto& [width, height] :
+       {std::pair{4, 2}, {16, 9}, {61, 30}, {64, 32}, {130, 64}, {257, 128}, {512, 256}}) {
+    const LatLongImage source{width, height, some_pixels(width, height)};
+    for (const int size : {1, 2, 3, 7, 33, 64, 128, 257}) {
+      CAPTURE(width, height, size);
+      const std::vector<float> first = cube_by_area(source.view(), size);
+      const auto table = image::TileWeightTable::find({width, height, size});
+      REQUIRE(table != nullptr);
+      CHECK(table->complete());
+      REQUIRE(cube_by_area(source.view(), size) == first);
+    }
+  }
+}
+
+TEST_CASE("Rows that are apart, upside down or of another format give the same cube", "[resampling][area]") {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {7, 3}, {16, 8}, {61, 30}, {130, 64}}) {
+    const LatLongImage packed{width, height, some_pixels(width, height)};
+    // The rows from the bottom up, with floats after each of them that belong to no texel.
+    const std::ptrdiff_t row = std::ptrdiff_t{3} * width;
+    const std::ptrdiff_t stride = row + 5;
+    std::vector<float> apart(static_cast<std::size_t>(stride * height), std::numeric_limits<float>::quiet_NaN());
+    std::vector<float> with_alpha;
+    for (std::ptrdiff_t y = 0; y < height; ++y) {
+      std::copy_n(packed.pixels.begin() + y * row, row, apart.begin() + (height - 1 - y) * stride);
+    }
+    for (std::size_t k = 0; k < packed.pixels.size(); ++k) {
+      with_alpha.push_back(packed.pixels[k]);
+      if (k % 3 == 2) with_alpha.push_back(std::numeric_limits<float>::quiet_NaN());
+    }
+    LatLongView upside_down = packed.view();
+    upside_down.pixels = apart.data() + (height - 1) * stride;
+    upside_down.row_stride_bytes = -stride * static_cast<std::ptrdiff_t>(sizeof(float));
+    LatLongView rgba = packed.view();
+    rgba.pixels = with_alpha.data();
+    rgba.format = PixelFormat::rgba32f;
+    for (const int size : {1, 2, 3, 7, 64}) {
+      CAPTURE(width, height, size);
+      const std::vector<float> expected = cube_by_area(packed.view(), size);
+      CHECK(cube_by_area(upside_down, size) == expected);
+      CHECK(cube_by_area(rgba, size) == expected);
+    }
   }
 }
 

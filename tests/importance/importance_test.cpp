@@ -3,6 +3,7 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
+#include "support/same_bits.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/resampling.h"
@@ -67,11 +68,8 @@ std::vector<Numbers> independent(int count, unsigned seed) {
 
 /// Bits of all that a table holds.
 bool same(const ImportanceTable& a, const ImportanceTable& b) {
-  const auto equal = [](const std::vector<float>& x, const std::vector<float>& y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0;
-  };
-  return equal(a.function, b.function) && equal(a.row_cdf, b.row_cdf) && equal(a.column_cdf, b.column_cdf) &&
-         a.integral == b.integral;
+  return same_bytes<float>(a.function, b.function) && same_bytes<float>(a.row_cdf, b.row_cdf) &&
+         same_bytes<float>(a.column_cdf, b.column_cdf) && a.integral == b.integral;
 }
 
 /// Pearson's statistic of counts against probabilities, cells below 5 expected ones taken together; and how many cells

@@ -5,7 +5,6 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
@@ -174,29 +173,6 @@ TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, fo
 
 namespace {
 
-using Radiance = std::function<glm::dvec3(const glm::dvec3&)>;
-
-glm::dvec3 texel_direction(int face, int row, int column, int size) {
-  const image::Frame& frame = image::face_frame(face);
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  return glm::normalize(u * frame.u + v * frame.v + frame.normal);
-}
-
-/// A cubemap whose texels hold the radiance at their centres.
-TestCubemap sample(int size, const Radiance& radiance) {
-  TestCubemap cubemap{size, 3, {}};
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        const glm::dvec3 value = radiance(texel_direction(face, row, column, size));
-        for (int c = 0; c < 3; ++c) cubemap.pixels.push_back(static_cast<float>(value[c]));
-      }
-    }
-  }
-  return cubemap;
-}
-
 double smooth_function(const glm::dvec3& d) { return 1.0 + 0.5 * d.x + 0.25 * d.y * d.z + std::exp(4.0 * (d.z - 1.0)); }
 
 }  // namespace
@@ -206,11 +182,11 @@ TEST_CASE("Turning by any angle turns the coefficients within the texels' error"
   double error_before = 1.0;
   for (const int size : {16, 32, 64, 128}) {
     const SphericalHarmonics before =
-        project(sample(size, [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d)); }).view()).radiance;
+        project(cubemap_of(size, [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d)); }).view()).radiance;
     const SphericalHarmonics after =
-        project(
-            sample(size, [&](const glm::dvec3& d) { return glm::dvec3(smooth_function(glm::inverse(rotation) * d)); })
-                .view())
+        project(cubemap_of(size,
+                           [&](const glm::dvec3& d) { return glm::dvec3(smooth_function(glm::inverse(rotation) * d)); })
+                    .view())
             .radiance;
     double worst = 0.0;
     for (int k = 0; k < 50; ++k) {
@@ -235,7 +211,7 @@ TEST_CASE("The total radiance is the sum of radiance times solid angle", "[sh][p
 TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]") {
   const auto radiance = [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d), 1.0 + d.x * d.z, 2.0 - d.y); };
   CHECK(relative_error(project(lat_long_of(1024, 512, radiance).view()).radiance,
-                       project(sample(256, radiance).view()).radiance) < 3e-5);
+                       project(cubemap_of(256, radiance).view()).radiance) < 3e-5);
 }
 
 // Sums of faces that are kept give the bits of a whole projection, and a changed face is all that is read.
