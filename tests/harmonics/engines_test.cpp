@@ -5,6 +5,7 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
+#include "support/random_harmonics.h"
 #include "support/thrown_error.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -107,13 +108,9 @@ const std::vector<Case>& cases() {
 }
 
 std::vector<glm::dvec3> directions() {
-  std::mt19937 generator(7);
-  std::normal_distribution<double> normal;
+  RandomLight light(7);
   std::vector<glm::dvec3> all;
-  all.reserve(500);
-  for (int i = 0; i < 500; ++i) {
-    all.push_back(glm::normalize(glm::dvec3(normal(generator), normal(generator), normal(generator))));
-  }
+  while (all.size() < 500) all.push_back(light.direction());
   return all;
 }
 
@@ -213,21 +210,12 @@ TEST_CASE("conventions go by their names", "[engine]") {
 namespace {
 
 SphericalHarmonics some_light(int bands, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  SphericalHarmonics light(bands);
-  for (glm::dvec3& rgb : light.coefficients()) rgb = {normal(generator), normal(generator), normal(generator)};
-  light.at(0, 0) += 5.0;
-  return light;
+  return add(RandomLight(seed).harmonics(bands), constant_radiance(glm::dvec3(1.5), bands));
 }
 
 std::vector<glm::dvec3> normals() {
-  std::mt19937 generator(11);
-  std::normal_distribution<double> normal;
-  std::vector<glm::dvec3> all = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  for (int i = 0; i < 100; ++i) {
-    all.push_back(glm::normalize(glm::dvec3(normal(generator), normal(generator), normal(generator))));
-  }
+  std::vector<glm::dvec3> all = directions();
+  all.insert(all.end(), {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
   return all;
 }
 

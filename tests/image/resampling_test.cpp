@@ -77,24 +77,6 @@ TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
   CHECK(relative_error(project(to_lat_long(cube.view(), 64, 32).view()).radiance, wanted) < 2e-3);
 }
 
-TEST_CASE("Faces are interpolated across their edges without a seam", "[resampling]") {
-  // Interpolated much finer, neighbours on either side of an edge differ by no more than those inside a face do.
-  const Cubemap coarse = smooth_cubemap(8);
-  const int width = 1024;
-  const LatLongImage fine = to_lat_long(coarse.view(), width, 512);
-  double largest_step = 0.0;
-  for (int row = 128; row < 384; ++row) {
-    for (int column = 0; column < width; ++column) {
-      for (int c = 0; c < 3; ++c) {
-        const auto at = [&](int x) { return fine.pixels[static_cast<std::size_t>(3 * (row * width + x % width) + c)]; };
-        largest_step = std::max(largest_step, static_cast<double>(std::abs(at(column + 1) - at(column))));
-      }
-    }
-  }
-  // The steepest slope, 1.5 or so a radian, times 2 pi / 1024, with room for the coarse map's own error.
-  CHECK(largest_step < 0.02);
-}
-
 TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]") {
   for (const int width : {64, 63}) {
     const LatLongImage coarse = smooth_lat_long(width, 32);
@@ -129,32 +111,17 @@ LatLongImage black(int width, int height) {
   return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
 }
 
-/// The integral of `value`, of a texel's radiance and direction.
-template <class Value>
-glm::dvec3 integral(const Cubemap& map, const Value& value) {
+glm::dvec3 total_radiance(const Cubemap& map) {
   std::vector<double> angles(static_cast<std::size_t>(map.size()));
   glm::dvec3 sum(0.0);
-  for (int row = 0; row < map.size(); ++row) {
-    image::cubemap_row_solid_angles(row, angles);
-    for (int face = 0; face < 6; ++face) {
-      for (int column = 0; column < map.size(); ++column) {
-        const float* const rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
-        sum +=
-            angles[static_cast<std::size_t>(column)] *
-            value(glm::dvec3(rgb[0], rgb[1], rgb[2]), image::face_direction(map.size(), face, column + 0.5, row + 0.5));
-      }
+  for (int row = 0; row < 6 * map.size(); ++row) {
+    image::cubemap_row_solid_angles(row % map.size(), angles);
+    for (int column = 0; column < map.size(); ++column) {
+      const float* const rgb = map.face(0) + 3 * (row * map.size() + column);
+      sum += angles[static_cast<std::size_t>(column)] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
     }
   }
   return sum;
-}
-
-glm::dvec3 total_radiance(const Cubemap& map) {
-  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3&) { return rgb; });
-}
-
-/// Where the light lies: the integral of direction times red.
-glm::dvec3 middle_of_light(const Cubemap& map) {
-  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3& direction) { return rgb.r * direction; });
 }
 
 /// The relative error of a lone texel's total radiance.
@@ -162,7 +129,7 @@ double lone_texel_error(int width, int height, int column, int row, int size) {
   LatLongImage map = black(width, height);
   map.pixels[static_cast<std::size_t>(3 * (row * width + column) + 1)] = 1e6F;
   const Cubemap cube = to_cubemap(map.view(), size);
-  for (const float value : cube.pixels()) REQUIRE(value >= 0.0F);
+  CHECK(std::ranges::all_of(cube.pixels(), [](float value) { return value >= 0.0F; }));
   const double wanted = 1e6 * image::lat_long_texel_solid_angle(width, height, row);
   return std::abs(total_radiance(cube).y / wanted - 1.0);
 }
@@ -189,30 +156,12 @@ TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes 
   }
 }
 
-TEST_CASE("Light stays where it is", "[area]") {
-  std::mt19937 generator(3);
-  for (int k = 0; k < 60; ++k) {
-    const int width = 128;
-    const int height = 64;
-    const int size = std::vector<int>{16, 33, 64, 128}[static_cast<std::size_t>(k % 4)];
-    const int row = k < 20 ? k : static_cast<int>(generator() % 64U);
-    const int column = static_cast<int>(generator() % 128U);
-    LatLongImage map = black(width, height);
-    map.pixels[static_cast<std::size_t>(3 * (row * width + column))] = 1.0F;
-    const glm::dvec3 found = glm::normalize(middle_of_light(to_cubemap(map.view(), size)));
-    const glm::dvec3 wanted = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
-    CAPTURE(size, row, column);
-    // What lies in a corner of a texel is at its centre afterwards: 0.71 of the widest.
-    CHECK(glm::length(found - wanted) < 0.71 * 2.0 / size + 0.1 * std::numbers::pi / height);
-  }
-}
-
 TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][slow]") {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
     const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
     for (const int size : {1, 2, 3, 7, 64, 257}) {
       const Cubemap cube = to_cubemap(map.view(), size);
-      for (const float value : cube.pixels()) REQUIRE(value == 0.1F);
+      CHECK(std::ranges::all_of(cube.pixels(), [](float value) { return value == 0.1F; }));
     }
   }
 }
@@ -290,18 +239,18 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
         Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
         cube.pixels()[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
         const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
-        glm::dvec3 sum(0.0);
+        CHECK(std::ranges::all_of(map.pixels, [](float value) { return value >= 0.0F; }));
+        double sum = 0.0;
         glm::dvec3 place(0.0);
         for (int at = 0; at < width * height; ++at) {
           const double value = map.pixels[static_cast<std::size_t>(3 * at + 1)];
-          REQUIRE(value >= 0.0);
           const double total_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
-          sum.y += total_there;
+          sum += total_there;
           place += total_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
         }
         std::vector<double> angles(static_cast<std::size_t>(size));
         image::cubemap_row_solid_angles(texel / size % size, angles);
-        worst = std::max(worst, std::abs(sum.y / (1e6 * angles[static_cast<std::size_t>(texel % size)]) - 1.0));
+        worst = std::max(worst, std::abs(sum / (1e6 * angles[static_cast<std::size_t>(texel % size)]) - 1.0));
         if (width < 4 * size || height < 2 * size || size < 8) continue;
         const glm::dvec3 to =
             image::face_direction(size, texel / (size * size), texel % size + 0.5, texel / size % size + 0.5);
@@ -318,7 +267,9 @@ TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in 
     const Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
     for (const glm::dmat3& rotation : {glm::dmat3(1.0), rotation_about_y(90.0)}) {
       const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, rotation, ResampleFilter::area);
-      for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
+      CHECK(std::ranges::all_of(map.pixels, [](float value) {
+        return std::abs(static_cast<double>(value) / static_cast<double>(0.1F) - 1.0) <= 3e-7;
+      }));
     }
     const auto resample = [&] {
       static_cast<void>(to_lat_long(cube.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area));

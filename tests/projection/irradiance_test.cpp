@@ -36,15 +36,18 @@ TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre",
     for (const int size : {1, 2, 3, 7, 33}) {
       const Cubemap map = irradiance_cubemap(harmonics, size);
       REQUIRE(map.size() == size);
+      int wrong = 0;
       for (int row = 0; row < 6 * size; ++row) {
         for (int column = 0; column < size; ++column) {
           const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
           const glm::dvec3 wanted = evaluate(harmonics, to);
           const float* const found = map.face(0) + 3 * (row * size + column);
           for (int c = 0; c < 3; ++c)
-            REQUIRE(std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands);
+            wrong += std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands ? 0 : 1;
         }
       }
+      CAPTURE(bands, size);
+      CHECK(wrong == 0);
     }
   }
 }

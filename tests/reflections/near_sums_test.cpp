@@ -114,30 +114,6 @@ TEST_CASE("near sums of uniform light have the near part's share of it", "[prefi
   for (const float sum : sums) REQUIRE(std::abs(static_cast<double>(sum) - share) < 1e-6);
 }
 
-TEST_CASE("near sums of a texel are its lobe's near part over its area", "[prefilter][near]") {
-  // the texel of +X in the middle, seen from each texel of the mip that is near enough
-  std::vector<float> faces(std::size_t{18} * 16 * 16, 0.0F);
-  faces[3 * (7 * 16 + 8)] = 1.0F;
-  const std::vector<float> sums = near_sums(kSplit, faces);
-  const glm::dvec3 from = image::face_direction(16, 0, 8.5, 7.5);
-  const double texel = image::FaceSolidAngles::get(16)->at(7, 8);
-  int seen = 0;
-  for (int row = 0; row < 8; ++row) {
-    for (int column = 0; column < 8; ++column) {
-      const double cosine = glm::dot(from, image::face_direction(8, 0, column + 0.5, row + 0.5));
-      const auto sum = static_cast<double>(sums[static_cast<std::size_t>(3 * (8 * row + column))]);
-      if (std::acos(cosine) > kSplit.reach + 0.1) CHECK(sum == 0.0);
-      if (std::acos(cosine) > 0.2) continue;
-      const double whole = reflections::lobe(cosine, kSplit.alpha) / reflections::lobe_integral(kSplit.alpha) * texel;
-      CHECK(sum < 1.02 * whole);
-      CHECK(sum > 0.5 * whole);
-      ++seen;
-    }
-  }
-  CHECK(seen >= 3);
-  CHECK(std::count_if(sums.begin(), sums.end(), [](float value) { return value > 0.0F; }) < 80);
-}
-
 // In double, texels halved until each piece is small: lobes wider and far narrower than texels, at corners and poles.
 TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow][slow]") {
   const NearSplit split =
