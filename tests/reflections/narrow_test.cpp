@@ -6,6 +6,7 @@
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/same_bits.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
 #include "welkin/core.h"
@@ -101,8 +102,7 @@ LatLongImage studio(int width) {
 
 /// A lamp that is the row about the upper pole.
 LatLongImage lit_pole(int width) {
-  LatLongImage image{width, width / 2, {}};
-  image.pixels.assign(std::size_t{3} * static_cast<std::size_t>(width * width / 2), 1.0F);
+  LatLongImage image = grey_lat_long(width, width / 2, 1.0F);
   std::fill_n(image.pixels.begin(), 3 * width, 1e5F);
   return image;
 }
@@ -152,7 +152,7 @@ TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow l
 TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
           "[specular][prefilter][narrow][truth]") {
   constexpr int size = 64;
-  Cubemap image{size, std::vector<float>(std::size_t{18} * size * size, 0.0F)};
+  Cubemap image = grey_cubemap(size, 0.0F);
   const auto lamp = static_cast<std::size_t>(40 * size + 36);
   std::fill_n(image.pixels().begin() + 3 * lamp, 3, 1.0F);
   for (const double roughness : {0.01, 0.05}) {
@@ -252,8 +252,7 @@ TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds
           "[specular][prefilter][narrow][truth]") {
   const std::vector<double> many{0.005, 0.011, 0.017, 0.023, 0.029, 0.035, 0.041, 0.047, 0.0545};
   for (const int width : {1024, 2048}) {
-    LatLongImage even{width, width / 2, {}};
-    even.pixels.assign(std::size_t{3} * static_cast<std::size_t>(width * width / 2), 0.7F);
+    LatLongImage even = grey_lat_long(width, width / 2, 0.7F);
     for (const std::vector<double>& roughness : {std::vector<double>{0.02, 0.04, 0.0545}, many}) {
       const PrefilteredSpecular uniform = prefilter_specular(even.view(), {.size = 256, .roughness = roughness});
       for (int level = 0; level < uniform.cubemap.levels(); ++level) {

@@ -5,6 +5,7 @@
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/pictures.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
 #include "welkin/core.h"
@@ -302,7 +303,7 @@ TEST_CASE("The dark beside a sun of any size is blurred to within the default bo
 // Such edges lie on the rings' own: taking back more than was blurred there cost 8e-5.
 TEST_CASE("A sky over a ground on a cubemap keeps its horizon", "[specular][prefilter][truth]") {
   for (const int size : {4, 8, 9}) {
-    Cubemap image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 0.1F)};
+    Cubemap image = grey_cubemap(size, 0.1F);
     const image::TexelGrid grid = image::TexelGrid::cubemap(size);
     for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
       const glm::dvec3 d = grid.direction(texel);

@@ -8,6 +8,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -19,7 +20,7 @@ namespace {
 
 /// A sky of radiance 1 over a ground.
 Cubemap sky_over_dark_ground(int size, float ground) {
-  Cubemap image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), ground)};
+  Cubemap image = grey_cubemap(size, ground);
   const image::TexelGrid grid = image::TexelGrid::cubemap(size);
   for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
     if (grid.direction(texel).y > 0.0) std::fill_n(image.pixels().begin() + 3 * texel, 3, 1.0F);

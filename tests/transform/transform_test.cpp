@@ -3,6 +3,7 @@
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/heap.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
@@ -221,16 +222,12 @@ std::vector<double> legendre_column(int m, int bands, double theta) {
   return column;
 }
 
-LatLongImage uniform(int width, int height, float value) {
-  return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), value)};
-}
-
 }  // namespace
 
 TEST_CASE("A uniform environment has its mean and nothing else", "[specular][transform]") {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{9, 4}, std::pair{256, 129}, std::pair{1024, 512}}) {
     CAPTURE(width, height);
-    const transforms::Spectrum spectrum = transforms::analyse(uniform(width, height, 0.7F).view(), 100, {});
+    const transforms::Spectrum spectrum = transforms::analyse(grey_lat_long(width, height, 0.7F).view(), 100, {});
     const double mean = static_cast<double>(0.7F) * std::sqrt(4.0 * std::numbers::pi);
     CHECK(std::abs(spectrum.value(0, 0, 0) - mean) < 2e-7 * mean);
     double rest = 0.0;
@@ -250,7 +247,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
   const double radiance = 1e6;
   for (const int row : {0, 60, 255, 400}) {
     CAPTURE(row);
-    LatLongImage image = uniform(width, height, 1.0F);
+    LatLongImage image = grey_lat_long(width, height, 1.0F);
     for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)] = 1e6F;
     const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
     const math::GaussRule rule = math::gauss_legendre(6);
