@@ -124,8 +124,7 @@ TEST_CASE("a panorama that three.js loads gives its light probe what is made for
 TEST_CASE("three.js's own generator reads a cube texture as the convention says", "[engine]") {
   const json& texture = recorded().at("three").at("of_cube_texture");
   const Convention& three = convention(Engine::three);
-  ProjectionOptions midpoint;
-  midpoint.quadrature = Quadrature::midpoint;
+  const ProjectionOptions midpoint{.quadrature = Quadrature::midpoint};
   const auto of_direction = [](const glm::dvec3& direction, int, int, int) { return radiance(direction); };
   const SphericalHarmonics faces =
       project(cubemap(texture.at("size").get<int>(), of_direction).view(), midpoint).radiance;
@@ -177,8 +176,7 @@ TEST_CASE("Babylon.js's and three.js's numbers for shared cubemaps are those of 
     WARN("nothing to compare with: " << folder << " is not there");
     return;
   }
-  ProjectionOptions midpoint;
-  midpoint.quadrature = Quadrature::midpoint;
+  const ProjectionOptions midpoint{.quadrature = Quadrature::midpoint};
   for (const Case& each : kCases) {
     INFO(each.name);
     const json expected = json::parse(std::ifstream(folder / (std::string(each.name) + ".json")));

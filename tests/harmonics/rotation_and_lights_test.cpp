@@ -322,7 +322,7 @@ constexpr int kBands = 6;
 template <class Image>
 void check_coefficients(Image image, const glm::dvec3& place, double radius) {
   paint_disc(image, glm::normalize(place), radius, {2e5, 1.5e5, 5e4});
-  ProjectionOptions options{.bands = kBands};
+  const ProjectionOptions options{.bands = kBands};
   const SphericalHarmonics before = project(image.view(), options).radiance;
   const auto sun = extract_sun(image);
   REQUIRE(sun);

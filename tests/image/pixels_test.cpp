@@ -173,8 +173,8 @@ double value_below(const Cubemap& chain, int level, int face, int column, int ro
   const int size = chain.level_size(level);
   double sum = 0.0;
   double weights = 0.0;
-  for (int j = 0; j < above; ++j) {
-    for (int i = 0; i < above; ++i) {
+  for (int j = row * above / size; j < above && j * size < (row + 1) * above; ++j) {
+    for (int i = column * above / size; i < above && i * size < (column + 1) * above; ++i) {
       const double left = std::max(1.0 * i / above, 1.0 * column / size);
       const double right = std::min((i + 1.0) / above, (column + 1.0) / size);
       const double top = std::max(1.0 * j / above, 1.0 * row / size);

@@ -270,12 +270,12 @@ TEST_CASE("Equal texels give equal faces, to four units in the last place", "[fa
     const SphereGrid grid = grid_of(30, 62, content, [](const glm::dvec3&) { return glm::dvec3(1.0, 0.1, 60000.0); });
     for (const int size : {1, 3, 64, 129}) {
       const Cubemap map = sampled(grid, size);
+      int wrong = 0;
       for_each_texel(size, [&](int face, int column, int row) {
-        const glm::dvec3 value = texel_of(map, face, column, row);
-        REQUIRE(std::abs(value.x - 1.0) < 3e-7);
-        REQUIRE(std::abs(value.y / static_cast<double>(0.1F) - 1.0) < 3e-7);
-        REQUIRE(std::abs(value.z / 60000.0 - 1.0) < 3e-7);
+        const glm::dvec3 ratio = texel_of(map, face, column, row) / glm::dvec3(1.0, static_cast<double>(0.1F), 60000.0);
+        wrong += glm::all(glm::lessThan(glm::abs(ratio - 1.0), glm::dvec3(3e-7))) ? 0 : 1;
       });
+      CHECK(wrong == 0);
     }
   }
 }

@@ -56,18 +56,18 @@ TEST_CASE("Large cubemaps project to double precision's result", "[sh][projectio
   require_exact(make_cubemap(Content::blocks, 512, 3, 11).view(), {});
   // By strips, the twin of which takes long.
   for (const auto& [size, bands] : {std::pair{256, 4}, {320, 6}}) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     require_exact(make_cubemap(Content::random, size, 4, 11).view(), options);
   }
 }
 
 TEST_CASE("Every number of bands is as exact as three", "[sh][projection][truth]") {
   for (int bands = 1; bands <= kMaximumBands; ++bands) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     for (const int size : {1, 2, 7, 33}) require_exact(make_cubemap(Content::random, size, 3, 5).view(), options);
     require_exact(make_lat_long(Content::random, 32, 16, 5).view(), options);
   }
-  ProjectionOptions ten{.bands = 10};
+  const ProjectionOptions ten{.bands = 10};
   require_exact(make_cubemap(Content::one_texel_sun, 150, 3, 5).view(), ten);
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("Rows may be padded or stored bottom-up", "[sh][projection]") {
 
 TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") {
   for (const int bands : {3, 10}) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     for (const int size : {1, 2, 3, 7, 64, 129, 257, 512}) {
       const SphericalHarmonics c = project(make_cubemap(Content::uniform, size, 3, 0).view(), options).radiance;
       for (std::size_t k = 1; k < c.coefficients().size(); ++k) {
@@ -156,7 +156,7 @@ TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") 
 }
 
 TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, for the twin too", "[sh][projection]") {
-  ProjectionOptions options{.bands = kMaximumBands};
+  const ProjectionOptions options{.bands = kMaximumBands};
   for (const int height : {1, 2, 7}) {
     const TestLatLong image = make_lat_long(Content::uniform, 1, height, 0);
     for (const SphericalHarmonics& c :
@@ -219,8 +219,7 @@ TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]"
 namespace {
 
 std::vector<ProjectionOptions> some_options() {
-  ProjectionOptions clamped;
-  clamped.pixels.clamp = RadianceClamp{50.0F, true};
+  const ProjectionOptions clamped{.pixels = {.clamp = RadianceClamp{50.0F, true}}};
   ProjectionOptions midpoint{.bands = 5, .quadrature = Quadrature::midpoint};
   midpoint.pixels.negative = NegativePolicy::replace;
   return {{}, {.bands = 1}, {.bands = 9, .target_size = 16}, clamped, midpoint, {.pixels = {.gamma = true}}};

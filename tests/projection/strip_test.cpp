@@ -262,8 +262,7 @@ TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[proj
 
 TEST_CASE("A policy that changes nothing leaves a large face's bits", "[projection][strip]") {
   const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 4);
-  ProjectionOptions clamped;
-  clamped.pixels.clamp = RadianceClamp{1e30F, true};
+  const ProjectionOptions clamped{.pixels = {.clamp = RadianceClamp{1e30F, true}}};
   CHECK(same_bits(project(cubemap.view(), clamped).radiance, project(cubemap.view()).radiance));
 }
 

@@ -39,19 +39,19 @@ struct Albedos {
 };
 
 Albedos albedos(const reflections::AlbedoRule& ggx, const reflections::AlbedoRule& sheen, double roughness,
-                const Sixteen& cosines, InstructionSet set) {
+                const Sixteen& cosines) {
   Albedos result;
+  const auto& kernels = reflections::brdf_kernels();
   const auto alpha = static_cast<float>(roughness * roughness);
-  reflections::brdf_kernels(set).directional_albedo(ggx, alpha, cosines.data(), result.whole.data(),
-                                                    result.fresnel.data());
-  reflections::brdf_kernels(set).sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
+  kernels.directional_albedo(ggx, alpha, cosines.data(), result.whole.data(), result.fresnel.data());
+  kernels.sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
   return result;
 }
 
 /// As the table's rules give it.
 Albedos by_rules(double roughness) {
   const reflections::AlbedoRules rules;
-  return albedos(rules.ggx(roughness), rules.sheen(roughness), roughness, kCosines, active_instruction_set());
+  return albedos(rules.ggx(roughness), rules.sheen(roughness), roughness, kCosines);
 }
 
 }  // namespace
@@ -97,8 +97,7 @@ TEST_CASE("BRDF tables of any size are within 1e-5 of twice the nodes at each te
         for (int k = 0; k < simd::kLanes; ++k)
           cosines[static_cast<std::size_t>(k)] =
               (static_cast<float>(std::min(first + k, width - 1)) + 0.5F) / static_cast<float>(width);
-        const Albedos truth =
-            albedos(dense_ggx.rule(), dense_sheen.rule(), roughness, cosines, active_instruction_set());
+        const Albedos truth = albedos(dense_ggx.rule(), dense_sheen.rule(), roughness, cosines);
         for (int k = 0; k < std::min(simd::kLanes, width - first); ++k) {
           const auto at = static_cast<std::size_t>(k);
           const float* const texel = table->values.data() + 3 * (std::ptrdiff_t{row} * width + first + k);
@@ -143,17 +142,6 @@ TEST_CASE("No surface sends back more than it gets", "[brdf]") {
       CHECK(found.fresnel[k] <= found.whole[k]);
       CHECK(found.sheen[k] >= 0.0F);
     }
-  }
-}
-
-TEST_CASE("Albedo has the same bits on every instruction set", "[brdf]") {
-  const reflections::AlbedoRules rules;
-  for (const double roughness : kRoughness) {
-    std::vector<Albedos> found;
-    for (const InstructionSet set : available_instruction_sets()) {
-      found.push_back(albedos(rules.ggx(roughness), rules.sheen(roughness), roughness, kCosines, set));
-    }
-    for (const Albedos& other : found) CHECK(std::memcmp(&other, &found.front(), sizeof other) == 0);
   }
 }
 

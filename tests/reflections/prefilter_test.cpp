@@ -166,20 +166,6 @@ TEST_CASE("A uniform cubemap keeps its value in every mip, whatever the sizes", 
   }
 }
 
-TEST_CASE("Every method keeps a uniform environment", "[specular][prefilter]") {
-  const TestLatLong source = make_lat_long(Content::uniform, 32, 16, 0);
-  for (const PrefilterMethod method :
-       {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}) {
-    CAPTURE(name(method));
-    const PrefilteredSpecular result =
-        prefilter_specular(source.view(), {.size = 4, .roughness = {0.2, 0.5, 1.0}, .method = method});
-    for (int level = 0; level < 3; ++level) {
-      const double most = method == PrefilterMethod::reference ? 1e-4 : 2e-5;
-      CHECK(largest_deviation(result.cubemap, level, source.pixels) <= most);
-    }
-  }
-}
-
 TEST_CASE("Radiance of 1e24 is blurred as that of 1", "[specular][prefilter]") {
   const TestLatLong one = make_lat_long(Content::high_range, 64, 32, 5);
   TestLatLong huge = one;

@@ -353,28 +353,6 @@ TEST_CASE("A spectrum has the same bits however many bands were asked for before
   CHECK(fresh.spectrum(40) == used.spectrum(40));
 }
 
-TEST_CASE("GGX given as a function is blurred as GGX", "[zonal]") {
-  const TestCubemap source = make_cubemap(Content::high_range, 32, 3, 9);
-  const std::vector<double> roughness{0.35, 0.6};
-  LobeChainOptions kernels{.size = 16};
-  for (const double one : roughness) kernels.lobes.push_back(ggx_by_function(one * one));
-  const PrefilteredSpecular found = prefilter_by_lobes(source.view(), kernels);
-  const PrefilteredSpecular expected =
-      prefilter_specular(source.view(), {.size = 16, .mips = 2, .roughness = roughness});
-  for (int level = 0; level < 2; ++level) {
-    const auto values = level_values(found.cubemap, level);
-    const auto truth = level_values(expected.cubemap, level);
-    double off = 0.0;
-    double whole = 0.0;
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      const auto wanted = static_cast<double>(truth[k]);
-      off += (static_cast<double>(values[k]) - wanted) * (static_cast<double>(values[k]) - wanted);
-      whole += wanted * wanted;
-    }
-    CHECK(std::sqrt(off / whole) < 1e-3);
-  }
-}
-
 TEST_CASE("Chains by kernels name their passes, their memory and dark channels", "[zonal]") {
   TestLatLong source = make_lat_long(Content::high_range, 64, 32, 5);
   const LobeChainOptions options{.size = 16, .lobes = {ZonalLobe::charlie(0.4), ZonalLobe::lambert()}};

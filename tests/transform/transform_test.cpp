@@ -149,7 +149,7 @@ TEST_CASE("The first bands are those of the reference projection", "[specular][t
     for (const int bands : {1, 3, 16}) {
       CAPTURE(width, height, bands);
       const LatLongImage image = image_of(Content::high_range, width, height, 6);
-      ProjectionOptions options{.bands = bands};
+      const ProjectionOptions options{.bands = bands};
       const SphericalHarmonics truth = reference_projection(image.view(), options);
       const SphericalHarmonics found = harmonics_of(transforms::analyse(image.view(), bands + 5, {}), bands);
       double most = 0.0;
