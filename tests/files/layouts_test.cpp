@@ -324,12 +324,9 @@ TEST_CASE("Lat-long and cubemap are the same map", "[testmap][slow]") {
   const LatLongImage map = test_map_lat_long(512, 256);
   const Cubemap cube = test_map_cubemap(128);
   const LatLongImage from_cube = to_lat_long(cube.view(), 512, 256);
+  CHECK(std::ranges::all_of(map.pixels, [](float value) { return value >= 0.0F && value <= 1.0F; }));
   double squares = 0.0;
-  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
-    REQUIRE(map.pixels[i] >= 0.0F);
-    REQUIRE(map.pixels[i] <= 1.0F);
-    squares += std::pow(map.pixels[i] - from_cube.pixels[i], 2);
-  }
+  for (std::size_t i = 0; i < map.pixels.size(); ++i) squares += std::pow(map.pixels[i] - from_cube.pixels[i], 2);
   CHECK(std::sqrt(squares / static_cast<double>(map.pixels.size())) < 0.08);
 }
 

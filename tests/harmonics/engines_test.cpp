@@ -5,6 +5,7 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
+#include "support/random_harmonics.h"
 #include "support/thrown_error.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -107,13 +108,9 @@ const std::vector<Case>& cases() {
 }
 
 std::vector<glm::dvec3> directions() {
-  std::mt19937 generator(7);
-  std::normal_distribution<double> normal;
+  RandomLight light(7);
   std::vector<glm::dvec3> all;
-  all.reserve(500);
-  for (int i = 0; i < 500; ++i) {
-    all.push_back(glm::normalize(glm::dvec3(normal(generator), normal(generator), normal(generator))));
-  }
+  while (all.size() < 500) all.push_back(light.direction());
   return all;
 }
 
@@ -213,21 +210,12 @@ TEST_CASE("conventions go by their names", "[engine]") {
 namespace {
 
 SphericalHarmonics some_light(int bands, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  SphericalHarmonics light(bands);
-  for (glm::dvec3& rgb : light.coefficients()) rgb = {normal(generator), normal(generator), normal(generator)};
-  light.at(0, 0) += 5.0;
-  return light;
+  return add(RandomLight(seed).harmonics(bands), constant_radiance(glm::dvec3(1.5), bands));
 }
 
 std::vector<glm::dvec3> normals() {
-  std::mt19937 generator(11);
-  std::normal_distribution<double> normal;
-  std::vector<glm::dvec3> all = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  for (int i = 0; i < 100; ++i) {
-    all.push_back(glm::normalize(glm::dvec3(normal(generator), normal(generator), normal(generator))));
-  }
+  std::vector<glm::dvec3> all = directions();
+  all.insert(all.end(), {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
   return all;
 }
 
@@ -320,9 +308,6 @@ glm::dvec3 vector_shader(const EngineLight& light, const glm::dvec3& n) {
   return sum;
 }
 
-// Unity's nine numbers without its vectors: what they mean in GetShaderConstantsFromNormalizedSH is Filament's sum.
-glm::dvec3 unity_sum(const EngineLight& light, const glm::dvec3& n) { return filament_shader(light, n); }
-
 // The basis with the Condon-Shortley sign, as Unreal's SHBasisFunction and Babylon.js's SphericalHarmonics have it.
 glm::dvec3 signed_sum(const std::vector<glm::dvec3>& c, const glm::dvec3& n, const Constants& k) {
   return k.k0 * c[0] - k.k1 * n.y * c[1] + k.k1 * n.z * c[2] - k.k1 * n.x * c[3] + k.k2 * n.x * n.y * c[4] -
@@ -396,7 +381,8 @@ const ShaderCase kCases[] = {{Engine::welkin, filament_shader, 1.0 / kPi, kRound
                              {Engine::three, three_shader_exact, 1.0, kRounding},
                              {Engine::filament, filament_shader, 1.0 / kPi, kRounding},
                              {Engine::unity, vector_shader, 1.0 / kPi, kRounding},
-                             {Engine::unity, unity_sum, 1.0 / kPi, kRounding},
+                             // its nine numbers without the vectors: GetShaderConstantsFromNormalizedSH
+                             {Engine::unity, filament_shader, 1.0 / kPi, kRounding},
                              {Engine::unreal, vector_shader, 1.0 / kPi, kRounding},
                              {Engine::unreal, unreal_packed, 1.0 / kPi, kRounding},
                              {Engine::unreal, unreal_transfer, 1.0, 5e-6},

@@ -2,6 +2,7 @@
 #include "welkin/spherical_harmonics.h"
 
 #include "math/basis.h"
+#include "math/quadrature.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/random_harmonics.h"
@@ -16,44 +17,6 @@ namespace welkin::test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-struct GaussRule {
-  std::vector<double> nodes, weights;
-};
-
-/// Gauss-Legendre on [-1, 1], exact for polynomials of degree 2 count - 1.
-GaussRule gauss_legendre(int count) {
-  GaussRule rule;
-  for (int i = 0; i < count; ++i) {
-    double z = std::cos(kPi * (i + 0.75) / (count + 0.5));
-    double slope = 0.0;
-    for (int step = 0; step < 10; ++step) {  // Newton, which doubles the digits
-      double before = 1.0;
-      double here = z;
-      for (int l = 2; l <= count; ++l) {
-        const double next = ((2 * l - 1) * z * here - (l - 1) * before) / l;
-        before = here;
-        here = next;
-      }
-      slope = count * (z * here - before) / (z * z - 1.0);
-      z -= here / slope;
-    }
-    rule.nodes.push_back(z);
-    rule.weights.push_back(2.0 / ((1.0 - z * z) * slope * slope));
-  }
-  return rule;
-}
-
-double legendre(int l, double z) {
-  double before = 0.0;
-  double here = 1.0;
-  for (int k = 1; k <= l; ++k) {
-    const double next = ((2 * k - 1) * z * here - (k - 1) * before) / k;
-    before = here;
-    here = next;
-  }
-  return here;
-}
 
 /// A spiral over the sphere, both poles and all axes among it.
 std::vector<glm::dvec3> directions() {
@@ -134,12 +97,12 @@ TEST_CASE("bands 0 to 3 are the polynomials of every textbook, in Welkin's order
 
 TEST_CASE("the basis is orthonormal through 16 bands", "[sh]") {
   // Products have degree up to 30 in z and order up to 30 about it: 16 Gauss nodes and 32 equal steps are exact.
-  const GaussRule rule = gauss_legendre(kMaximumBands);
+  const math::GaussRule rule = math::gauss_legendre(kMaximumBands);
   constexpr int kSteps = 2 * kMaximumBands;
   constexpr std::size_t kCount = static_cast<std::size_t>(kMaximumBands) * kMaximumBands;
   std::vector<double> gram(kCount * kCount, 0.0);
   std::array<double, kCount> values{};
-  for (std::size_t node = 0; node < rule.nodes.size(); ++node) {
+  for (int node = 0; node < rule.order; ++node) {
     const double z = rule.nodes[node];
     const double ring = std::sqrt(1.0 - z * z);
     for (int step = 0; step < kSteps; ++step) {
@@ -180,19 +143,12 @@ TEST_CASE("the basis keeps its stated error, the poles included", "[sh]") {
 TEST_CASE("band counts and spans out of range are refused", "[sh]") {
   std::vector<double> values(400);
   const glm::dvec3 up{0, 1, 0};
-  const auto code_of = [](auto&& call) {
-    try {
-      call();
-    } catch (const Error& error) {
-      return error.code() == ErrorCode::invalid_argument;
-    }
-    return false;
-  };
+  const auto refused = [](const auto& call) { return thrown_by(call).code == ErrorCode::invalid_argument; };
   for (const int bands : {-1, 0, kMaximumBands + 1}) {
-    CHECK(code_of([&] { evaluate_basis(up, bands, values); }));
-    CHECK(code_of([&] { SphericalHarmonics harmonics(bands); }));
+    CHECK(refused([&] { evaluate_basis(up, bands, values); }));
+    CHECK(refused([&] { SphericalHarmonics harmonics(bands); }));
   }
-  CHECK(code_of([&] { evaluate_basis(up, 3, std::span(values).first(8)); }));
+  CHECK(refused([&] { evaluate_basis(up, 3, std::span(values).first(8)); }));
   CHECK_NOTHROW(evaluate_basis(up, 3, std::span(values).first(9)));
 }
 
@@ -204,12 +160,12 @@ TEST_CASE("the cosine lobe's factors are the integrals that they stand for", "[s
   CHECK(std::abs(cosine_lobe(4) + kPi / 24.0) <= 1e-16);
   CHECK(std::abs(cosine_lobe(6) - kPi / 64.0) <= 1e-16);
   // A_l = 2 pi Int_0^1 t P_l(t) dt, a polynomial of degree l + 1.
-  const GaussRule rule = gauss_legendre(16);
+  const math::GaussRule rule = math::gauss_legendre(16);
   for (int l = 0; l <= 30; ++l) {
     double integral = 0.0;
-    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+    for (int i = 0; i < rule.order; ++i) {
       const double t = 0.5 * (1.0 + rule.nodes[i]);
-      integral += 0.5 * rule.weights[i] * t * legendre(l, t);
+      integral += 0.5 * rule.weights[i] * t * std::legendre(static_cast<unsigned>(l), t);
     }
     INFO("band " << l);
     CHECK(std::abs(cosine_lobe(l) - 2.0 * kPi * integral) <= 2e-14);

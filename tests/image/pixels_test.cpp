@@ -11,6 +11,7 @@
 #include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
+#include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
@@ -115,14 +116,17 @@ TEST_CASE("Solid angles of a face are computed once for each size, texel by texe
     const auto angles = image::FaceSolidAngles::get(size);
     CHECK(image::FaceSolidAngles::get(size) == angles);
     std::vector<double> row_angles(static_cast<std::size_t>(size));
+    int wrong = 0;
     for (int row = 0; row < size; ++row) {
       image::cubemap_row_solid_angles(std::min(row, size - 1 - row), row_angles);
       for (int column = 0; column < size; ++column) {
-        CAPTURE(size, row, column);
-        REQUIRE(angles->at(row, column) == Approx(row_angles[static_cast<std::size_t>(column)]).epsilon(1e-11));
-        REQUIRE(angles->at(row, column) == angles->at(column, row));
+        const double own = angles->at(row, column);
+        const bool right = std::abs(own / row_angles[static_cast<std::size_t>(column)] - 1.0) <= 1e-11;
+        wrong += right && own == angles->at(column, row) ? 0 : 1;
       }
     }
+    CAPTURE(size);
+    CHECK(wrong == 0);
     // Those of some texels are the same.
     const std::int64_t last = std::int64_t{6} * size * size - 1;
     const std::vector<double> some = image::solid_angles_of(image::TexelGrid::cubemap(size), {0, last / 2, last});
@@ -169,8 +173,8 @@ double value_below(const Cubemap& chain, int level, int face, int column, int ro
   const int size = chain.level_size(level);
   double sum = 0.0;
   double weights = 0.0;
-  for (int j = 0; j < above; ++j) {
-    for (int i = 0; i < above; ++i) {
+  for (int j = row * above / size; j < above && j * size < (row + 1) * above; ++j) {
+    for (int i = column * above / size; i < above && i * size < (column + 1) * above; ++i) {
       const double left = std::max(1.0 * i / above, 1.0 * column / size);
       const double right = std::min((i + 1.0) / above, (column + 1.0) / size);
       const double top = std::max(1.0 * j / above, 1.0 * row / size);
@@ -283,24 +287,7 @@ TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
 
 namespace {
 
-std::vector<glm::dmat3> cube_symmetries() {
-  std::vector<glm::dmat3> all;
-  std::array<int, 3> axes{0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      glm::dmat3 matrix(0.0);
-      for (int i = 0; i < 3; ++i) matrix[i][axes[static_cast<std::size_t>(i)]] = (signs >> i & 1) != 0 ? -1.0 : 1.0;
-      all.push_back(matrix);
-    }
-  } while (std::next_permutation(axes.begin(), axes.end()));
-  return all;
-}
-
 Cubemap some_cubemap(int size) { return {size, some_pixels(size, 6 * size)}; }
-
-bool same_bits(std::span<const float> a, std::span<const float> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
 
 const float* nearest(const Cubemap& map, const glm::dvec3& direction) {
   double best = -2.0;
@@ -341,7 +328,7 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
   for (const auto& [width, height] : {std::pair{8, 4}, {7, 4}, {64, 33}, {257, 128}, {1, 1}}) {
     const LatLongImage map{width, height, some_pixels(width, height)};
     CAPTURE(width, height);
-    CHECK(same_bits(to_lat_long(map.view(), width, height).pixels, map.pixels));
+    CHECK(same_bytes<float>(to_lat_long(map.view(), width, height).pixels, map.pixels));
     for (int shift : {0, 1, 2, width - 1}) {
       for (int mirrors = 0; mirrors < 4; ++mirrors) {
         glm::dmat3 mirror(1.0);
@@ -361,7 +348,8 @@ TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed
           }
         }
         CHECK(wrong == 0);
-        REQUIRE(same_bits(to_lat_long(rotated.view(), width, height, glm::transpose(rotation)).pixels, map.pixels));
+        REQUIRE(
+            same_bytes<float>(to_lat_long(rotated.view(), width, height, glm::transpose(rotation)).pixels, map.pixels));
       }
     }
   }
@@ -381,7 +369,7 @@ TEST_CASE("Exact turns read every pixel format, and rows from the bottom up", "[
   upside_down.row_stride_bytes = -6 * 12;
   glm::dmat3 flip(1.0);
   flip[1][1] = -1.0;
-  CHECK(same_bits(to_lat_long(upside_down, 6, 4).pixels, to_lat_long(map.view(), 6, 4, flip).pixels));
+  CHECK(same_bits(to_lat_long(upside_down, 6, 4), to_lat_long(map.view(), 6, 4, flip)));
 }
 
 }  // namespace welkin::test

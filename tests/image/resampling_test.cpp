@@ -1,12 +1,16 @@
 // Resampling between cubemaps and lat-longs, by filter and by area.
 #include "welkin/resampling.h"
 
+#include "image/area_resampling.h"
+#include "image/area_weights.h"
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -24,30 +28,12 @@ glm::dvec3 radiance(const glm::dvec3& d) {
           1.5 - 0.7 * d.y + 0.4 * (d.x * d.x - d.z * d.z)};
 }
 
-void put(std::span<float> pixels, std::size_t texel, const glm::dvec3& value) {
-  for (int c = 0; c < 3; ++c) pixels[3 * texel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
-}
-
 Cubemap smooth_cubemap(int size, const glm::dmat3& rotation = glm::dmat3(1.0)) {
-  Cubemap map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
-  for (int row = 0; row < 6 * size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      put(map.pixels(), static_cast<std::size_t>(row * size + column), radiance(glm::transpose(rotation) * to));
-    }
-  }
-  return map;
+  return cubemap_of(size, [&](const glm::dvec3& d) { return radiance(glm::transpose(rotation) * d); });
 }
 
 LatLongImage smooth_lat_long(int width, int height, const glm::dmat3& rotation = glm::dmat3(1.0)) {
-  LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column) {
-      const glm::dvec3 to = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
-      put(map.pixels, static_cast<std::size_t>(row * width + column), radiance(glm::transpose(rotation) * to));
-    }
-  }
-  return map;
+  return lat_long_of(width, height, [&](const glm::dvec3& d) { return radiance(glm::transpose(rotation) * d); });
 }
 
 double worst_difference(std::span<const float> a, std::span<const float> b) {
@@ -92,24 +78,6 @@ TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
   CHECK(relative_error(project(to_lat_long(cube.view(), 64, 32).view()).radiance, wanted) < 2e-3);
 }
 
-TEST_CASE("Faces are interpolated across their edges without a seam", "[resampling]") {
-  // Interpolated much finer, neighbours on either side of an edge differ by no more than those inside a face do.
-  const Cubemap coarse = smooth_cubemap(8);
-  const int width = 1024;
-  const LatLongImage fine = to_lat_long(coarse.view(), width, 512);
-  double largest_step = 0.0;
-  for (int row = 128; row < 384; ++row) {
-    for (int column = 0; column < width; ++column) {
-      for (int c = 0; c < 3; ++c) {
-        const auto at = [&](int x) { return fine.pixels[static_cast<std::size_t>(3 * (row * width + x % width) + c)]; };
-        largest_step = std::max(largest_step, static_cast<double>(std::abs(at(column + 1) - at(column))));
-      }
-    }
-  }
-  // The steepest slope, 1.5 or so a radian, times 2 pi / 1024, with room for the coarse map's own error.
-  CHECK(largest_step < 0.02);
-}
-
 TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]") {
   for (const int width : {64, 63}) {
     const LatLongImage coarse = smooth_lat_long(width, 32);
@@ -140,44 +108,25 @@ TEST_CASE("Resampling refuses what it cannot do", "[resampling]") {
 
 namespace {
 
-LatLongImage black(int width, int height) {
-  return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
-}
-
-/// The integral of `value`, of a texel's radiance and direction.
-template <class Value>
-glm::dvec3 integral(const Cubemap& map, const Value& value) {
+glm::dvec3 total_radiance(const Cubemap& map) {
   std::vector<double> angles(static_cast<std::size_t>(map.size()));
   glm::dvec3 sum(0.0);
-  for (int row = 0; row < map.size(); ++row) {
-    image::cubemap_row_solid_angles(row, angles);
-    for (int face = 0; face < 6; ++face) {
-      for (int column = 0; column < map.size(); ++column) {
-        const float* const rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
-        sum +=
-            angles[static_cast<std::size_t>(column)] *
-            value(glm::dvec3(rgb[0], rgb[1], rgb[2]), image::face_direction(map.size(), face, column + 0.5, row + 0.5));
-      }
+  for (int row = 0; row < 6 * map.size(); ++row) {
+    image::cubemap_row_solid_angles(row % map.size(), angles);
+    for (int column = 0; column < map.size(); ++column) {
+      const float* const rgb = map.face(0) + 3 * (row * map.size() + column);
+      sum += angles[static_cast<std::size_t>(column)] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
     }
   }
   return sum;
 }
 
-glm::dvec3 total_radiance(const Cubemap& map) {
-  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3&) { return rgb; });
-}
-
-/// Where the light lies: the integral of direction times red.
-glm::dvec3 middle_of_light(const Cubemap& map) {
-  return integral(map, [](const glm::dvec3& rgb, const glm::dvec3& direction) { return rgb.r * direction; });
-}
-
 /// The relative error of a lone texel's total radiance.
 double lone_texel_error(int width, int height, int column, int row, int size) {
-  LatLongImage map = black(width, height);
+  LatLongImage map = grey_lat_long(width, height, 0.0F);
   map.pixels[static_cast<std::size_t>(3 * (row * width + column) + 1)] = 1e6F;
   const Cubemap cube = to_cubemap(map.view(), size);
-  for (const float value : cube.pixels()) REQUIRE(value >= 0.0F);
+  CHECK(std::ranges::all_of(cube.pixels(), [](float value) { return value >= 0.0F; }));
   const double wanted = 1e6 * image::lat_long_texel_solid_angle(width, height, row);
   return std::abs(total_radiance(cube).y / wanted - 1.0);
 }
@@ -204,30 +153,12 @@ TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes 
   }
 }
 
-TEST_CASE("Light stays where it is", "[area]") {
-  std::mt19937 generator(3);
-  for (int k = 0; k < 60; ++k) {
-    const int width = 128;
-    const int height = 64;
-    const int size = std::vector<int>{16, 33, 64, 128}[static_cast<std::size_t>(k % 4)];
-    const int row = k < 20 ? k : static_cast<int>(generator() % 64U);
-    const int column = static_cast<int>(generator() % 128U);
-    LatLongImage map = black(width, height);
-    map.pixels[static_cast<std::size_t>(3 * (row * width + column))] = 1.0F;
-    const glm::dvec3 found = glm::normalize(middle_of_light(to_cubemap(map.view(), size)));
-    const glm::dvec3 wanted = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
-    CAPTURE(size, row, column);
-    // What lies in a corner of a texel is at its centre afterwards: 0.71 of the widest.
-    CHECK(glm::length(found - wanted) < 0.71 * 2.0 / size + 0.1 * std::numbers::pi / height);
-  }
-}
-
 TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][slow]") {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
-    const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
+    const LatLongImage map = grey_lat_long(width, height, 0.1F);
     for (const int size : {1, 2, 3, 7, 64, 257}) {
       const Cubemap cube = to_cubemap(map.view(), size);
-      for (const float value : cube.pixels()) REQUIRE(value == 0.1F);
+      CHECK(std::ranges::all_of(cube.pixels(), [](float value) { return value == 0.1F; }));
     }
   }
 }
@@ -253,15 +184,10 @@ TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels"
 
 TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[area][slow]") {
   for (const int width : {256, 255}) {
-    LatLongImage map = black(width, 128);
     const auto radiance = [](const glm::dvec3& d) {
       return glm::dvec3(1.0 + 0.5 * d.x + 0.3 * d.y * d.z, 2.0 + d.z - d.x * d.y * d.z, 1.5 - 0.7 * d.y);
     };
-    for (int texel = 0; texel < width * 128; ++texel) {
-      const glm::dvec3 value =
-          radiance(image::lat_long_direction(width, 128, texel % width + 0.5, texel / width + 0.5));
-      for (int c = 0; c < 3; ++c) map.pixels[static_cast<std::size_t>(3 * texel + c)] = static_cast<float>(value[c]);
-    }
+    const LatLongImage map = lat_long_of(width, 128, radiance);
     for (const int size : {3, 48, 64, 150, 600}) {
       double worst[2] = {};
       double worst_off_poles = 0.0;
@@ -291,13 +217,20 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
 }
 
 TEST_CASE("Tiles of resampling by area and bilinearly allocate nothing", "[area]") {
-  const TestLatLong map = make_lat_long(Content::high_range, 333, 301, 4);
-  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
-    const auto resample = [&] { static_cast<void>(to_cubemap(map.view(), 130, glm::dmat3(1.0), filter)); };
+  const auto check = [](const auto& resample) {
     resample();  // makes the tables
     forget_allocations_in_tiles();
     run_with_threads(3, resample);
     CHECK(allocations_in_tiles() == 0);
+  };
+  const TestLatLong map = make_lat_long(Content::high_range, 333, 301, 4);
+  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear})
+    check([&] { static_cast<void>(to_cubemap(map.view(), 130, glm::dmat3(1.0), filter)); });
+  for (const int size : {1, 7, 64}) {
+    const Cubemap cube = grey_cubemap(size, 0.1F);
+    check([&] {
+      static_cast<void>(to_lat_long(cube.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area));
+    });
   }
 }
 
@@ -307,21 +240,21 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
       double worst = 0.0;
       const int step = std::max(1, 6 * size * size / 150);
       for (int texel = 0; texel < 6 * size * size; texel += step) {
-        Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
+        Cubemap cube = grey_cubemap(size, 0.0F);
         cube.pixels()[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
         const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
-        glm::dvec3 sum(0.0);
+        CHECK(std::ranges::all_of(map.pixels, [](float value) { return value >= 0.0F; }));
+        double sum = 0.0;
         glm::dvec3 place(0.0);
         for (int at = 0; at < width * height; ++at) {
           const double value = map.pixels[static_cast<std::size_t>(3 * at + 1)];
-          REQUIRE(value >= 0.0);
           const double total_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
-          sum.y += total_there;
+          sum += total_there;
           place += total_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
         }
         std::vector<double> angles(static_cast<std::size_t>(size));
         image::cubemap_row_solid_angles(texel / size % size, angles);
-        worst = std::max(worst, std::abs(sum.y / (1e6 * angles[static_cast<std::size_t>(texel % size)]) - 1.0));
+        worst = std::max(worst, std::abs(sum / (1e6 * angles[static_cast<std::size_t>(texel % size)]) - 1.0));
         if (width < 4 * size || height < 2 * size || size < 8) continue;
         const glm::dvec3 to =
             image::face_direction(size, texel / (size * size), texel % size + 0.5, texel / size % size + 0.5);
@@ -333,20 +266,76 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
   }
 }
 
-TEST_CASE("A uniform cube is a uniform lat-long by area, without allocations in tiles", "[area]") {
+TEST_CASE("A uniform cube is a uniform lat-long by area", "[area]") {
   for (const int size : {1, 2, 3, 7, 64}) {
-    const Cubemap cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
+    const Cubemap cube = grey_cubemap(size, 0.1F);
     for (const glm::dmat3& rotation : {glm::dmat3(1.0), rotation_about_y(90.0)}) {
       const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, rotation, ResampleFilter::area);
-      for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
+      CHECK(std::ranges::all_of(map.pixels, [](float value) {
+        return std::abs(static_cast<double>(value) / static_cast<double>(0.1F) - 1.0) <= 3e-7;
+      }));
     }
-    const auto resample = [&] {
-      static_cast<void>(to_lat_long(cube.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area));
-    };
-    resample();  // makes the tables
-    forget_allocations_in_tiles();
-    run_with_threads(3, resample);
-    CHECK(allocations_in_tiles() == 0);
+  }
+}
+
+// All weights are kept and give the same bits again, and sources are read where they lie.
+
+namespace {
+
+std::vector<float> cube_by_area(const LatLongView& source, int size) {
+  const std::size_t face = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  std::vector<float> texels(6 * face);
+  std::array<float*, 6> faces{};
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = texels.data() + i * face;
+  image::fill_cubemap_by_area(source, size, faces, Control{});
+  return texels;
+}
+
+}  // namespace
+
+TEST_CASE("All weights of tiles are kept, and give the bits that they gave at first", "[resampling][area]") {
+  // Widths that all images share, that pairs share and that none share; rows coarser and finer than texels.
+  for (const auto& [width, height] :
+       {std::pair{4, 2}, {16, 9}, {61, 30}, {64, 32}, {130, 64}, {257, 128}, {512, 256}}) {
+    const LatLongImage source{width, height, some_pixels(width, height)};
+    for (const int size : {1, 2, 3, 7, 33, 64, 128, 257}) {
+      CAPTURE(width, height, size);
+      const std::vector<float> first = cube_by_area(source.view(), size);
+      const auto table = image::TileWeightTable::find({width, height, size});
+      REQUIRE(table != nullptr);
+      CHECK(table->complete());
+      REQUIRE(cube_by_area(source.view(), size) == first);
+    }
+  }
+}
+
+TEST_CASE("Rows that are apart, upside down or of another format give the same cube", "[resampling][area]") {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {7, 3}, {16, 8}, {61, 30}, {130, 64}}) {
+    const LatLongImage packed{width, height, some_pixels(width, height)};
+    // The rows from the bottom up, with floats after each of them that belong to no texel.
+    const std::ptrdiff_t row = std::ptrdiff_t{3} * width;
+    const std::ptrdiff_t stride = row + 5;
+    std::vector<float> apart(static_cast<std::size_t>(stride * height), std::numeric_limits<float>::quiet_NaN());
+    std::vector<float> with_alpha;
+    for (std::ptrdiff_t y = 0; y < height; ++y) {
+      std::copy_n(packed.pixels.begin() + y * row, row, apart.begin() + (height - 1 - y) * stride);
+    }
+    for (std::size_t k = 0; k < packed.pixels.size(); ++k) {
+      with_alpha.push_back(packed.pixels[k]);
+      if (k % 3 == 2) with_alpha.push_back(std::numeric_limits<float>::quiet_NaN());
+    }
+    LatLongView upside_down = packed.view();
+    upside_down.pixels = apart.data() + (height - 1) * stride;
+    upside_down.row_stride_bytes = -stride * static_cast<std::ptrdiff_t>(sizeof(float));
+    LatLongView rgba = packed.view();
+    rgba.pixels = with_alpha.data();
+    rgba.format = PixelFormat::rgba32f;
+    for (const int size : {1, 2, 3, 7, 64}) {
+      CAPTURE(width, height, size);
+      const std::vector<float> expected = cube_by_area(packed.view(), size);
+      CHECK(cube_by_area(upside_down, size) == expected);
+      CHECK(cube_by_area(rgba, size) == expected);
+    }
   }
 }
 

@@ -11,6 +11,7 @@
 #include "transform/spectrum.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
+#include "welkin/resampling.h"
 
 namespace welkin::test {
 
@@ -269,12 +270,12 @@ TEST_CASE("Equal texels give equal faces, to four units in the last place", "[fa
     const SphereGrid grid = grid_of(30, 62, content, [](const glm::dvec3&) { return glm::dvec3(1.0, 0.1, 60000.0); });
     for (const int size : {1, 3, 64, 129}) {
       const Cubemap map = sampled(grid, size);
+      int wrong = 0;
       for_each_texel(size, [&](int face, int column, int row) {
-        const glm::dvec3 value = texel_of(map, face, column, row);
-        REQUIRE(std::abs(value.x - 1.0) < 3e-7);
-        REQUIRE(std::abs(value.y / static_cast<double>(0.1F) - 1.0) < 3e-7);
-        REQUIRE(std::abs(value.z / 60000.0 - 1.0) < 3e-7);
+        const glm::dvec3 ratio = texel_of(map, face, column, row) / glm::dvec3(1.0, static_cast<double>(0.1F), 60000.0);
+        wrong += glm::all(glm::lessThan(glm::abs(ratio - 1.0), glm::dvec3(3e-7))) ? 0 : 1;
       });
+      CHECK(wrong == 0);
     }
   }
 }
@@ -292,50 +293,14 @@ TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
     rotated.fill_poles();
     const Cubemap before = sampled(grid, size);
     const Cubemap after = sampled(rotated, size);
-    const auto find = [&](const glm::dvec3& to, int& face, int& column, int& row) {
-      double best = -2.0;
-      for_each_texel(size, [&](int f, int c, int r) {
-        const double cosine = glm::dot(to, image::face_direction(size, f, c + 0.5, r + 0.5));
-        if (cosine > best) {
-          best = cosine;
-          face = f;
-          column = c;
-          row = r;
-        }
-      });
-    };
+    // The texel at column + 20 has a longitude that is less by a quarter turn. (No texel's bits change here.)
+    const Cubemap wanted = to_cubemap(before.view(), size, rotation_about_y(90.0));
     for_each_texel(size, [&](int face, int column, int row) {
       const glm::dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
       if (std::abs(to.y) == 1.0) return;  // the pole itself has no longitude
-      int from_face = 0;
-      int from_column = 0;
-      int from_row = 0;
-      // The texel at column + 20 has a longitude that is less by a quarter turn.
-      find({-to.z, to.y, to.x}, from_face, from_column, from_row);
-      REQUIRE(texel_of(after, face, column, row) == texel_of(before, from_face, from_column, from_row));
+      REQUIRE(texel_of(after, face, column, row) == texel_of(wanted, face, column, row));
     });
   }
-}
-
-TEST_CASE("Neighbours across a face's edge agree as those inside one do", "[faces]") {
-  const Radiance smooth = [](const glm::dvec3& d) { return glm::dvec3(1.0 + d.x * d.y, d.z + d.y * d.z, d.x - d.y); };
-  const SphereGrid grid = grid_of(64, 128, GridContent::samples, smooth);
-  const int size = 64;
-  const Cubemap map = sampled(grid, size);
-  for_each_texel(size, [&](int face, int column, int row) {
-    const bool edge = column == 0 || row == 0 || column == size - 1 || row == size - 1;
-    if (!edge) return;
-    // Any texel within 1.5 texels of this one, whichever face it lies on.
-    const glm::dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
-    for_each_texel(size, [&](int f, int c, int r) {
-      if (f == face || (c != 0 && r != 0 && c != size - 1 && r != size - 1)) return;
-      const glm::dvec3 other = image::face_direction(size, f, c + 0.5, r + 0.5);
-      const double distance = glm::length(to - other);
-      if (distance > 3.0 / size) return;
-      const double step = worst_component(texel_of(map, face, column, row) - texel_of(map, f, c, r));
-      REQUIRE(step < 2.1 * distance + 2e-3);
-    });
-  });
 }
 
 TEST_CASE("Sampling a grid can be stopped", "[faces]") {

@@ -3,6 +3,8 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
+#include "support/same_bits.h"
+#include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/resampling.h"
@@ -23,14 +25,10 @@ struct Numbers {
 constexpr double kPi = std::numbers::pi;
 
 LatLongImage noise(int width, int height, unsigned seed = 1) {
-  LatLongImage image{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height))};
+  LatLongImage image = grey_lat_long(width, height, 0.0F);
   std::mt19937 engine(seed);
   for (float& value : image.pixels) value = static_cast<float>(engine()) * 0x1p-32F;
   return image;
-}
-
-LatLongImage even(int width, int height, float value) {
-  return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), value)};
 }
 
 void set_texel(LatLongImage& image, int column, int row, float value) {
@@ -67,11 +65,8 @@ std::vector<Numbers> independent(int count, unsigned seed) {
 
 /// Bits of all that a table holds.
 bool same(const ImportanceTable& a, const ImportanceTable& b) {
-  const auto equal = [](const std::vector<float>& x, const std::vector<float>& y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0;
-  };
-  return equal(a.function, b.function) && equal(a.row_cdf, b.row_cdf) && equal(a.column_cdf, b.column_cdf) &&
-         a.integral == b.integral;
+  return same_bytes<float>(a.function, b.function) && same_bytes<float>(a.row_cdf, b.row_cdf) &&
+         same_bytes<float>(a.column_cdf, b.column_cdf) && a.integral == b.integral;
 }
 
 /// Pearson's statistic of counts against probabilities, cells below 5 expected ones taken together; and how many cells
@@ -189,7 +184,7 @@ TEST_CASE("importance: directions are picked as often as the density says", "[im
 
 TEST_CASE("importance: within a texel directions are even by solid angle", "[importance]") {
   // Two rows: of each half a sphere, the mean of y over evenly picked directions is 1/2.
-  LatLongImage image = even(2, 2, 0.0F);
+  LatLongImage image = grey_lat_long(2, 2, 0.0F);
   set_texel(image, 1, 0, 1.0F);
   const ImportanceTable table = importance_table(image.view());
   dvec3 mean{};
@@ -236,7 +231,7 @@ TEST_CASE("importance: estimates agree with the integral and vary as predicted",
 }
 
 TEST_CASE("importance: compensation takes the mean away", "[importance]") {
-  LatLongImage image = even(32, 16, 1.0F);
+  LatLongImage image = grey_lat_long(32, 16, 1.0F);
   set_texel(image, 5, 5, 11.0F);
   const ImportanceTable table = importance_table(image.view(), {.mis_compensation = true});
   const double sun = image::lat_long_texel_solid_angle(32, 16, 5);
@@ -247,7 +242,7 @@ TEST_CASE("importance: compensation takes the mean away", "[importance]") {
   }
   CHECK(importance_variance(image.view(), table).table == std::numeric_limits<double>::infinity());
   // Nothing lies above an even picture's mean: its table stays even.
-  const LatLongImage flat = even(33, 17, 0.7F);
+  const LatLongImage flat = grey_lat_long(33, 17, 0.7F);
   CHECK(same(importance_table(flat.view(), {.mis_compensation = true}), importance_table(flat.view())));
 }
 
@@ -302,7 +297,7 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
 }
 
 TEST_CASE("importance: weights are luminance, mean or the largest channel, and never negative", "[importance]") {
-  LatLongImage image = even(2, 1, 1.0F);
+  LatLongImage image = grey_lat_long(2, 1, 1.0F);
   image.pixels = {-1.0F, 2.0F, 4.0F, -3.0F, -1.0F, -2.0F};
   const auto first = [&](ImportanceWeight weight) {
     const ImportanceTable table = importance_table(image.view(), {.weight = weight});
@@ -318,12 +313,12 @@ TEST_CASE("importance: weights are luminance, mean or the largest channel, and n
 
 TEST_CASE("importance: what no distribution can hold does no harm", "[importance]") {
   // Black: even over the sphere.
-  const ImportanceTable black = importance_table(even(8, 4, 0.0F).view());
+  const ImportanceTable black = importance_table(grey_lat_long(8, 4, 0.0F).view());
   CHECK(black.integral == Approx(4.0 * kPi).epsilon(1e-6));
   CHECK(black.density({0.3, -0.2, 0.9}) == Approx(1.0 / (4.0 * kPi)).epsilon(1e-6));
-  CHECK(importance_variance(even(8, 4, 0.0F).view(), black).table == 0.0);
+  CHECK(importance_variance(grey_lat_long(8, 4, 0.0F).view(), black).table == 0.0);
 
-  LatLongImage odd = even(4, 2, 1.0F);
+  LatLongImage odd = grey_lat_long(4, 2, 1.0F);
   odd.pixels[0] = std::numeric_limits<float>::quiet_NaN();
   odd.pixels[3] = std::numeric_limits<float>::infinity();
   odd.pixels[6] = std::numeric_limits<float>::max();

@@ -20,22 +20,6 @@ namespace welkin::test {
 // Promise: an irradiance cubemap holds what its harmonics say at each texel's centre, and the direct one what cosine
 // integration says.
 
-namespace {
-
-SphericalHarmonics some_harmonics(int bands) {
-  SphericalHarmonics harmonics(bands);
-  double value = 0.3;
-  for (glm::dvec3& coefficient : harmonics.coefficients()) {
-    for (int c = 0; c < 3; ++c) {
-      value = std::fmod(value * 7.13 + 0.71, 2.0);
-      coefficient[c] = value - 1.0;
-    }
-  }
-  return harmonics;
-}
-
-}  // namespace
-
 TEST_CASE("Irradiance beyond the floats is the largest float, not infinity", "[irradiance_cubemap]") {
   const Cubemap source{4, std::vector<float>(6 * 4 * 4 * 3, 3e38F)};
   const LatLongImage lat_long{8, 4, std::vector<float>(8 * 4 * 3, 3e38F)};
@@ -48,28 +32,23 @@ TEST_CASE("Irradiance beyond the floats is the largest float, not infinity", "[i
 
 TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre", "[irradiance_cubemap]") {
   for (const int bands : {1, 2, 3, 4, 9, 16}) {
-    const SphericalHarmonics harmonics = some_harmonics(bands);
+    const SphericalHarmonics harmonics = RandomLight(50).harmonics(bands);
     for (const int size : {1, 2, 3, 7, 33}) {
       const Cubemap map = irradiance_cubemap(harmonics, size);
       REQUIRE(map.size() == size);
+      int wrong = 0;
       for (int row = 0; row < 6 * size; ++row) {
         for (int column = 0; column < size; ++column) {
           const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
           const glm::dvec3 wanted = evaluate(harmonics, to);
           const float* const found = map.face(0) + 3 * (row * size + column);
           for (int c = 0; c < 3; ++c)
-            REQUIRE(std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands);
+            wrong += std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands ? 0 : 1;
         }
       }
+      CAPTURE(bands, size);
+      CHECK(wrong == 0);
     }
-  }
-}
-
-TEST_CASE("A uniform environment's irradiance is pi times it, everywhere the same", "[irradiance_cubemap]") {
-  const Cubemap map = irradiance_cubemap(irradiance_from_radiance(constant_radiance({1.0, 2.0, 0.5}, 3)), 64);
-  for (std::size_t i = 0; i < map.pixels().size(); ++i) {
-    const double radiance = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 2.0 : 0.5;
-    REQUIRE(map.pixels()[i] == static_cast<float>(std::numbers::pi * radiance));
   }
 }
 
@@ -98,14 +77,14 @@ TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cub
 }
 
 TEST_CASE("Tiles of irradiance cubemaps allocate nothing", "[irradiance_cubemap]") {
-  const SphericalHarmonics harmonics = some_harmonics(5);
+  const SphericalHarmonics harmonics = RandomLight(50).harmonics(5);
   forget_allocations_in_tiles();
   run_with_threads(3, [&] { static_cast<void>(irradiance_cubemap(harmonics, 67)); });
   CHECK(allocations_in_tiles() == 0);
 }
 
 TEST_CASE("Irradiance cubemaps are refused, stopped and reported upon", "[irradiance_cubemap]") {
-  const SphericalHarmonics harmonics = some_harmonics(3);
+  const SphericalHarmonics harmonics = RandomLight(50).harmonics(3);
   CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 0); }).says("from 1 to 4096"));
   CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 4097); }).code == ErrorCode::invalid_argument);
   const TestCubemap source = make_cubemap(Content::random, 4, 3, 2);
@@ -290,7 +269,7 @@ TEST_CASE("A cubemap's errors are those of the lat-long of the same scene", "[sh
   CHECK(glm::length(errors[2].worst_normal) == Approx(1.0));
 }
 
-TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "[sh][irradiance]") {
+TEST_CASE("Errors of darkness, and of too many normals", "[sh][irradiance]") {
   const LatLongImage dark{8, 4, std::vector<float>(8 * 4 * 3)};
   for (const IrradianceError& error : irradiance_errors(dark.view(), SphericalHarmonics(3), 10)) {
     CHECK(error.rms == 0.0);
@@ -301,12 +280,6 @@ TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "
   for (const int normals : {-1, 0, 100001}) {
     CHECK(thrown_by([&] { (void)irradiance_errors(dark.view(), SphericalHarmonics(3), normals); }).says("normals"));
   }
-  const TestLatLong image = make_lat_long(Content::high_range, 64, 32, 1);
-  const SphericalHarmonics radiance = project(image.view()).radiance;
-  double rms[2];
-  run_with_threads(1, [&] { rms[0] = irradiance_errors(image.view(), radiance)[2].rms; });
-  run_with_threads(4, [&] { rms[1] = irradiance_errors(image.view(), radiance)[2].rms; });
-  CHECK(rms[0] == rms[1]);
 }
 
 // Promise: on the real environments of ../shared the bands' errors stay within what docs/maths/irradiance.md says.

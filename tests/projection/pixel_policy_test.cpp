@@ -152,8 +152,7 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   channel(cubemap, 3, 150, 20, 0) = kNan;
   channel(cubemap, 3, 149, 190, 2) = kNan;
   channel(cubemap, 3, 149, 191, 2) = kNan;
-  ProjectionOptions options;
-  options.pixels.nan = NonFinitePolicy::reject;
+  const ProjectionOptions options{.pixels = {.nan = NonFinitePolicy::reject}};
   const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   CHECK(error.code == ErrorCode::rejected_pixel);
   CHECK(error.says("face +Y") == false);
@@ -162,8 +161,7 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   TestLatLong lat_long = make_lat_long(Content::random, 300, 150, 1);
   lat_long.pixels[(100 * 300 + 7) * 3] = kInfinity;
   lat_long.pixels[(99 * 300 + 250) * 3 + 2] = kInfinity;
-  ProjectionOptions strict;
-  strict.pixels.infinity = NonFinitePolicy::reject;
+  const ProjectionOptions strict{.pixels = {.infinity = NonFinitePolicy::reject}};
   const ThrownError infinite = thrown_by([&] { static_cast<void>(project(lat_long.view(), strict)); });
   CHECK(infinite.says("row 99, column 250 is infinite"));
 }
@@ -183,8 +181,7 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy][truth]") {
   for (const bool preserve : {false, true}) {
     for (const int size : kSizes) {
       const TestCubemap cubemap = make_cubemap(Content::clamped, size, 3, 1);
-      ProjectionOptions options;
-      options.pixels.clamp = RadianceClamp{4096.0F, preserve};
+      const ProjectionOptions options{.pixels = {.clamp = RadianceClamp{4096.0F, preserve}}};
       const Projection found = project(cubemap.view(), options);
       const Projection unclamped = project(cubemap.view());
       CHECK(found.diagnostics.texels_clamped > 0);
@@ -196,8 +193,7 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy][truth]") {
       CHECK(relative_error(found.radiance, reference_projection(cubemap.view(), options)) < 5e-7);
     }
     const TestLatLong lat_long = make_lat_long(Content::clamped, 301, 150, 1);
-    ProjectionOptions options;
-    options.pixels.clamp = RadianceClamp{4096.0F, preserve};
+    const ProjectionOptions options{.pixels = {.clamp = RadianceClamp{4096.0F, preserve}}};
     const Projection found = project(lat_long.view(), options);
     CHECK(found.diagnostics.total_radiance_before_clamp.x ==
           Approx(project(lat_long.view()).diagnostics.total_radiance.x).epsilon(1e-6));
@@ -210,8 +206,7 @@ TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][pol
     for (const float maximum : {0.5F, 1.0F}) {
       const TestCubemapBytes cubemap = make_cubemap_bytes(Content::random, size, 3, 1);
       const TestLatLongBytes lat_long = make_lat_long_bytes(Content::random, 2 * size, size, 1, 3);
-      ProjectionOptions options;
-      options.pixels.clamp = RadianceClamp{maximum, false};
+      const ProjectionOptions options{.pixels = {.clamp = RadianceClamp{maximum, false}}};
       const auto check = [&](const auto& view) {
         const Projection found = project(view, options);
         CHECK((found.diagnostics.texels_clamped > 0) == (maximum < 1.0F));
@@ -223,22 +218,10 @@ TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][pol
   }
 }
 
-TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy]") {
-  TestCubemap cubemap{1, 3, {}};
-  for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
-  ProjectionOptions options;
-  options.pixels.clamp = RadianceClamp{100.0F, true};
-  const glm::dvec3 average = mean_radiance(project(cubemap.view(), options).radiance);
-  CHECK(average.x == Approx(100.0).epsilon(1e-6));
-  CHECK(average.y == Approx(50.0).epsilon(1e-6));
-  CHECK(average.z == Approx(25.0).epsilon(1e-6));
-}
-
 TEST_CASE("Gamma input is linearised texel by texel", "[sh][policy]") {
   for (const int size : kSizes) {
     const TestCubemap cubemap = make_cubemap(Content::gamma_encoded, size, 3, 1);
-    ProjectionOptions options;
-    options.pixels.gamma = true;
+    const ProjectionOptions options{.pixels = {.gamma = true}};
     CHECK(relative_error(project(cubemap.view(), options).radiance, reference_projection(cubemap.view(), options)) <
           5e-7);
   }
@@ -267,8 +250,7 @@ TEST_CASE("A colour-preserving clamp scales texels and reports what it took", "[
           scaled.pixels[c] = static_cast<float>(factor * static_cast<double>(cubemap.pixels[c]));
         }
       }
-      ProjectionOptions options;
-      options.pixels.clamp = RadianceClamp{maximum, true};
+      const ProjectionOptions options{.pixels = {.clamp = RadianceClamp{maximum, true}}};
       const Projection found = project(cubemap.view(), options);
       const Projection expected = project(scaled.view());
       const Projection whole = project(cubemap.view());

@@ -18,7 +18,7 @@ namespace welkin::test {
 namespace {
 
 template <class Radiance>
-Cubemap cubemap_of(int size, const Radiance& radiance) {
+Cubemap cubemap_by_texels(int size, const Radiance& radiance) {
   std::vector<float> pixels;
   for (int row = 0; row < 6 * size; ++row) {
     for (int column = 0; column < size; ++column) pixels.insert(pixels.end(), 3, radiance(column, row));
@@ -27,7 +27,7 @@ Cubemap cubemap_of(int size, const Radiance& radiance) {
 }
 
 Cubemap checkers(int size, int period) {
-  return cubemap_of(
+  return cubemap_by_texels(
       size, [=](int column, int row) { return (column / period + row % size / period) % 2 == 0 ? 0.0F : 1.0F; });
 }
 
@@ -48,11 +48,12 @@ TEST_CASE("An even cubemap does not deceive the midpoint rule's estimate", "[sh]
   for (const int size : {16, 32, 64, 128}) {
     for (const int bands : {5, 7, 9}) {
       CAPTURE(size);
-      const Cubemap even = cubemap_of(size, [](int, int) { return 1.0F; });
+      const Cubemap even = cubemap_by_texels(size, [](int, int) { return 1.0F; });
       check_honest(even.view(), {.bands = bands, .quadrature = Quadrature::midpoint}, 5.0);
     }
   }
-  const Cubemap slope = cubemap_of(64, [](int, int row) { return 1.0F + 0.02F * static_cast<float>(row) / 384.0F; });
+  const Cubemap slope =
+      cubemap_by_texels(64, [](int, int row) { return 1.0F + 0.02F * static_cast<float>(row) / 384.0F; });
   check_honest(slope.view(), {.bands = 5, .quadrature = Quadrature::midpoint}, 5.0);
 }
 
@@ -63,7 +64,7 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
       for (int texel = 0; texel<half * half; texel += size> 8 ? 3 : 1) {
         CAPTURE(size, texel);
         const int lit_row = size * (texel % 6) + texel / half;
-        const Cubemap lamp = cubemap_of(
+        const Cubemap lamp = cubemap_by_texels(
             size, [=](int column, int row) { return row == lit_row && column == texel % half ? 1e6F : 1.0F; });
         const Projection found = project(lamp.view(), {.bands = bands, .quadrature = Quadrature::midpoint});
         const SphericalHarmonics truth = project(lamp.view(), {.bands = bands}).radiance;

@@ -5,10 +5,10 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -56,18 +56,18 @@ TEST_CASE("Large cubemaps project to double precision's result", "[sh][projectio
   require_exact(make_cubemap(Content::blocks, 512, 3, 11).view(), {});
   // By strips, the twin of which takes long.
   for (const auto& [size, bands] : {std::pair{256, 4}, {320, 6}}) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     require_exact(make_cubemap(Content::random, size, 4, 11).view(), options);
   }
 }
 
 TEST_CASE("Every number of bands is as exact as three", "[sh][projection][truth]") {
   for (int bands = 1; bands <= kMaximumBands; ++bands) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     for (const int size : {1, 2, 7, 33}) require_exact(make_cubemap(Content::random, size, 3, 5).view(), options);
     require_exact(make_lat_long(Content::random, 32, 16, 5).view(), options);
   }
-  ProjectionOptions ten{.bands = 10};
+  const ProjectionOptions ten{.bands = 10};
   require_exact(make_cubemap(Content::one_texel_sun, 150, 3, 5).view(), ten);
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("Rows may be padded or stored bottom-up", "[sh][projection]") {
 
 TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") {
   for (const int bands : {3, 10}) {
-    ProjectionOptions options{.bands = bands};
+    const ProjectionOptions options{.bands = bands};
     for (const int size : {1, 2, 3, 7, 64, 129, 257, 512}) {
       const SphericalHarmonics c = project(make_cubemap(Content::uniform, size, 3, 0).view(), options).radiance;
       for (std::size_t k = 1; k < c.coefficients().size(); ++k) {
@@ -156,7 +156,7 @@ TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") 
 }
 
 TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, for the twin too", "[sh][projection]") {
-  ProjectionOptions options{.bands = kMaximumBands};
+  const ProjectionOptions options{.bands = kMaximumBands};
   for (const int height : {1, 2, 7}) {
     const TestLatLong image = make_lat_long(Content::uniform, 1, height, 0);
     for (const SphericalHarmonics& c :
@@ -173,90 +173,20 @@ TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, fo
 
 namespace {
 
-using Radiance = std::function<glm::dvec3(const glm::dvec3&)>;
-
-glm::dvec3 texel_direction(int face, int row, int column, int size) {
-  const image::Frame& frame = image::face_frame(face);
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  return glm::normalize(u * frame.u + v * frame.v + frame.normal);
-}
-
-/// A cubemap whose texels hold the radiance at their centres.
-TestCubemap sample(int size, const Radiance& radiance) {
-  TestCubemap cubemap{size, 3, {}};
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        const glm::dvec3 value = radiance(texel_direction(face, row, column, size));
-        for (int c = 0; c < 3; ++c) cubemap.pixels.push_back(static_cast<float>(value[c]));
-      }
-    }
-  }
-  return cubemap;
-}
-
-/// The texel of `cubemap` that a direction falls into.
-glm::dvec3 lookup(const TestCubemap& cubemap, const glm::dvec3& direction) {
-  for (int face = 0; face < 6; ++face) {
-    const image::Frame& frame = image::face_frame(face);
-    const double depth = glm::dot(direction, frame.normal);
-    if (depth < std::abs(glm::dot(direction, frame.u)) || depth < std::abs(glm::dot(direction, frame.v))) continue;
-    const auto index = [&](const glm::dvec3& axis) {
-      const double position = (glm::dot(direction, axis) / depth + 1.0) * 0.5 * cubemap.size;
-      return std::min(cubemap.size - 1, static_cast<int>(position));
-    };
-    const auto at = 3 * (static_cast<std::size_t>((face * cubemap.size + index(frame.v)) * cubemap.size) +
-                         static_cast<std::size_t>(index(frame.u)));
-    return {cubemap.pixels[at], cubemap.pixels[at + 1], cubemap.pixels[at + 2]};
-  }
-  return {};
-}
-
 double smooth_function(const glm::dvec3& d) { return 1.0 + 0.5 * d.x + 0.25 * d.y * d.z + std::exp(4.0 * (d.z - 1.0)); }
 
 }  // namespace
-
-TEST_CASE("Turning a cubemap by 90 degrees permutes coefficients", "[sh][property]") {
-  // About y: (x, y, z) -> (z, y, -x); about x: (x, z, -y); about z: (y, -x, z). Band 1 is (y, z, x).
-  const glm::dmat3 turns[] = {
-      {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}, {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}};
-  for (const int size : {1, 2, 7, 64}) {
-    const TestCubemap original = make_cubemap(Content::random, size, 3, 6);
-    const SphericalHarmonics before = project(original.view()).radiance;
-    for (const glm::dmat3& rotation : turns) {
-      // The turned environment seen along d is the original one seen along the inverse turn of d.
-      const TestCubemap rotated =
-          sample(size, [&](const glm::dvec3& d) { return lookup(original, glm::transpose(rotation) * d); });
-      const SphericalHarmonics after = project(rotated.view()).radiance;
-      for (int channel = 0; channel < 3; ++channel) {
-        const glm::dvec3 b(before.at(1, 1)[channel], before.at(1, -1)[channel], before.at(1, 0)[channel]);
-        const glm::dvec3 a(after.at(1, 1)[channel], after.at(1, -1)[channel], after.at(1, 0)[channel]);
-        CHECK(glm::length(a - rotation * b) < 5e-7 * norm(before));
-        CHECK(std::abs(after.at(0, 0)[channel] - before.at(0, 0)[channel]) < 5e-7 * norm(before));
-        // xy, yz and zx change places up to signs.
-        double before_products = 0.0;
-        double after_products = 0.0;
-        for (const int m : {-2, -1, 1}) {
-          before_products += before.at(2, m)[channel] * before.at(2, m)[channel];
-          after_products += after.at(2, m)[channel] * after.at(2, m)[channel];
-        }
-        CHECK(std::abs(after_products - before_products) < 1e-6 * norm(before) * norm(before));
-      }
-    }
-  }
-}
 
 TEST_CASE("Turning by any angle turns the coefficients within the texels' error", "[sh][property]") {
   const glm::dquat rotation = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, -0.5)));
   double error_before = 1.0;
   for (const int size : {16, 32, 64, 128}) {
     const SphericalHarmonics before =
-        project(sample(size, [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d)); }).view()).radiance;
+        project(cubemap_of(size, [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d)); }).view()).radiance;
     const SphericalHarmonics after =
-        project(
-            sample(size, [&](const glm::dvec3& d) { return glm::dvec3(smooth_function(glm::inverse(rotation) * d)); })
-                .view())
+        project(cubemap_of(size,
+                           [&](const glm::dvec3& d) { return glm::dvec3(smooth_function(glm::inverse(rotation) * d)); })
+                    .view())
             .radiance;
     double worst = 0.0;
     for (int k = 0; k < 50; ++k) {
@@ -280,18 +210,8 @@ TEST_CASE("The total radiance is the sum of radiance times solid angle", "[sh][p
 
 TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]") {
   const auto radiance = [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d), 1.0 + d.x * d.z, 2.0 - d.y); };
-  const int height = 512;
-  TestLatLong lat_long{2 * height, height, 3, {}};
-  for (int row = 0; row < height; ++row) {
-    const double latitude = std::numbers::pi * (0.5 - (row + 0.5) / height);
-    for (int column = 0; column < 2 * height; ++column) {
-      const double longitude = std::numbers::pi * (1.0 - (column + 0.5) / height);
-      const glm::dvec3 value = radiance(
-          {std::sin(longitude) * std::cos(latitude), std::sin(latitude), std::cos(longitude) * std::cos(latitude)});
-      for (int c = 0; c < 3; ++c) lat_long.pixels.push_back(static_cast<float>(value[c]));
-    }
-  }
-  CHECK(relative_error(project(lat_long.view()).radiance, project(sample(256, radiance).view()).radiance) < 3e-5);
+  CHECK(relative_error(project(lat_long_of(1024, 512, radiance).view()).radiance,
+                       project(cubemap_of(256, radiance).view()).radiance) < 3e-5);
 }
 
 // Sums of faces that are kept give the bits of a whole projection, and a changed face is all that is read.
@@ -299,8 +219,7 @@ TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]"
 namespace {
 
 std::vector<ProjectionOptions> some_options() {
-  ProjectionOptions clamped;
-  clamped.pixels.clamp = RadianceClamp{50.0F, true};
+  const ProjectionOptions clamped{.pixels = {.clamp = RadianceClamp{50.0F, true}}};
   ProjectionOptions midpoint{.bands = 5, .quadrature = Quadrature::midpoint};
   midpoint.pixels.negative = NegativePolicy::replace;
   return {{}, {.bands = 1}, {.bands = 9, .target_size = 16}, clamped, midpoint, {.pixels = {.gamma = true}}};

@@ -67,6 +67,12 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
       value = static_cast<float>(generator() % 4096U) / 1024.0F - 1.0F;
     }
   }
+  std::vector<double> light;
+  for (const Channel& value : pixels) light.push_back(static_cast<double>(as_float(value)));
+  double polynomials[projection::kMaxMoments][kStripRows];
+  for (int k = 0; k < projection::kMaxMoments; ++k) {
+    for (int row = 0; row < kStripRows; ++row) polynomials[k][row] = polynomial(k, row);
+  }
   const int right_column = row_values / channels - texels;
   const auto at = [&](bool bottom, bool right, int row, int texel) {
     const int column = right ? right_column + texels - 1 - texel : texel;
@@ -93,7 +99,7 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
           for (int p = 0; p < 4; ++p) {
             for (int row = 0; row < kStripRows; ++row) {
               const auto from = static_cast<std::size_t>(at(p >= 2, p % 2 == 1, row, t) + c);
-              moment[p] += polynomial(k, row) * static_cast<double>(as_float(pixels[from]));
+              moment[p] += polynomials[k][row] * light[from];
             }
           }
           const double classes[4] = {
@@ -134,10 +140,11 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
       std::fill_n(planes.data(), planes.size(), 0.0F);
       projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].fold(
           pieces, texels, room.data(), planes.data());
-      for (std::size_t k = 0; k < planes.size(); ++k) {
-        CAPTURE(name(set), channels, texels, moments, k);
-        REQUIRE(std::abs(static_cast<double>(planes.data()[k]) - expected_planes[k]) < 2e-3);
-      }
+      int wrong = 0;
+      for (std::size_t k = 0; k < planes.size(); ++k)
+        wrong += std::abs(static_cast<double>(planes.data()[k]) - expected_planes[k]) < 2e-3 ? 0 : 1;
+      CAPTURE(name(set), channels, texels, moments);
+      REQUIRE(wrong == 0);
       if (first_planes.empty()) first_planes.assign(planes.data(), planes.data() + planes.size());
       REQUIRE(std::memcmp(planes.data(), first_planes.data(), planes.size() * sizeof(float)) == 0);
     }
@@ -172,6 +179,7 @@ void require_moments_weighed(int size, int bands, bool midpoint, int strip, int 
   platform::AlignedBuffer<float> scratch(strips.scratch_size(positions));
   strips.fill(strip, column, positions, weights.data(), scratch.data());
   std::vector<float> truth(static_cast<std::size_t>(functions * positions));
+  int wrong = 0;
   for (int row = 0; row < kStripRows; ++row) {
     const image::TexelRun run{size, strip * kStripRows + row, column, positions, bands, midpoint};
     image::texel_kernels().integrate_texels(run, math::basis_constants(), math::gauss_legendre(3), weight_rows.data(),
@@ -185,15 +193,16 @@ void require_moments_weighed(int size, int bands, bool midpoint, int strip, int 
                 strips.packed() ? (k * functions + f) * 48 + 3 * t + c : (k * functions + f) * projection::kChunk + t;
             weight += polynomial(k, row) * static_cast<double>(weights.data()[at]);
           }
-          CAPTURE(size, bands, midpoint, strip, column, row, f, t);
           // Row 0 is the solid angle times Y(0, 0).
           const double solid_angle = static_cast<double>(truth[static_cast<std::size_t>(t)]) / 0.28209479177387814;
-          REQUIRE(std::abs(weight - static_cast<double>(truth[static_cast<std::size_t>(f * positions + t)])) <
-                  bound * solid_angle);
+          const double off = std::abs(weight - static_cast<double>(truth[static_cast<std::size_t>(f * positions + t)]));
+          wrong += off < bound * solid_angle ? 0 : 1;
         }
       }
     }
   }
+  CAPTURE(size, bands, midpoint, strip, column);
+  CHECK(wrong == 0);
 }
 
 }  // namespace
@@ -235,23 +244,25 @@ TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[proj
       image::texel_kernels().integrate_texels(
           {size, chunk.first_row, chunk.first_column, chunk.column_count, bands, false}, math::basis_constants(),
           math::gauss_legendre(8), table->weight_rows().data(), fine.data(), projection::kChunk);
+      int wrong = 0;
       for (int f = 0; f < functions; ++f) {
         for (int t = 0; t < chunk.column_count; ++t) {
-          CAPTURE(size, bands, index, f, t);
           const auto truth = static_cast<double>(fine[static_cast<std::size_t>(f * projection::kChunk + t)]);
           const auto weight = static_cast<double>(weights[f * projection::kChunk + t]);
           // A float's last place, and what the rule may be off by: row 0 is the solid angle times Y(0, 0).
-          REQUIRE(std::abs(weight - truth) <= 1.2e-7 * std::abs(truth) + 2e-8 * static_cast<double>(fine[t]));
+          const double most = 1.2e-7 * std::abs(truth) + 2e-8 * static_cast<double>(fine[t]);
+          wrong += std::abs(weight - truth) <= most ? 0 : 1;
         }
       }
+      CAPTURE(size, bands, index);
+      CHECK(wrong == 0);
     }
   }
 }
 
 TEST_CASE("A policy that changes nothing leaves a large face's bits", "[projection][strip]") {
   const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 4);
-  ProjectionOptions clamped;
-  clamped.pixels.clamp = RadianceClamp{1e30F, true};
+  const ProjectionOptions clamped{.pixels = {.clamp = RadianceClamp{1e30F, true}}};
   CHECK(same_bits(project(cubemap.view(), clamped).radiance, project(cubemap.view()).radiance));
 }
 

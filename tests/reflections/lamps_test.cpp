@@ -123,12 +123,6 @@ void check_lamps(const std::vector<Shape>& sources, const std::vector<int>& chai
   }
 }
 
-std::vector<glm::dvec3> every(const std::vector<glm::dvec3>& all, std::size_t step) {
-  std::vector<glm::dvec3> some;
-  for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
-  return some;
-}
-
 const std::vector<float> kLights{1e4F, 1e6F, 1e8F};
 
 }  // namespace
@@ -172,11 +166,7 @@ TEST_CASE("Lamps over a picture of many values leave all mips within their bound
     for (const std::size_t texel : {33U, 300U, 301U, 511U}) std::fill_n(source.pixels.begin() + 3 * texel, 3, light);
     const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 32});
     for (std::size_t level = 1; level < result.mips.size(); ++level) {
-      const std::vector<glm::dvec3> all = centres(result.mips[level].size);
-      const std::size_t step = std::max<std::size_t>(1, all.size() / 50) | 1U;
-      const std::vector<glm::dvec3> some = every(all, step);
-      const auto truth = reference_specular(source.view(), result.mips[level].roughness, some);
-      const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
+      const LevelError error = error_of_mip(source.view(), result, level, step_for(result.mips[level].size, 50) | 1U);
       CAPTURE(light, level, error.rms, error.maximum);
       CHECK(error.rms < 1e-3);
       CHECK(error.maximum < 1e-2);
@@ -198,7 +188,7 @@ TEST_CASE("Sheen and diffuse light of lamps with large texels are within the bou
         cubemap ? prefilter_by_lobes(cube.view(), options) : prefilter_by_lobes(lat_long.view(), options);
     for (std::size_t level = 0; level < 2; ++level) {
       constexpr std::size_t step = 23;
-      const std::vector<glm::dvec3> some = every(centres(8 >> level), step);
+      const std::vector<glm::dvec3> some = every(step, centres(8 >> level));
       const auto truth = cubemap ? reference_by_lobe(cube.view(), options.lobes[level], some)
                                  : reference_by_lobe(lat_long.view(), options.lobes[level], some);
       const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);

@@ -22,6 +22,18 @@ inline std::vector<glm::dvec3> centres(int size) {
   return directions;
 }
 
+/// Every `step`-th of them, from the first on.
+inline std::vector<glm::dvec3> every(std::size_t step, const std::vector<glm::dvec3>& all) {
+  std::vector<glm::dvec3> some;
+  for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+  return some;
+}
+
+/// The step that takes some `probes` of a level's texels.
+inline std::size_t step_for(int size, std::size_t probes) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(6 * size * size) / probes);
+}
+
 struct LevelError {
   double rms = 0.0;      ///< relative to the rms of the truth
   double maximum = 0.0;  ///< of |x - t| / t
@@ -45,6 +57,25 @@ inline LevelError level_error(const Cubemap& chain, int level, const std::vector
   }
   error.rms = squares > 0.0 ? std::sqrt(squares / whole) : 0.0;
   return error;
+}
+
+/// The largest relative difference of a level's values from the texel that is everywhere; infinite beside a NaN.
+inline double largest_deviation(const Cubemap& chain, int level, const std::vector<float>& texel) {
+  const auto values = level_values(chain, level);
+  double worst = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double off = std::abs(static_cast<double>(values[k]) / static_cast<double>(texel[k % 3]) - 1.0);
+    worst = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(worst, off);
+  }
+  return worst;
+}
+
+/// Of every `step`-th texel of a mip against GGX's integral in double.
+inline LevelError error_of_mip(const EnvironmentView& view, const PrefilteredSpecular& result, std::size_t level,
+                               std::size_t step = 1) {
+  const MipRecord& mip = result.mips[level];
+  const auto truth = reference_specular(view, mip.roughness, every(step, centres(mip.size)));
+  return level_error(result.cubemap, static_cast<int>(level), truth, step);
 }
 
 }  // namespace welkin::test

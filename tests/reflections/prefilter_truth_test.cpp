@@ -5,11 +5,13 @@
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/pictures.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
+#include "welkin/resampling.h"
 
 namespace welkin::test {
 namespace {
@@ -21,22 +23,30 @@ void check_against_truth(const EnvironmentView& view, const PrefilterOptions& op
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
     const MipRecord& mip = result.mips[level];
     if (mip.method == MipMethod::copy) continue;
-    const std::vector<glm::dvec3> all = centres(mip.size);
-    const std::size_t step = std::max<std::size_t>(1, all.size() / probes);
-    std::vector<glm::dvec3> some;
-    for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
-    const auto truth = reference_specular(view, mip.roughness, some);
-    const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
+    const LevelError error = error_of_mip(view, result, level, step_for(mip.size, probes));
     CAPTURE(level, mip.roughness, mip.bands, error.rms, error.maximum);
     CHECK(error.rms < rms);
     CHECK(error.maximum < maximum);
   }
 }
 
-TestLatLong black_with_one_light(int width, int height, int column, int row, float value) {
-  TestLatLong image = make_lat_long(Content::uniform, width, height, 0);
-  for (float& channel : image.pixels) channel = 0.0F;
-  for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)] = value;
+struct Lit {
+  int column;
+  int row;
+  float light;
+  float sky;
+  double radius = 0.0;  ///< in texels; 0: one texel
+};
+
+/// A sky with a disc of light.
+LatLongImage lit_sky(int width, const Lit& sun) {
+  LatLongImage image{width, width / 2, {}};
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const bool lit = std::hypot(column - sun.column, row - sun.row) <= sun.radius;
+      image.pixels.insert(image.pixels.end(), 3, lit ? sun.light : sun.sky);
+    }
+  }
   return image;
 }
 
@@ -75,7 +85,7 @@ TEST_CASE("Tighter bounds are met too", "[specular][prefilter][truth]") {
 }
 
 TEST_CASE("A light in the dark gives the lobe's closed form, near and far", "[specular][prefilter][truth]") {
-  const TestLatLong source = black_with_one_light(512, 256, 117, 60, 1e6F);
+  const LatLongImage source = lit_sky(512, {117, 60, 1e6F, 0.0F});
   const glm::dvec3 light = image::lat_long_direction(512, 256, 117.5, 60.5);
   const double total_radiance = 1e6 * image::lat_long_texel_solid_angle(512, 256, 60);
   const PrefilteredSpecular result =
@@ -103,7 +113,7 @@ TEST_CASE("No mip is negative beside a sun of 1e6, and each keeps its light", "[
     const TestLatLong source = make_lat_long(content, 256, 128, 6);
     const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 128});
     for (int level = 0; level < result.cubemap.levels(); ++level) {
-      for (const float value : level_values(result.cubemap, level)) REQUIRE(value >= 0.0F);
+      CHECK(std::ranges::all_of(level_values(result.cubemap, level), [](float value) { return value >= 0.0F; }));
     }
   }
 }
@@ -150,7 +160,7 @@ TEST_CASE("Loose bounds keep uniform light, its mean and its sign", "[specular][
       const double most = content == Content::one_texel_sun || content == Content::sun_disc ? 1.5e-3 : 1e-3;
       for (const MipRecord& mip : result.mips) {
         const int level = static_cast<int>(&mip - result.mips.data());
-        for (const float value : level_values(result.cubemap, level)) REQUIRE(value >= 0.0F);
+        CHECK(std::ranges::all_of(level_values(result.cubemap, level), [](float value) { return value >= 0.0F; }));
         CAPTURE(mip.size);
         if (mip.size >= 16) CHECK(glm::length(mip.mean - mean) < most * glm::length(mean));
       }
@@ -181,30 +191,21 @@ TEST_CASE("What is added before is added after", "[specular][prefilter]") {
 }
 
 TEST_CASE("A quarter turn of the environment permutes the faces", "[specular][prefilter]") {
-  // To the left by a quarter: what was at +x comes to +z, what was at +z to -x.
   const TestLatLong source = make_lat_long(Content::high_range, 128, 64, 9);
-  TestLatLong rotated = source;
-  for (int row = 0; row < 64; ++row) {
-    for (int column = 0; column < 128; ++column) {
-      for (int c = 0; c < 3; ++c) {
-        rotated.pixels[static_cast<std::size_t>(3 * (row * 128 + (column + 32) % 128) + c)] =
-            source.pixels[static_cast<std::size_t>(3 * (row * 128 + column) + c)];
-      }
-    }
-  }
+  const glm::dmat3 rotation = rotation_about_y(90.0);
   const PrefilterOptions options{.size = 32, .roughness = {0.3, 0.6}};
   const auto before = prefilter_specular(source.view(), options);
-  const auto after = prefilter_specular(rotated.view(), options);
-  constexpr std::array<int, 4> from{0, 4, 1, 5};  // +X came to +Z, +Z to -X, -X to -Z, -Z to +X
-  constexpr std::array<int, 4> to{4, 1, 5, 0};
+  // No texel's bits change by these turns.
+  const auto after = prefilter_specular(to_lat_long(source.view(), 128, 64, rotation).view(), options);
   for (int level = 0; level < 2; ++level) {
-    const std::size_t count = face_values(before.cubemap, level);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float* const x = before.cubemap.face(level, from[k]);
-      const float* const y = after.cubemap.face(level, to[k]);
+    const Cubemap wanted = to_cubemap(before.cubemap.view(level), before.cubemap.level_size(level), rotation);
+    for (const int face : {0, 1, 4, 5}) {
+      const float* const x = wanted.face(0, face);
+      const float* const y = after.cubemap.face(level, face);
       double worst = 0.0;
-      for (std::size_t i = 0; i < count; ++i) worst = std::max(worst, std::abs(static_cast<double>(y[i] / x[i]) - 1.0));
-      CAPTURE(level, k);
+      for (std::size_t i = 0; i < face_values(wanted, 0); ++i)
+        worst = std::max(worst, std::abs(static_cast<double>(y[i] / x[i]) - 1.0));
+      CAPTURE(level, face);
       CHECK(worst < 5e-4);
     }
   }
@@ -214,11 +215,7 @@ TEST_CASE("The whole reference is the truth at each texel's centre", "[specular]
   const TestLatLong source = make_lat_long(Content::random, 32, 16, 6);
   const PrefilteredSpecular result =
       prefilter_specular(source.view(), {.size = 4, .roughness = {0.3, 1.0}, .method = PrefilterMethod::reference});
-  for (int level = 0; level < 2; ++level) {
-    const auto truth = reference_specular(source.view(), result.mips[static_cast<std::size_t>(level)].roughness,
-                                          centres(result.cubemap.level_size(level)));
-    CHECK(level_error(result.cubemap, level, truth).maximum < 1e-7);
-  }
+  for (const std::size_t level : {0U, 1U}) CHECK(error_of_mip(source.view(), result, level).maximum < 1e-7);
 }
 
 TEST_CASE("Real environments are blurred to within the default bounds", "[specular][prefilter][truth]") {
@@ -236,24 +233,15 @@ TEST_CASE("Real environments are blurred to within the default bounds", "[specul
 
 namespace {
 
-TestLatLong sun_at(int column, int row, float sun, float sky) {
-  TestLatLong image = make_lat_long(Content::uniform, 256, 128, 0);
-  for (float& channel : image.pixels) channel = sky;
-  for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * 256 + column) + c)] = sun;
-  return image;
-}
-
 /// Every texel of every mip against the truth.
-LevelError worst_level(const EnvironmentView& view, const PrefilterOptions& options) {
+void check_all_texels(const EnvironmentView& view, const PrefilterOptions& options, double rms = 1e-3) {
   const PrefilteredSpecular result = prefilter_specular(view, options);
-  LevelError worst;
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
-    const auto truth = reference_specular(view, result.mips[level].roughness, centres(result.mips[level].size));
-    const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth);
-    worst.rms = std::max(worst.rms, error.rms);
-    worst.maximum = std::max(worst.maximum, error.maximum);
+    const LevelError error = error_of_mip(view, result, level);
+    CAPTURE(level, error.rms, error.maximum);
+    CHECK(error.rms < rms);
+    CHECK(error.maximum < 1e-2);
   }
-  return worst;
 }
 
 }  // namespace
@@ -262,30 +250,21 @@ TEST_CASE("A bright texel that the horizon cuts counts by its part above", "[spe
   // Seen from the ring around it, the sun gives as much as the sky though hardly anything of it is above.
   for (const auto& [column, row] : {std::pair{32, 63}, {32, 38}}) {
     CAPTURE(column, row);
-    const TestLatLong source = sun_at(column, row, 1e5F, 0.2F);
-    const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.7, 1.0}});
-    CHECK(worst.rms < 1e-3);
-    CHECK(worst.maximum < 1e-2);
+    check_all_texels(lit_sky(256, {column, row, 1e5F, 0.2F}).view(), {.size = 8, .roughness = {0.7, 1.0}});
   }
 }
 
 TEST_CASE("A bright texel at a pole lies where its area is", "[specular][prefilter][truth]") {
   for (const int row : {0, 127}) {
     CAPTURE(row);
-    const TestLatLong source = sun_at(3, row, 1e6F, 0.2F);
-    const LevelError worst = worst_level(source.view(), {.size = 4, .roughness = {0.3, 0.7}});
-    CHECK(worst.rms < 2e-4);
-    CHECK(worst.maximum < 1e-2);
+    check_all_texels(lit_sky(256, {3, row, 1e6F, 0.2F}).view(), {.size = 4, .roughness = {0.3, 0.7}}, 2e-4);
   }
 }
 
 TEST_CASE("Cubemaps of few texels are blurred as areas", "[specular][prefilter][truth]") {
   for (const int size : {1, 3, 7}) {
     CAPTURE(size);
-    const TestCubemap source = make_cubemap(Content::random, size, 3, 5);
-    const LevelError worst = worst_level(source.view(), {.size = 4, .roughness = {0.1, 0.3, 1.0}});
-    CHECK(worst.rms < 1e-3);
-    CHECK(worst.maximum < 1e-2);
+    check_all_texels(make_cubemap(Content::random, size, 3, 5).view(), {.size = 4, .roughness = {0.1, 0.3, 1.0}});
   }
 }
 
@@ -302,10 +281,7 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
         CAPTURE(size, texel, light);
         Cubemap source{size, std::vector<float>(18 * face, 1.0F)};
         for (std::size_t c = 0; c < 3; ++c) source.pixels()[3 * texel + c] = light;
-        const LevelError worst =
-            worst_level(source.view(), {.size = size == 32 ? 16 : 6, .roughness = {0.3, 0.5, 0.8}});
-        CHECK(worst.rms < 1e-3);
-        CHECK(worst.maximum < 1e-2);
+        check_all_texels(source.view(), {.size = size == 32 ? 16 : 6, .roughness = {0.3, 0.5, 0.8}});
       }
     }
   }
@@ -313,46 +289,13 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
 
 // Promise: the bounds hold beside lights of any extent, however bright.
 
-namespace {
-
-/// A sky with a sun of `radius` texels of a lat-long 256 wide.
-TestLatLong sun_disc_in_the_dark(int column, int row, double radius, float sun, float sky) {
-  TestLatLong image = make_lat_long(Content::uniform, 256, 128, 0);
-  for (float& channel : image.pixels) channel = sky;
-  for (int y = 0; y < 128; ++y) {
-    for (int x = 0; x < 256; ++x) {
-      if (std::hypot(x - column, y - row) > radius) continue;
-      for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (y * 256 + x) + c)] = sun;
-    }
-  }
-  return image;
-}
-
-}  // namespace
-
 TEST_CASE("The dark beside a sun of any size is blurred to within the default bounds",
           "[specular][prefilter][truth][bright]") {
   for (const double radius : {3.0, 13.0}) {  // 29 and some 530 texels
     for (const int row : some_of(2, {radius < 5.0 ? 40 : 6, radius < 5.0 ? 6 : 40})) {
       CAPTURE(radius, row);
-      const TestLatLong source = sun_disc_in_the_dark(30, row, radius, 1e5F, 0.1F);
-      const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.2, 0.7, 1.0}});
-      CHECK(worst.rms < 1e-3);
-      CHECK(worst.maximum < 1e-2);
-    }
-  }
-}
-
-TEST_CASE("Suns on cubemaps of few texels leave the dark beside them right", "[specular][prefilter][truth][bright]") {
-  for (const float sun : {1e4F, 1e6F, 1e8F}) {
-    for (const std::size_t texel : {std::size_t{5 * 32 + 7}, std::size_t{2 * 1024 + 16 * 32 + 15}}) {
-      CAPTURE(sun, texel);
-      TestCubemap source = make_cubemap(Content::uniform, 32, 3, 5);
-      for (float& channel : source.pixels) channel = 1.0F;
-      std::fill_n(source.pixels.begin() + static_cast<std::ptrdiff_t>(3 * texel), 3, sun);
-      const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.3, 0.8}});
-      CHECK(worst.rms < 1e-3);
-      CHECK(worst.maximum < 1e-2);
+      const LatLongImage source = lit_sky(256, {30, row, 1e5F, 0.1F, radius});
+      check_all_texels(source.view(), {.size = 8, .roughness = {0.2, 0.7, 1.0}});
     }
   }
 }
@@ -360,7 +303,7 @@ TEST_CASE("Suns on cubemaps of few texels leave the dark beside them right", "[s
 // Such edges lie on the rings' own: taking back more than was blurred there cost 8e-5.
 TEST_CASE("A sky over a ground on a cubemap keeps its horizon", "[specular][prefilter][truth]") {
   for (const int size : {4, 8, 9}) {
-    Cubemap image{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 0.1F)};
+    Cubemap image = grey_cubemap(size, 0.1F);
     const image::TexelGrid grid = image::TexelGrid::cubemap(size);
     for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
       const glm::dvec3 d = grid.direction(texel);
@@ -369,47 +312,36 @@ TEST_CASE("A sky over a ground on a cubemap keeps its horizon", "[specular][pref
       std::fill_n(image.pixels().begin() + 3 * texel, 3, value);
     }
     const auto result = prefilter_specular(image.view(), {.size = 16, .mips = 1, .roughness = {0.19}});
-    const LevelError error = level_error(result.cubemap, 0, reference_specular(image.view(), 0.19, centres(16)));
+    const LevelError error = error_of_mip(image.view(), result, 0);
     INFO("faces of " << size);
     CHECK(error.rms < 6e-5);
     CHECK(error.rms <= result.mips[0].error_estimate);
   }
 }
 
-TEST_CASE("Values at the end of the floats do not end at infinity", "[specular][prefilter]") {
-  TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
-  TestLatLong huge = source;
-  for (float& value : huge.pixels) value *= 0x1p126F;
-  huge.pixels[3 * 100] = 3.4e38F;
-  source.pixels[3 * 100] = 3.4e38F * 0x1p-126F;
-  const PrefilterOptions options{.size = 16, .roughness = {0.0, 0.1, 0.5, 1.0}};
-  const PrefilteredSpecular plain = prefilter_specular(source.view(), options);
-  const PrefilteredSpecular result = prefilter_specular(huge.view(), options);
-  for (int level = 0; level < 4; ++level) {
-    const auto x = level_values(plain.cubemap, level);
-    const auto y = level_values(result.cubemap, level);
-    for (std::size_t k = 0; k < x.size(); ++k) REQUIRE(y[k] == x[k] * 0x1p126F);
+TEST_CASE("Values at the end of the floats do not end at infinity, and the darkest lose no digits",
+          "[specular][prefilter]") {
+  const TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
+  for (const auto& [exponent, roughness] : {std::pair{126, 0.1}, {-115, 0.02}}) {
+    CAPTURE(exponent);
+    TestLatLong scaled = source;
+    for (float& value : scaled.pixels) value = std::ldexp(value, exponent);
+    TestLatLong plain = source;
+    if (exponent > 0) {
+      scaled.pixels[3 * 100] = 3.4e38F;
+      plain.pixels[3 * 100] = std::ldexp(3.4e38F, -exponent);
+    }
+    const PrefilterOptions options{.size = 16, .roughness = {0.0, roughness, exponent > 0 ? 0.5 : 0.3, 1.0}};
+    const PrefilteredSpecular expected = prefilter_specular(plain.view(), options);
+    const PrefilteredSpecular result = prefilter_specular(scaled.view(), options);
+    CHECK(all_values(result.cubemap, expected.cubemap,
+                     [&](float found, float wanted) { return found == std::ldexp(wanted, exponent); }));
+    CHECK(result.pixels.total_radiance == expected.pixels.total_radiance * std::ldexp(1.0, exponent));
   }
-  CHECK(result.pixels.total_radiance == plain.pixels.total_radiance * 0x1p126);
-}
-
-TEST_CASE("The darkest floats lose no digits that floats have", "[specular][prefilter]") {
-  TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
-  TestLatLong dark = source;
-  for (float& value : dark.pixels) value = std::ldexp(value, -115);
-  const PrefilterOptions options{.size = 16, .roughness = {0.0, 0.02, 0.3, 1.0}};
-  const PrefilteredSpecular plain = prefilter_specular(source.view(), options);
-  const PrefilteredSpecular result = prefilter_specular(dark.view(), options);
-  for (int level = 0; level < 4; ++level) {
-    const auto x = level_values(plain.cubemap, level);
-    const auto y = level_values(result.cubemap, level);
-    for (std::size_t k = 0; k < x.size(); ++k) REQUIRE(y[k] == std::ldexp(x[k], -115));
-  }
-  CHECK(result.pixels.total_radiance == plain.pixels.total_radiance * 0x1p-115);
 }
 
 TEST_CASE("The total radiance that is reported is the picture's", "[specular][prefilter]") {
-  const TestLatLong source = sun_at(32, 38, 1e4F, 0.2F);
+  const LatLongImage source = lit_sky(256, {32, 38, 1e4F, 0.2F});
   const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 64});
   const double sun = 1e4 * image::lat_long_texel_solid_angle(256, 128, 38);
   const double sky = 0.2F * (4.0 * 3.14159265358979323846 - image::lat_long_texel_solid_angle(256, 128, 38));

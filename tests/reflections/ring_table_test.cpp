@@ -5,6 +5,7 @@
 #include "reflections/ring_weights.h"
 #include "support/catch.h"
 #include "support/heap.h"
+#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
 #include "welkin/core.h"
@@ -102,7 +103,7 @@ TEST_CASE("Even light stays even on rings", "[prefilter][rings]") {
   for (const int size : {1, 2, 7, 16, 40}) {
     for (const int rows : {64, 100}) {
       CAPTURE(size, rows);
-      const Cubemap cube{size, std::vector<float>(std::size_t{18} * static_cast<std::size_t>(size * size), 1.0F)};
+      const Cubemap cube = grey_cubemap(size, 1.0F);
       const LatLongImage rings = rings_of(cube.view(), rows);
       float worst = 0.0F;
       for (std::size_t k = 0; k < rings.pixels.size(); k += 3)

@@ -311,8 +311,10 @@ TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slo
           image::texel_kernels(set).integrate_texels(run, math::basis_constants(),
                                                      math::gauss_legendre(size < 8 ? 12 : 5), slot.data(),
                                                      weights.data(), kChunk);
-          require_weights(run, weights, 7e-8);
-          if (first_set.empty()) first_set = weights;
+          if (first_set.empty()) {  // the others have its bits
+            require_weights(run, weights, 7e-8);
+            first_set = weights;
+          }
           REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
         }
       }
@@ -332,8 +334,10 @@ TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
           image::texel_kernels(set).expand_texels(run, slot.data(), weights.data(), kChunk);
-          require_weights(run, weights, 4e-7);
-          if (first_set.empty()) first_set = weights;
+          if (first_set.empty()) {
+            require_weights(run, weights, 4e-7);
+            first_set = weights;
+          }
           REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
         }
       }

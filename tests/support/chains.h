@@ -1,6 +1,7 @@
 // Cubemaps with mips: made up, with every texel of every level unlike the others, looked at and compared.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -25,14 +26,9 @@ inline std::span<const float> level_values(const Cubemap& chain, int level) {
 inline Cubemap noisy_chain(int size, int levels, int octaves = 6, unsigned seed = 1) {
   Cubemap chain(size, levels);
   std::mt19937 random(seed);
-  for (int level = 0; level < levels; ++level) {
-    for (int face = 0; face < 6; ++face) {
-      float* to = chain.face(level, face);
-      for (std::size_t i = 0; i < face_values(chain, level); ++i) {
-        const int exponent = static_cast<int>(random() % static_cast<unsigned>(2 * octaves)) - octaves;
-        to[i] = std::ldexp(1.0F + static_cast<float>(random() % 65536U) / 65536.0F, exponent);
-      }
-    }
+  for (float& value : chain.pixels()) {
+    const int exponent = static_cast<int>(random() % static_cast<unsigned>(2 * octaves)) - octaves;
+    value = std::ldexp(1.0F + static_cast<float>(random() % 65536U) / 65536.0F, exponent);
   }
   return chain;
 }
@@ -40,14 +36,8 @@ inline Cubemap noisy_chain(int size, int levels, int octaves = 6, unsigned seed 
 /// The chain after each value went through `change`.
 template <class Change>
 Cubemap changed(const Cubemap& chain, const Change& change) {
-  Cubemap result(chain.size(), chain.levels());
-  for (int level = 0; level < chain.levels(); ++level) {
-    for (int face = 0; face < 6; ++face) {
-      for (std::size_t i = 0; i < face_values(chain, level); ++i) {
-        result.face(level, face)[i] = change(chain.face(level, face)[i]);
-      }
-    }
-  }
+  Cubemap result = chain;
+  for (float& value : result.pixels()) value = change(value);
   return result;
 }
 
@@ -55,15 +45,7 @@ Cubemap changed(const Cubemap& chain, const Change& change) {
 /// false.
 template <class Compare>
 bool all_values(const Cubemap& a, const Cubemap& b, const Compare& compare) {
-  if (a.size() != b.size() || a.levels() != b.levels()) return false;
-  for (int level = 0; level < a.levels(); ++level) {
-    for (int face = 0; face < 6; ++face) {
-      for (std::size_t i = 0; i < face_values(a, level); ++i) {
-        if (!compare(a.face(level, face)[i], b.face(level, face)[i])) return false;
-      }
-    }
-  }
-  return true;
+  return a.size() == b.size() && a.levels() == b.levels() && std::ranges::equal(a.pixels(), b.pixels(), compare);
 }
 
 }  // namespace welkin::test

@@ -86,22 +86,11 @@ void put(Bytes& bytes, std::size_t index, std::uint32_t value, bool big) {
   }
 }
 
-/// CRC-32 as in the PNG specification, annex D.
-std::uint32_t checksum(const Bytes& bytes, std::size_t first, std::size_t count) {
-  std::uint32_t remainder = 0xffffffffU;
-  for (std::size_t i = first; i < first + count; ++i) {
-    remainder ^= static_cast<unsigned char>(bytes[i]);
-    for (int bit = 0; bit < 8; ++bit)
-      remainder = (remainder & 1U) != 0 ? 0xedb88320U ^ remainder >> 1U : remainder >> 1U;
-  }
-  return ~remainder;
-}
-
 void repair_png(Bytes& bytes) {
   for (std::size_t chunk = 8; chunk + 12 <= bytes.size();) {
     const std::size_t length = big_endian_at(bytes, chunk);
     if (length > bytes.size() - chunk - 12) return;
-    put(bytes, chunk + 8 + length, checksum(bytes, chunk + 4, length + 4), true);
+    put(bytes, chunk + 8 + length, png_checksum(bytes.data() + chunk + 4, length + 4), true);
     chunk += length + 12;
   }
 }

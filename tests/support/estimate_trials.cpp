@@ -168,6 +168,12 @@ int size_for(double roughness, RandomEnvironments& random) {
   return size;
 }
 
+void add_to(EstimateTrials& trials, const std::string& kind, double truth, double estimate, const std::string& where) {
+  auto& honesty = trials[kind];
+  if (!honesty) honesty = std::make_unique<Honesty>(kind);
+  honesty->add(truth, estimate, where, kRounding);
+}
+
 class Trial {
  public:
   /// `family`: whether the environment is of one.
@@ -195,9 +201,7 @@ class Trial {
 
  private:
   void add(const std::string& kind, double truth, double estimate, const std::string& more) {
-    auto& honesty = trials_[kind];
-    if (!honesty) honesty = std::make_unique<Honesty>(kind);
-    honesty->add(truth, estimate, "seed " + std::to_string(seed_) + ", " + what() + more, kRounding);
+    add_to(trials_, kind, truth, estimate, "seed " + std::to_string(seed_) + ", " + what() + more);
   }
 
   [[nodiscard]] std::string what() const { return random_.description().empty() ? "a picture" : random_.description(); }
@@ -307,13 +311,10 @@ bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed,
   constexpr double kTruthError = 7e-6;  // of the integrals, where a lobe has a fraction's power at its axis or horizon
   constexpr int kLobeProbes = 48;       // an integral takes up to 20 ms
   const MipTruth truth(result.cubemap, 0, random, kLobeProbes);
-  const std::string kind = std::string("prefilter, ") + lobe.family + ", " + layout;
-  auto& honesty = trials[kind];
-  if (!honesty) honesty = std::make_unique<Honesty>(kind);
-  honesty->add(std::max(0.0, truth.error(view, lobe.kernel) - kTruthError), *result.mips[0].error_estimate,
-               "seed " + std::to_string(seed) + ", " + random.description() + " " + lobe.name + ", " +
-                   std::to_string(options.size) + " texels",
-               kRounding);
+  add_to(trials, std::string("prefilter, ") + lobe.family + ", " + layout,
+         std::max(0.0, truth.error(view, lobe.kernel) - kTruthError), *result.mips[0].error_estimate,
+         "seed " + std::to_string(seed) + ", " + random.description() + " " + lobe.name + ", " +
+             std::to_string(options.size) + " texels");
   return true;
 }
 

@@ -1,6 +1,7 @@
 // Pictures that tests make, and the real ones where they are at hand.
 #pragma once
 
+#include "image/geometry.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/chains.h"
@@ -69,6 +70,18 @@ inline LatLongImage lat_long_of(int width, int height, const std::function<glm::
     }
   }
   return image;
+}
+
+/// A cubemap of one level, the same.
+inline Cubemap cubemap_of(int size, const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
+  std::vector<float> pixels;
+  for (int row = 0; row < 6 * size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const glm::dvec3 value = radiance(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
+      for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(value[c]));
+    }
+  }
+  return {size, pixels};
 }
 
 /// Noise of 0.5 to 1, and a coloured disc three texels wide that reaches 50 000.

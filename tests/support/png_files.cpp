@@ -43,18 +43,6 @@ void put_big_endian(char* to, std::uint32_t value) {
   }
 }
 
-// ISO 3309's, bit by bit.
-std::uint32_t checksum(const char* bytes, std::size_t count) {
-  std::uint32_t sum = 0xffffffffU;
-  for (std::size_t i = 0; i < count; ++i) {
-    sum ^= static_cast<unsigned char>(bytes[i]);
-    for (int bit = 0; bit < 8; ++bit) {
-      sum = sum >> 1U ^ ((sum & 1U) != 0 ? 0xedb88320U : 0U);
-    }
-  }
-  return ~sum;
-}
-
 }  // namespace
 
 int png_channels(const PngRecipe& recipe) {
@@ -113,6 +101,17 @@ std::vector<char> png_bytes(const PngRecipe& recipe, const std::vector<std::uint
   return {bytes, bytes + size};
 }
 
+std::uint32_t png_checksum(const char* bytes, std::size_t count) {
+  std::uint32_t sum = 0xffffffffU;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum ^= static_cast<unsigned char>(bytes[i]);
+    for (int bit = 0; bit < 8; ++bit) {
+      sum = sum >> 1U ^ ((sum & 1U) != 0 ? 0xedb88320U : 0U);
+    }
+  }
+  return ~sum;
+}
+
 std::vector<char> with_png_chunk(std::vector<char> file, const std::string& type, const std::string& data) {
   std::string chunk(4, '\0');
   put_big_endian(chunk.data(), static_cast<std::uint32_t>(data.size()));
@@ -127,7 +126,7 @@ std::vector<char> with_png_size(std::vector<char> file, std::uint32_t width, std
   constexpr std::size_t kTypeAndData = 4 + 13;
   put_big_endian(file.data() + kType + 4, width);
   put_big_endian(file.data() + kType + 8, height);
-  put_big_endian(file.data() + kType + kTypeAndData, checksum(file.data() + kType, kTypeAndData));
+  put_big_endian(file.data() + kType + kTypeAndData, png_checksum(file.data() + kType, kTypeAndData));
   return file;
 }
 

@@ -31,6 +31,9 @@ std::vector<std::uint16_t> some_samples(const PngRecipe& recipe, unsigned seed =
 /// A file's bytes.
 std::vector<char> png_bytes(const PngRecipe& recipe, const std::vector<std::uint16_t>& samples);
 
+/// CRC-32 as in the PNG specification, annex D.
+std::uint32_t png_checksum(const char* bytes, std::size_t count);
+
 /// The file with a chunk put in after its header. Its checksum is wrong: for chunks that nobody is to look at, and for
 /// damage.
 std::vector<char> with_png_chunk(std::vector<char> file, const std::string& type, const std::string& data);

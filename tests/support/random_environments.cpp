@@ -23,6 +23,24 @@ void fill(const image::TexelGrid& grid, std::span<float> pixels,
   }
 }
 
+/// A rectangle of texels that shines.
+struct Panel {
+  int column;
+  int row;
+  int width;
+  int height;
+  glm::dvec3 radiance;
+};
+
+glm::dvec3 light_of(const std::vector<Panel>& panels, double u, double v, glm::dvec3 sum = glm::dvec3(0.0)) {
+  for (const Panel& panel : panels) {
+    const bool inside =
+        u >= panel.column && u < panel.column + panel.width && v >= panel.row && v < panel.row + panel.height;
+    if (inside) sum += panel.radiance;
+  }
+  return sum;
+}
+
 }  // namespace
 
 const char* name(Family family) noexcept {
@@ -164,25 +182,12 @@ RandomEnvironments::Radiance RandomEnvironments::checkers(int rows) {
 
 /// One to three squares of one to three texels.
 RandomEnvironments::Radiance RandomEnvironments::lamps(int columns, int rows) {
-  struct Lamp {
-    int column;
-    int row;
-    int width;
-    glm::dvec3 radiance;
-  };
-  std::vector<Lamp> all(static_cast<std::size_t>(whole(1, 3)));
-  for (Lamp& lamp : all) {
-    lamp = {whole(0, columns - 1), whole(0, rows - 1), chance(0.7) ? 1 : whole(2, 3), scale(1e4, 1e8) * colour()};
+  std::vector<Panel> all(static_cast<std::size_t>(whole(1, 3)));
+  for (Panel& lamp : all) {
+    lamp = {whole(0, columns - 1), whole(0, rows - 1), chance(0.7) ? 1 : whole(2, 3), 0, scale(1e4, 1e8) * colour()};
+    lamp.height = lamp.width;
   }
-  return [all](const glm::dvec3&, double u, double v) {
-    glm::dvec3 sum(0.0);
-    for (const Lamp& lamp : all) {
-      const bool inside =
-          u >= lamp.column && u < lamp.column + lamp.width && v >= lamp.row && v < lamp.row + lamp.width;
-      if (inside) sum += lamp.radiance;
-    }
-    return sum;
-  };
+  return [all](const glm::dvec3&, double u, double v) { return light_of(all, u, v); };
 }
 
 RandomEnvironments::Radiance RandomEnvironments::log_normal() {
@@ -202,26 +207,11 @@ RandomEnvironments::Radiance RandomEnvironments::log_normal() {
 }
 
 RandomEnvironments::Radiance RandomEnvironments::studio(int columns, int rows) {
-  struct Panel {
-    int column;
-    int row;
-    int width;
-    int height;
-    glm::dvec3 radiance;
-  };
   const glm::dvec3 background = scale(1e-4, 1.0) * colour();
   std::vector<Panel> all(static_cast<std::size_t>(whole(1, 4)));
   for (Panel& panel : all)
     panel = {whole(0, columns - 1), whole(0, rows - 1), whole(1, 8), whole(1, 8), scale(10.0, 1e5) * colour()};
-  return [=](const glm::dvec3&, double u, double v) {
-    glm::dvec3 sum = background;
-    for (const Panel& panel : all) {
-      const bool inside =
-          u >= panel.column && u < panel.column + panel.width && v >= panel.row && v < panel.row + panel.height;
-      if (inside) sum += panel.radiance;
-    }
-    return sum;
-  };
+  return [=](const glm::dvec3&, double u, double v) { return light_of(all, u, v, background); };
 }
 
 RandomEnvironments::Radiance RandomEnvironments::of_family(Family family, int columns, int rows) {

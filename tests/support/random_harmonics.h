@@ -1,9 +1,11 @@
 // Seeded coefficients, directions and turns for property tests.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <random>
 #include <vector>
 
@@ -16,6 +18,20 @@ inline SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int band
   SphericalHarmonics harmonics(bands);
   harmonics.at(0, 0) = radiance * std::sqrt(4.0 * std::numbers::pi);
   return harmonics;
+}
+
+/// All 48 signed permutations of the axes.
+inline std::vector<glm::dmat3> cube_symmetries() {
+  std::vector<glm::dmat3> all;
+  int order[3] = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 map(0.0);
+      for (int k = 0; k < 3; ++k) map[k][order[k]] = (signs >> k & 1) != 0 ? -1.0 : 1.0;
+      all.push_back(map);
+    }
+  } while (std::next_permutation(order, order + 3));
+  return all;
 }
 
 class RandomLight {
