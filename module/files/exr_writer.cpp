@@ -234,7 +234,7 @@ class LevelWriter {
 template <typename Value>
 std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
   const CubePlacement& placement = openexr_cube_placement();
-  TexelProgress progress(job.mips, job.control);
+  TexelProgress progress(job);
   LevelWriter<Value> writer(file, progress);
   const int given = static_cast<int>(job.mips.size());
   for (int level = 0; level < given; ++level) {

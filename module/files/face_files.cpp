@@ -1,6 +1,5 @@
 // The six files of a cubemap, told apart by the ends of their names.
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
@@ -40,11 +39,6 @@ constexpr const char* kFaceNames[] = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
 constexpr const char* kEnds =
     "px nx py ny pz nz; posx negx posy negy posz negz; right left top bottom front back; right left up down front "
     "back; rt lf up dn ft bk; 0 to 5";
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 // What stands before a face's name in a stem, if that ends with it: nothing, or something up to a separator. So
 // "sky_3" is a face and "map10" is none.
@@ -222,10 +216,6 @@ SixPaths faces_in(const Path& directory) {
   }
   return *whole_sets.begin();
 }
-
-}  // namespace
-
-namespace {
 
 using Faces = std::array<std::unique_ptr<RowSource>, 6>;
 

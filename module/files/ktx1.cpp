@@ -42,11 +42,9 @@ Header read_header(platform::ByteFile& file) {
   file.read(bytes.data(), bytes.size());
   if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
     refuse(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
-  const auto field = [&bytes](std::size_t index) {
-    return platform::read_little_endian<std::uint32_t>(bytes.data() + kIdentifier.size() + 4 * index);
-  };
-  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
-          field(7), field(8), field(9), field(10), field(11), field(12)};
+  Header header{};
+  std::memcpy(&header, bytes.data() + kIdentifier.size(), sizeof header);
+  return header;
 }
 
 /// What lies in the file is told by type and format, of blocks by the internal format. (Filament writes the internal
@@ -110,13 +108,12 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
              "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) + " bytes at " +
                  std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
     }
-    std::array<std::uint8_t, 4> stated{};
+    std::uint32_t stated = 0;
     file.seek(slot);
-    file.read(stated.data(), stated.size());
-    if (platform::read_little_endian<std::uint32_t>(stated.data()) != wanted) {
+    file.read(&stated, sizeof stated);
+    if (stated != wanted) {
       refuse(file, ErrorCode::corrupt_file,
-             "its level " + std::to_string(level) + " states " +
-                 std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) + " bytes instead of " +
+             "its level " + std::to_string(level) + " states " + std::to_string(stated) + " bytes instead of " +
                  std::to_string(wanted));
     }
     slot += 4;
@@ -156,7 +153,7 @@ GlFormat gl_format(TexelFormat format) {
 std::vector<std::uint8_t> header_bytes(const TextureJob& job) {
   const GlFormat gl = gl_format(job.options.format);
   const auto size = static_cast<std::uint32_t>(job.mips.front().size);
-  const auto levels = static_cast<std::uint32_t>(job.mips.size());
+  const auto levels = static_cast<std::uint32_t>(job.levels.size());
   constexpr std::uint32_t no_depth = 0, no_array = 0, six_faces = 6;
   const std::vector<std::uint8_t> metadata = key_value_bytes(job.file, job.options.metadata);
   std::vector<std::uint8_t> bytes(kIdentifier.begin(), kIdentifier.end());
@@ -176,19 +173,15 @@ std::uint64_t write_ktx1(const TextureJob& job) {
   const std::vector<std::uint8_t> header = header_bytes(job);
   job.file.write(header.data(), header.size());
   TexelEncoder encoder(job.options.format);
-  TexelProgress progress(job.mips, job.control);
-  for (std::size_t level = 0; level < job.mips.size(); ++level) {
-    std::vector<std::uint8_t> face_bytes;  // of a face: this is no array
-    platform::append_little_endian(
-        face_bytes, static_cast<std::uint32_t>(level_bytes(kind_of(job.options.format), job.mips[level].size) / 6));
-    job.file.write(face_bytes.data(), face_bytes.size());
+  TexelProgress progress(job);
+  for (std::size_t level = 0; level < job.levels.size(); ++level) {
+    const auto face_bytes = static_cast<std::uint32_t>(job.level_bytes(level) / 6);  // of a face: this is no array
+    job.file.write(&face_bytes, sizeof face_bytes);
     if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
       continue;
     }
-    for (int face = 0; face < 6; ++face) {
-      write_face(job.file, job.mips[level], face, job.options.format, encoder, progress);
-    }
+    for (const LatLongView& face : job.levels[level]) write_picture(job, face, encoder, progress);
   }
   return (blocks ? blocks->values_clamped : 0) + encoder.clamped();
 }

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <string>
 
 #include "files/codecs.h"
 #include "files/textures.h"
+#include "image/block_pictures.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
@@ -152,11 +152,9 @@ Header read_header(platform::ByteFile& file) {
     refuse(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
   }
   file.read(bytes.data() + known, bytes.size() - known);
-  const auto field = [&bytes](std::size_t index) {
-    return platform::read_little_endian<std::uint32_t>(bytes.data() + kKtx2Identifier.size() + 4 * index);
-  };
-  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
-          field(7), field(8), field(9), field(10), field(11), field(12)};
+  Header header{};
+  std::memcpy(&header, bytes.data() + kKtx2Identifier.size(), sizeof header);
+  return header;
 }
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
@@ -399,28 +397,28 @@ struct PackedLevel {
   std::uint64_t clamped = 0;
 };
 
-PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const Bytes* blocks) {
+PackedLevel pack_level(const TextureJob& job, std::size_t level, const Bytes* blocks) {
   if (blocks != nullptr) return {pack(job.options.supercompression, *blocks, job.control.stop), 0};
   TexelEncoder encoder(job.options.format);
-  const TexelKind kind = kind_of(job.options.format);
-  Bytes texels(level_bytes(kind, view.size));
-  const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
+  Bytes texels(job.level_bytes(level));
   std::uint8_t* to = texels.data();
-  for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
-    jobs::throw_if_cancelled(job.control);
-    encoder.encode(view, row / view.size, row % view.size, 1, to);
+  for (const LatLongView& picture : job.levels[level]) {
+    for (int row = 0; row < picture.height; ++row) {
+      jobs::throw_if_cancelled(job.control);
+      encoder.encode(picture, row, 1, to);
+      to += static_cast<std::size_t>(picture.width) * texel_bytes(job.kind());
+    }
   }
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
 }
 
 /// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
 std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<BlockLevels>& blocks) {
-  std::vector<PackedLevel> levels(job.mips.size());
-  const auto size = std::int64_t{job.mips.front().size};
-  const jobs::Placement placement = jobs::placement_for(6 * size * size);
+  std::vector<PackedLevel> levels(job.levels.size());
+  const jobs::Placement placement = jobs::placement_for(image::texels_of(job.levels.front()));
   jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(job.control, 0.0, 0.9),
                   [&](std::size_t tile, std::size_t) {
-                    levels[tile] = pack_level(job, job.mips[tile], blocks ? &blocks->levels[tile] : nullptr);
+                    levels[tile] = pack_level(job, tile, blocks ? &blocks->levels[tile] : nullptr);
                   });
   return levels;
 }
@@ -429,23 +427,22 @@ std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<
 
 std::uint64_t write_ktx2(const TextureJob& job) {
   const TextureOptions& options = job.options;
-  const TexelKind kind = kind_of(options.format);
   const bool packed = options.supercompression != Supercompression::none;
   const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
   std::vector<LevelRange> places;
-  for (std::size_t level = 0; level < job.mips.size(); ++level) {
-    const std::uint64_t unpacked = level_bytes(kind, job.mips[level].size);
+  for (std::size_t level = 0; level < job.levels.size(); ++level) {
+    const std::uint64_t unpacked = job.level_bytes(level);
     places.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
   }
-  const int size = job.mips.front().size;
-  write_header(job.file, {size, size, 6}, options, places);
+  const LatLongView& first = job.levels.front().front();
+  write_header(job.file, {first.width, first.height, static_cast<std::uint32_t>(job.faces())}, options, places);
 
   TexelEncoder encoder(options.format);
-  TexelProgress progress(job.mips, job.control);
+  TexelProgress progress(job);
   std::uint64_t clamped = blocks ? blocks->values_clamped : 0;
-  for (std::size_t level = job.mips.size(); level-- > 0;) {
+  for (std::size_t level = job.levels.size(); level-- > 0;) {
     write_padding(job.file, places[level].offset);
     if (packed) {
       job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
@@ -453,57 +450,10 @@ std::uint64_t write_ktx2(const TextureJob& job) {
     } else if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
     } else {
-      for (int face = 0; face < 6; ++face) {
-        write_face(job.file, job.mips[level], face, options.format, encoder, progress);
-      }
+      for (const LatLongView& picture : job.levels[level]) write_picture(job, picture, encoder, progress);
     }
   }
   return clamped + encoder.clamped();
-}
-
-namespace {
-
-/// A picture's texels as they lie in the file, unpacked.
-Bytes texels_of(const LatLongView& picture, const PictureJob& job, TexelEncoder& encoder) {
-  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format));
-  Bytes texels(row_bytes * static_cast<std::size_t>(picture.height));
-  for (int row = 0; row < picture.height; ++row) {
-    report_share(job.control, 0.1 * row / picture.height);
-    encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
-  }
-  return texels;
-}
-
-}  // namespace
-
-std::uint64_t write_ktx2(const PictureJob& job) {
-  const TextureOptions& options = job.options;
-  std::vector<LatLongView> levels{job.picture};
-  levels.insert(levels.end(), job.smaller.begin(), job.smaller.end());
-  TexelEncoder encoder(options.format);
-  std::optional<BlockLevels> blocks = compressed(job);
-  std::vector<Bytes> ready;  // levels that are packed or in blocks
-  if (blocks) ready = std::move(blocks->levels);
-  std::vector<LevelRange> places;
-  for (std::size_t number = 0; number < levels.size(); ++number) {
-    const LatLongView& level = levels[number];
-    const std::uint64_t unpacked = row_byte_range(kind_of(options.format), level.width, 0, level.height).bytes;
-    if (options.supercompression != Supercompression::none) {
-      if (!blocks) ready.push_back(texels_of(level, job, encoder));
-      ready[number] = pack(options.supercompression, ready[number], job.control.stop);
-    }
-    places.push_back({0, ready.empty() ? unpacked : ready[number].size(), unpacked});
-  }
-  write_header(job.file, {job.picture.width, job.picture.height, 1}, options, places);
-  for (std::size_t level = levels.size(); level-- > 0;) {
-    write_padding(job.file, places[level].offset);
-    if (ready.empty()) {
-      write_picture({job.file, levels[level], options, job.control}, encoder);
-    } else {
-      job.file.write(ready[level].data(), ready[level].size());
-    }
-  }
-  return encoder.clamped() + (blocks ? blocks->values_clamped : 0);
 }
 
 void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,

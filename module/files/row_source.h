@@ -5,6 +5,7 @@
 // side, one reader a thread, without a lock.
 #pragma once
 
+#include <cctype>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -29,6 +30,14 @@ inline constexpr int kMaximumHeight = 6 * 16384;
 /// A file's bytes from the first one on. Throws `Error`: file_access, invalid_argument for six faces, which are no
 /// file.
 [[nodiscard]] platform::ByteFile open_file(const FileInput& input);
+
+/// The first eight bytes, or as many as there are. The file stands at its beginning then.
+[[nodiscard]] std::string first_bytes(platform::ByteFile& file);
+
+[[nodiscard]] inline std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
 
 /// What `file` reads, to open it once more.
 [[nodiscard]] FileInput input_of(const platform::ByteFile& file);
