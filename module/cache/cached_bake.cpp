@@ -21,31 +21,24 @@ namespace {
 /// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
 ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
   ByteWriter writer;
-  writer.put(mip.size);
-  writer.put(mip.roughness);
-  writer.put(mip.lobe_roughness);
-  writer.put(name(mip.method));
+  writer.all(mip.size, mip.roughness, mip.lobe_roughness, name(mip.method));
   if (plan.family != LobeFamily::ggx) {
     // All lobes of a chain decide together which texels are taken out and how many bands there are.
-    writer.put(plan.family);
-    writer.put(plan.size);
+    writer.all(plan.family, plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
     writer.put(plan.bounds.rms);
   } else if (mip.method == MipMethod::spectral || mip.method == MipMethod::near_far) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(plan.bounds.rms);
-    writer.put(plan.bounds.maximum);
-    writer.put(plan.may_integrate);
+    writer.all(plan.bounds.rms, plan.bounds.maximum, plan.may_integrate);
     for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
       // Which of these are summed near by is decided for all together.
       if (plan.spectral_lobes[k]->alpha() >= reflections::kMaxNearAlpha) continue;
-      writer.put(plan.spectral_lobes[k]->alpha());
-      writer.put(plan.spectral_sizes[k]);
+      writer.all(plan.spectral_lobes[k]->alpha(), plan.spectral_sizes[k]);
     }
     writer.put(plan.near_far_size);  // as many bands as its far part takes
   }
-  return hash_bytes(writer.bytes().data(), writer.bytes().size());
+  return writer.hash();
 }
 
 }  // namespace
