@@ -237,7 +237,7 @@ std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions&
   info.format = FileFormat::babylon;
   info.compression = manifest.image_type == "image/webp" ? "webp" : "deflate";
   info.storage = "version " + std::to_string(manifest.version);
-  for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, ChannelType::rgbd});
+  add_channels(info, "RGB", ChannelType::rgbd);
   settle_cube(info, manifest.width, manifest.levels(), options);
   info.notes.emplace_back("converted from Babylon.js's left-handed axes: x is mirrored");
   info.notes.emplace_back("RGBD ends at 255: brighter values were clamped when the file was written");

@@ -211,10 +211,7 @@ void tell_gains(EnvironmentInfo& info, const JpegSegments& map) {
 std::optional<glm::dmat3> matrix_of(const JpegSegments& base, Primaries wanted, EnvironmentInfo& info) {
   if (base.has_other_profile) info.notes.emplace_back("its ICC profile is not applied: it has no three primaries");
   if (!base.primaries) return std::nullopt;
-  const Chromaticities& stated = *base.primaries;
-  return rec709_from_stated({stated.red.x, stated.red.y, stated.green.x, stated.green.y, stated.blue.x, stated.blue.y,
-                             stated.white.x, stated.white.y},
-                            "its ICC profile", wanted, info);
+  return rec709_from_stated(*base.primaries, "its ICC profile", wanted, info);
 }
 
 }  // namespace
@@ -228,9 +225,7 @@ std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions
   info.storage = pair.base.buffered ? "progressive" : "scanline";
   info.width = pair.base.width;
   info.height = pair.base.height;
-  const bool grey = pair.base.components == 1;
-  for (const char* name : grey ? std::vector{"Y"} : std::vector{"R", "G", "B"})
-    info.channels.push_back({name, ChannelType::uint8});
+  add_channels(info, pair.base.components == 1 ? "Y" : "RGB", ChannelType::uint8);
   tell_gains(info, pair.map);
   const bool linear = options.transfer == Transfer::linear;
   if (linear) info.notes.emplace_back("samples are read as linear, as requested");

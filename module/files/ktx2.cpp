@@ -76,8 +76,7 @@ std::vector<Sample> samples_of(TexelFormat format) {
   return {};
 }
 
-}  // namespace
-
+/// supercompressionScheme.
 std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept {
   switch (supercompression) {
     case Supercompression::none: return 0;
@@ -97,6 +96,7 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
 /// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
 constexpr std::uint32_t kModelUastcHdr = 167;
 
+/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
@@ -130,8 +130,6 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   }
   return bytes;
 }
-
-namespace {
 
 constexpr std::uint32_t kMaxMetadataBytes = 1U << 20U;
 

@@ -188,10 +188,7 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
   const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(picture.channels());
   pass_second_line_end(file, wanted);
   picture.first_byte = file.position();
-  const std::vector<const char*> names = picture.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
-  for (const char* name : names) {
-    info.channels.push_back({name, ChannelType::float32});
-  }
+  add_channels(info, picture.grey ? "Y" : "RGB", ChannelType::float32);
 
   if (wanted > file.remaining()) {
     throw platform::file_error(ErrorCode::corrupt_file, file.path(),

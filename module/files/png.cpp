@@ -145,10 +145,7 @@ ChannelType type_of_samples(const PngHeader& header) {
 
 void list_channels(EnvironmentInfo& info, const PngHeader& header) {
   const ChannelType type = type_of_samples(header);
-  const std::vector<const char*> names = header.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
-  for (const char* name : names) {
-    info.channels.push_back({name, type});
-  }
+  add_channels(info, header.grey ? "Y" : "RGB", type);
   if (header.alpha) {
     info.channels.push_back({"A", type});
     info.notes.emplace_back("alpha is ignored");

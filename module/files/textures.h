@@ -157,13 +157,6 @@ inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 
 inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
 inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
 
-/// supercompressionScheme.
-[[nodiscard]] std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept;
-[[nodiscard]] std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept;
-
-/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
-[[nodiscard]] std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format);
-
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 
 /// What a header says: of a cubemap, or of a picture (as a lat-long is). Of an array of them it says where one element
