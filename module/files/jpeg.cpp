@@ -87,31 +87,26 @@ class GainRows {
   int next_ = 1;  // row of the map that is decoded next
 };
 
-class JpegReader final : public RowReader {
+class JpegReader final : public SequentialReader {
  public:
-  JpegReader(const FileInput& input, const Pair& pair) : input_(input), pair_(pair) { open(); }
-
-  void read(int first_row, int row_count, float* rgb) override {
-    if (first_row < next_row_) open();
-    while (next_row_ < first_row) next(nullptr);
-    for (int row = 0; row < row_count; ++row, rgb += 3 * static_cast<std::size_t>(pair_.base.width)) next(rgb);
+  JpegReader(const FileInput& input, const Pair& pair) : SequentialReader(pair.base.width), input_(input), pair_(pair) {
+    open();
   }
 
  private:
+  void restart() override { open(); }
+
   void open() {
     base_ = std::make_unique<JpegDecoder>(input_, pair_.base);
     gains_ = std::make_unique<GainRows>(input_, pair_);
     coded_.resize(base_->row_bytes());
-    next_row_ = 0;
   }
 
-  void next(float* rgb) {
+  void next(int row, float* rgb) override {
     base_->decode_row(coded_.data());
-    if (rgb != nullptr) {
-      gains_->factors(next_row_, rgb);
-      apply(rgb);
-    }
-    ++next_row_;
+    if (rgb == nullptr) return;
+    gains_->factors(row, rgb);
+    apply(rgb);
   }
 
   // From factors to light.
@@ -136,7 +131,6 @@ class JpegReader final : public RowReader {
   std::unique_ptr<JpegDecoder> base_;
   std::unique_ptr<GainRows> gains_;
   std::vector<std::uint8_t> coded_;
-  int next_row_ = 0;
 };
 
 class JpegSource final : public RowSource {

@@ -52,6 +52,31 @@ class RowReader {
   virtual void read(int first_row, int row_count, float* rgb) = 0;
 };
 
+/// Of a picture whose rows come one after the other from the top: one that is asked for a row above the last one starts
+/// again.
+class SequentialReader : public RowReader {
+ public:
+  explicit SequentialReader(int width) : row_floats_(std::size_t{3} * static_cast<std::size_t>(width)) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    if (first_row < next_row_) {
+      restart();
+      next_row_ = 0;
+    }
+    for (; next_row_ < first_row; ++next_row_) next(next_row_, nullptr);
+    for (const int end = first_row + row_count; next_row_ < end; ++next_row_, rgb += row_floats_) next(next_row_, rgb);
+  }
+
+ protected:
+  virtual void restart() = 0;
+  /// Decodes the next row, to `width` x 3 floats, or passes over it if `rgb` is null.
+  virtual void next(int row, float* rgb) = 0;
+
+ private:
+  std::size_t row_floats_;
+  int next_row_ = 0;
+};
+
 class RowSource {
  public:
   virtual ~RowSource() = default;
