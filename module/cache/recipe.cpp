@@ -84,8 +84,12 @@ class Loader {
 
 std::uint64_t texels(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
 
-std::size_t mip_values(int size) {
-  return std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+std::size_t mip_values(int size) { return static_cast<std::size_t>(18 * texels(size)); }
+
+std::uint64_t chain_bytes(int size, int levels) {
+  std::uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
+  return bytes;
 }
 
 std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
@@ -104,12 +108,7 @@ Cubemap load_chain(Loader& loader, int size, int levels, memory_resource* memory
     loader.reader.fail();
     return {};
   }
-  std::uint64_t values = 0;  // before any memory is taken for them
-  for (int level = 0; level < levels; ++level) {
-    const auto edge = static_cast<std::uint64_t>(std::max(1, size >> level));
-    values += 18 * edge * edge;
-  }
-  if (values > loader.reader.remaining() / sizeof(float)) {
+  if (chain_bytes(size, levels) > loader.reader.remaining()) {  // before any memory is taken for them
     loader.reader.fail();
     return {};
   }
@@ -128,11 +127,7 @@ std::optional<Result> if_complete(const Loader& loader, Result result) {
 
 std::uint64_t projection_bytes(int bands) { return 24 * texels(bands) + kSmallPayload; }
 std::uint64_t mip_bytes(int size) { return 6 * 12 * texels(size) + kSmallPayload; }
-std::uint64_t cubemap_bytes(int size, int levels) {
-  std::uint64_t bytes = kSmallPayload;
-  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
-  return bytes;
-}
+std::uint64_t cubemap_bytes(int size, int levels) { return chain_bytes(size, levels) + kSmallPayload; }
 std::uint64_t face_sums_bytes(int bands, std::size_t tiles) {
   constexpr std::uint64_t record = 64;
   return tiles * (24 * texels(bands) + record) + kSmallPayload;
