@@ -8,10 +8,6 @@
 namespace welkin::files {
 namespace {
 
-[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
-  throw platform::file_error(code, file.path(), message);
-}
-
 /// Header fields by their number from the magic number on.
 using Fields = std::array<std::uint32_t, kDdsFirstTexel / 4>;
 
@@ -21,19 +17,20 @@ constexpr std::size_t kHeaderSize = 1, kHeight = 3, kWidth = 4, kLevels = 7, kPi
 
 void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if (fields[kHeaderSize] != kDdsHeaderBytes || fields[kPixelFormatSize] != kDdsPixelFormatBytes) {
-    refuse(file, ErrorCode::corrupt_file, "its DDS header states wrong sizes");
+    refuse_texture(file, ErrorCode::corrupt_file, "its DDS header states wrong sizes");
   }
   if ((fields[kPixelFormatFlags] & kDdsHasFourCc) == 0 || fields[kFourCc] != kFourCcDx10) {
-    refuse(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
+    refuse_texture(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
   }
   if (!kind_with(&KindTraits::dxgi, fields[kFormat])) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
-               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
-               "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
+    refuse_texture(
+        file, ErrorCode::unsupported_file,
+        "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
+            " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
+            "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
   }
   if (fields[kDimension] != kDdsTexture2d) {
-    refuse(file, ErrorCode::unsupported_file, "is a 1D or 3D texture; pass a cubemap or a 2D texture");
+    refuse_texture(file, ErrorCode::unsupported_file, "is a 1D or 3D texture; pass a cubemap or a 2D texture");
   }
 }
 
@@ -62,9 +59,9 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   }
   slot += chain * faces * static_cast<std::uint64_t>(layout.elements - 1 - element);
   if (slot > file.size()) {
-    refuse(file, ErrorCode::corrupt_file,
-           "ends too early: its levels end at " + std::to_string(slot) + ", the file has " +
-               std::to_string(file.size()) + " bytes; fetch or export it again");
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "ends too early: its levels end at " + std::to_string(slot) + ", the file has " +
+                       std::to_string(file.size()) + " bytes; fetch or export it again");
   }
   return layout;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "files/env_manifest.h"
+#include "files/environment.h"
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
@@ -107,14 +108,7 @@ std::optional<BabylonPolynomial> stored_polynomial(const StoredEnvironment& file
 BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, baking::ArtefactStore* store,
                             const Control& control) {
   FileSource source(file, plan);
-  BakeResult result;
-  try {
-    result = baking::run_bake(source, plan, store, control);
-  } catch (const Error& failure) {
-    // What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
-    if (failure.code() != ErrorCode::rejected_pixel) throw;
-    throw platform::file_error(failure.code(), file.input.path(), failure.what());
-  }
+  BakeResult result = naming_file(file.input.path(), [&] { return baking::run_bake(source, plan, store, control); });
   result.stored_polynomial = stored_polynomial(file);
   return result;
 }

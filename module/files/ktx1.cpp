@@ -33,15 +33,11 @@ struct Header {
   std::uint32_t width, height, depth, elements, faces, levels, metadata_bytes;
 };
 
-[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
-  throw platform::file_error(code, file.path(), message);
-}
-
 Header read_header(platform::ByteFile& file) {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
   file.read(bytes.data(), bytes.size());
   if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
-    refuse(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
+    refuse_texture(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
   Header header{};
   std::memcpy(&header, bytes.data() + kIdentifier.size(), sizeof header);
   return header;
@@ -73,15 +69,17 @@ std::optional<TexelKind> kind_of(const Header& header) {
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
   if (header.order != kOwnOrder)
-    refuse(file, ErrorCode::unsupported_file, "is a big-endian KTX file; convert it (ktx2ktx2)");
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
+    refuse_texture(file, ErrorCode::unsupported_file, "is a big-endian KTX file; convert it (ktx2ktx2)");
+  if (header.depth > 1)
+    refuse_texture(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_of(header)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
-               " and glInternalFormat " + std::to_string(header.internal_format) +
-               " are not read; half floats and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and "
-               "SRGB) and "
-               "BC6H are");
+    refuse_texture(
+        file, ErrorCode::unsupported_file,
+        "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
+            " and glInternalFormat " + std::to_string(header.internal_format) +
+            " are not read; half floats and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and "
+            "SRGB) and "
+            "BC6H are");
   }
 }
 
@@ -104,17 +102,18 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
     const std::uint64_t whole = layout.whole_bytes(level);
     const std::uint64_t wanted = counts_a_face ? layout.face_bytes(level) : whole;
     if (slot + 4 > file.size() || whole > file.size() - slot - 4) {
-      refuse(file, ErrorCode::corrupt_file,
-             "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) + " bytes at " +
-                 std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) +
+                         " bytes at " + std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) +
+                         "; fetch or export it again");
     }
     std::uint32_t stated = 0;
     file.seek(slot);
     file.read(&stated, sizeof stated);
     if (stated != wanted) {
-      refuse(file, ErrorCode::corrupt_file,
-             "its level " + std::to_string(level) + " states " + std::to_string(stated) + " bytes instead of " +
-                 std::to_string(wanted));
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "its level " + std::to_string(level) + " states " + std::to_string(stated) + " bytes instead of " +
+                         std::to_string(wanted));
     }
     slot += 4;
     TextureLayout::Level found;

@@ -138,16 +138,12 @@ struct Header {
   std::uint32_t descriptor_offset, descriptor_bytes, metadata_offset, metadata_bytes;
 };
 
-[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
-  throw platform::file_error(code, file.path(), message);
-}
-
 Header read_header(platform::ByteFile& file) {
   std::array<std::uint8_t, kKtx2HeaderBytes> bytes{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(kKtx2Identifier.size(), file.size()));
   file.read(bytes.data(), known);
   if (std::memcmp(bytes.data(), kKtx2Identifier.data(), known) != 0) {
-    refuse(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
+    refuse_texture(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
   }
   file.read(bytes.data() + known, bytes.size() - known);
   Header header{};
@@ -156,17 +152,19 @@ Header read_header(platform::ByteFile& file) {
 }
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
+  if (header.depth > 1)
+    refuse_texture(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_with(&KindTraits::vulkan, header.format)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
-               "rgba8 and rgb8 (unorm, srgb) are");
+    refuse_texture(
+        file, ErrorCode::unsupported_file,
+        "its VkFormat " + std::to_string(header.format) +
+            " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
+            "rgba8 and rgb8 (unorm, srgb) are");
   }
   if (!supercompression_of_ktx2(header.scheme)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its supercompression scheme " + std::to_string(header.scheme) +
-               " is not read; none, Zstandard and ZLIB are: convert it");
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "its supercompression scheme " + std::to_string(header.scheme) +
+                       " is not read; none, Zstandard and ZLIB are: convert it");
   }
   const Supercompression supercompression = *supercompression_of_ktx2(header.scheme);
   if (supercompression != Supercompression::none) {
@@ -174,16 +172,17 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   }
   const std::uint32_t type_size = traits(*kind_with(&KindTraits::vulkan, header.format)).unit;
   if (header.type_size != type_size) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
   }
 }
 
 void require_inside(const platform::ByteFile& file, const char* what, std::uint64_t offset, std::uint64_t bytes) {
   if (offset > file.size() || bytes > file.size() - offset) {
-    refuse(file, ErrorCode::corrupt_file,
-           std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
-               std::to_string(offset) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
+                       std::to_string(offset) + ", the file " + std::to_string(file.size()) +
+                       "; fetch or export it again");
   }
 }
 
@@ -197,14 +196,14 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
   const bool packed = layout.supercompression != Supercompression::none;
   const std::uint64_t wanted = layout.whole_bytes(level);
   if (unpacked != wanted || (!packed && bytes != wanted)) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes instead of " +
-               std::to_string(wanted));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes instead of " +
+                       std::to_string(wanted));
   }
   if (packed && most_unpacked(layout.supercompression, bytes) < wanted) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
-               std::to_string(wanted));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
+                       std::to_string(wanted));
   }
   if (packed) {
     std::vector<std::uint8_t> first(std::min<std::uint64_t>(bytes, kFirstPackedBytes));
@@ -226,9 +225,9 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
                                                    std::uint64_t bytes_there) {
   require_inside(file, "key/value data", offset, bytes_there);
   if (bytes_there > kMaxMetadataBytes) {
-    refuse(file, ErrorCode::limit_exceeded,
-           "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
-               std::to_string(kMaxMetadataBytes) + "; save it without");
+    refuse_texture(file, ErrorCode::limit_exceeded,
+                   "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
+                       std::to_string(kMaxMetadataBytes) + "; save it without");
   }
   std::vector<char> bytes(bytes_there);
   file.seek(offset);
@@ -239,12 +238,12 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
     std::memcpy(&length, bytes.data() + place, sizeof length);
     place += sizeof length;
     if (length > bytes.size() - place) {
-      refuse(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
+      refuse_texture(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
     }
     const std::string entry(bytes.data() + place, length);
     const std::size_t end_of_key = entry.find('\0');
     if (end_of_key == std::string::npos) {
-      refuse(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
+      refuse_texture(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
     }
     std::string value = entry.substr(end_of_key + 1);
     if (!value.empty() && value.back() == '\0') value.pop_back();

@@ -108,39 +108,45 @@ TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
                              "is not a KTX2, KTX or DDS texture (unknown signature); pass one of those");
 }
 
+void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
+  throw platform::file_error(code, file.path(), message);
+}
+
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
                     std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element) {
   constexpr std::uint32_t most_elements = 65536;
-  const auto refuse = [&file](ErrorCode code, const std::string& message) {
-    throw platform::file_error(code, file.path(), message);
-  };
   if (faces != 6 && faces != 1)
-    refuse(ErrorCode::corrupt_file, "has " + std::to_string(faces) + " faces; a cubemap has six and an image one");
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "has " + std::to_string(faces) + " faces; a cubemap has six and an image one");
   const std::uint32_t count = std::max(elements, 1U);
   if (count > most_elements) {
-    refuse(ErrorCode::unsupported_file, "is an array of " + std::to_string(elements) + "; up to " +
-                                            std::to_string(most_elements) + " elements are read");
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "is an array of " + std::to_string(elements) + "; up to " + std::to_string(most_elements) +
+                       " elements are read");
   }
   require_element(file.path(), static_cast<int>(count), element);
   const std::string shape = std::to_string(width) + " x " + std::to_string(height);
   if (faces == 6) {
     if (width != height || width < 1) {
-      refuse(ErrorCode::corrupt_file, "its faces are " + shape + " texels; a cubemap's are square, from 1 x 1 up");
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "its faces are " + shape + " texels; a cubemap's are square, from 1 x 1 up");
     }
     if (width > image::kLargestFace) {
-      refuse(ErrorCode::unsupported_file,
-             "its faces are " + shape + " texels; reduce them to " + std::to_string(image::kLargestFace) + " or fewer");
+      refuse_texture(
+          file, ErrorCode::unsupported_file,
+          "its faces are " + shape + " texels; reduce them to " + std::to_string(image::kLargestFace) + " or fewer");
     }
   } else if (width < 1 || height < 1 || width > static_cast<std::uint64_t>(kMaximumWidth) ||
              height > static_cast<std::uint64_t>(kMaximumHeight)) {
-    refuse(ErrorCode::unsupported_file, "has " + shape + " texels; images from 1 x 1 to " +
-                                            std::to_string(kMaximumWidth) + " x " + std::to_string(kMaximumHeight) +
-                                            " are read");
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "has " + shape + " texels; images from 1 x 1 to " + std::to_string(kMaximumWidth) + " x " +
+                       std::to_string(kMaximumHeight) + " are read");
   }
   const int most = full_chain_levels(static_cast<int>(std::max(width, height)));
   if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
-    refuse(ErrorCode::corrupt_file, "states " + std::to_string(levels) + " levels; from " + shape +
-                                        " texels down there can be 1 to " + std::to_string(most));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "states " + std::to_string(levels) + " levels; from " + shape + " texels down there can be 1 to " +
+                       std::to_string(most));
   }
   layout.size = static_cast<int>(width);
   layout.height = faces == 6 ? 0 : static_cast<int>(height);

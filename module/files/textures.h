@@ -223,6 +223,9 @@ struct TextureLayout {
 [[nodiscard]] std::vector<std::uint8_t> key_value_bytes(const platform::WholeFile& file,
                                                         const std::map<std::string, std::string>& metadata);
 
+/// Throws `Error` naming the file.
+[[noreturn]] void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message);
+
 /// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
 /// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
