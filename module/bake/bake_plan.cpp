@@ -2,6 +2,7 @@
 #include "bake/bake_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -437,17 +438,10 @@ class BakePlanner {
 }  // namespace
 
 const char* name(BakePass pass) noexcept {
-  switch (pass) {
-    case BakePass::sanitize: return "sanitize";
-    case BakePass::specular: return "specular";
-    case BakePass::background: return "background";
-    case BakePass::background_mips: return "background mips";
-    case BakePass::project: return "project";
-    case BakePass::irradiance: return "irradiance";
-    case BakePass::brdf: return "brdf";
-    case BakePass::octahedral: break;
-  }
-  return "octahedral";
+  constexpr std::array names{"sanitize", "specular",   "background", "background mips",
+                             "project",  "irradiance", "brdf",       "octahedral"};
+  static_assert(names.size() == static_cast<std::size_t>(BakePass::octahedral) + 1);
+  return names[static_cast<std::size_t>(pass)];
 }
 
 std::uint64_t chain_texels(int size, int levels) noexcept {

@@ -1,5 +1,6 @@
 // Plans for skies carried out.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -39,21 +40,10 @@ enum class SkyPass {
 };
 
 const char* name(SkyPass pass) noexcept {
-  switch (pass) {
-    case SkyPass::transmittance: return "transmittance";
-    case SkyPass::sun_paths: return "sun paths";
-    case SkyPass::orders: return "orders";
-    case SkyPass::scattering: return "scattering";
-    case SkyPass::aerosol: return "aerosol";
-    case SkyPass::absorbers: return "absorbers";
-    case SkyPass::view: return "view";
-    case SkyPass::curve: return "curve";
-    case SkyPass::project: return "project";
-    case SkyPass::specular: return "specular";
-    case SkyPass::background: return "background";
-    case SkyPass::brdf: break;
-  }
-  return "brdf";
+  constexpr std::array names{"transmittance", "sun paths", "orders",  "scattering", "aerosol",    "absorbers",
+                             "view",          "curve",     "project", "specular",   "background", "brdf"};
+  static_assert(names.size() == static_cast<std::size_t>(SkyPass::brdf) + 1);
+  return names[static_cast<std::size_t>(pass)];
 }
 
 bool any_matter(const Constituent& constituent) {
@@ -96,6 +86,7 @@ class SkyPlanner {
 
  private:
   static constexpr const char* kNotGlossy = "the scene has no glossy materials";
+  static constexpr const char* kNoTables = "no pass uses the scattering tables";
 
   void add(SkyPass pass, std::string reason, std::uint64_t bytes) {
     plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes});
@@ -116,7 +107,7 @@ class SkyPlanner {
   void plan_tables() {
     if (!plan_.tables) {
       for (const SkyPass pass : {SkyPass::transmittance, SkyPass::sun_paths, SkyPass::orders, SkyPass::scattering}) {
-        skip(pass, "no pass uses the scattering tables");
+        skip(pass, kNoTables);
       }
       return;
     }
@@ -137,26 +128,20 @@ class SkyPlanner {
   /// They have no pass of their own.
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
-    if (!sky::scatters(air.aerosol)) {
-      skip(SkyPass::aerosol, "the planet has no scattering aerosol: no table of single Mie scattering");
-    } else if (plan_.tables) {
-      add(SkyPass::aerosol, "in the tables", 0);
-    } else {
-      skip(SkyPass::aerosol, "no pass uses the scattering tables");
-    }
+    const auto in_tables = [&](SkyPass pass, bool there, const char* why_not, const std::string& reason) {
+      if (there && plan_.tables) return add(pass, reason, 0);
+      skip(pass, there ? kNoTables : why_not);
+    };
+    in_tables(SkyPass::aerosol, sky::scatters(air.aerosol),
+              "the planet has no scattering aerosol: no table of single Mie scattering", "in the tables");
     const auto absorbers = platform::ranges::count_if(air.absorbers, any_matter);
-    if (absorbers == 0) {
-      skip(SkyPass::absorbers, "the planet has none, such as ozone");
-    } else if (plan_.tables) {
-      add(SkyPass::absorbers, std::to_string(absorbers) + " of them, in the tables", 0);
-    } else {
-      skip(SkyPass::absorbers, "no pass uses the scattering tables");
-    }
+    in_tables(SkyPass::absorbers, absorbers > 0, "the planet has none, such as ozone",
+              std::to_string(absorbers) + " of them, in the tables");
   }
 
   void plan_light() {
     if (!plan_.tables) {
-      skip(SkyPass::view, "no pass uses the scattering tables");
+      skip(SkyPass::view, kNoTables);
     } else {
       const SkyTableOptions& tables = options_.tables;
       // A slice has the texels of one height, eight floats each: three channels and a padding of both kinds of

@@ -46,11 +46,9 @@ const welkin::CubemapView& level_of(const welkin_chain* chain, std::int32_t leve
 void welkin_chain_destroy(welkin_chain* chain) { destroy(chain); }
 
 welkin_status welkin_chain_share(const welkin_chain* chain, welkin_chain** another) {
-  return guarded([&] {
-    require(another, "another");
-    *another = nullptr;
+  return guarded_making(another, "another", [&] {
     require(chain, "chain");
-    hand_out(another, "another", [&] { return new welkin_chain(*chain); });
+    return new welkin_chain(*chain);
   });
 }
 
@@ -193,10 +191,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   PrefilterOptions wanted = PrefilterOptions::at(given.rms_error == 0.0 ? quality : Quality::normal);
   wanted.size = given.size != 0 ? given.size : size;
   if (given.mips != 0) wanted.mips = given.mips;
-  if (given.roughness_count < 0 || given.roughness_count > kMaxRoughness) {
-    refuse("roughness_count is " + std::to_string(given.roughness_count) + "; it must be from 0 to " +
-           std::to_string(kMaxRoughness));
-  }
+  image::require_range("roughness_count", given.roughness_count, 0, kMaxRoughness);
   if (given.roughness_count > 0) {
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
@@ -367,8 +362,8 @@ welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_c
     if (!views.empty() && bands != 0) require(coefficients, "coefficients");
     const std::size_t room =
         bands > 0 && bands <= welkin::kMaximumBands ? views.size() * static_cast<std::size_t>(bands * bands) : 0;
-    const auto baked = welkin::bake_many(views, written, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
-                                         bands, control_of(control));
+    const auto baked =
+        welkin::bake_many(views, written, triples(coefficients, room), wanted, bands, control_of(control));
     if (totals != nullptr) write_diagnostics(totals, baked.diagnostics);
     tell(baked.values_clamped, values_clamped);
   });

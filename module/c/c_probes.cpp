@@ -67,14 +67,6 @@ const BakedProbes& probes_of(const welkin_probes* probes) {
   return probes->probes;
 }
 
-static_assert(sizeof(dvec3) == 3 * sizeof(double));
-
-/// Triples of doubles that lie one after the other.
-std::span<const dvec3> triples(const double* values, std::size_t count, const char* name) {
-  require(values, name);
-  return {reinterpret_cast<const dvec3*>(values), count};
-}
-
 }  // namespace
 }  // namespace welkin::c_interface
 

@@ -33,8 +33,6 @@ welkin_status welkin_project(const welkin_environment* mips, int32_t mip_count,
   });
 }
 
-static_assert(sizeof(welkin::dvec3) == 3 * sizeof(double));
-
 welkin_status welkin_project_many(const welkin_environment* probes, int64_t probe_count,
                                   const welkin_projection_options* options, const welkin_control* control,
                                   double* coefficients, welkin_projection* totals) {
@@ -44,8 +42,7 @@ welkin_status welkin_project_many(const welkin_environment* probes, int64_t prob
     if (totals != nullptr) require_room(totals, 0);
     if (!views.empty()) require(coefficients, "coefficients");
     const std::size_t room = views.size() * static_cast<std::size_t>(wanted.bands * wanted.bands);
-    const auto sum = welkin::project_many(views, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
-                                          control_of(control));
+    const auto sum = welkin::project_many(views, triples(coefficients, room), wanted, control_of(control));
     if (totals != nullptr) write_diagnostics(totals, sum);
   });
 }

@@ -29,16 +29,10 @@ std::vector<double> by_wavelength(const double* values, std::size_t wavelengths)
   return values == nullptr ? std::vector<double>{} : std::vector<double>(values, values + wavelengths);
 }
 
-void require_count(const char* name, std::int32_t count, std::int32_t least, std::int32_t most) {
-  if (count >= least && count <= most) return;
-  refuse(std::string(name) + " is " + std::to_string(count) + "; it must be from " + std::to_string(least) + " to " +
-         std::to_string(most));
-}
-
 Constituent constituent_of(const welkin_constituent* constituent, const char* name, std::size_t wavelengths) {
   constexpr std::ptrdiff_t kLayerValues = 5;
   const auto given = read_struct(constituent, name);
-  require_count("layer_count", given.layer_count, 0, kMaxLayers);
+  image::require_range("layer_count", given.layer_count, 0, kMaxLayers);
   if (given.layer_count > 0) require(given.layers, "layers");
   Constituent matter;
   for (std::int32_t i = 0; i < given.layer_count; ++i) {
@@ -53,7 +47,7 @@ Constituent constituent_of(const welkin_constituent* constituent, const char* na
 /// The planet at the caller's wavelengths, if there are any.
 Atmosphere planet_of(const welkin_atmosphere& given) {
   require_enumerator("planet", given.planet, WELKIN_PLANET_EARTH_POLLUTED);
-  require_count("wavelength_count", given.wavelength_count, 0, kMaxWavelengths);
+  image::require_range("wavelength_count", given.wavelength_count, 0, kMaxWavelengths);
   std::vector<double> wavelengths = Atmosphere{}.wavelengths_nm;
   if (given.wavelength_count > 0) {
     require(given.wavelengths_nm, "wavelengths_nm");
@@ -106,7 +100,7 @@ Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere) {
   const std::size_t wavelengths = air.wavelengths_nm.size();
   if (given.rayleigh != nullptr) air.rayleigh = constituent_of(given.rayleigh, "rayleigh", wavelengths);
   read_aerosol(given, air);
-  require_count("absorber_count", given.absorber_count, -1, kMaxAbsorbers);
+  image::require_range("absorber_count", given.absorber_count, -1, kMaxAbsorbers);
   if (given.absorber_count != 0) air.absorbers.clear();
   for (std::int32_t i = 0; i < given.absorber_count; ++i)
     air.absorbers.push_back(constituent_of(given.absorbers[i], "absorbers", wavelengths));

@@ -40,13 +40,6 @@ using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,goo
 namespace welkin::c_interface {
 namespace {
 
-/// Coefficients of the caller's, as the C++ calls write them.
-std::span<glm::dvec3> triples(double* coefficients, int bands) {
-  static_assert(sizeof(glm::dvec3) == 3 * sizeof(double) && alignof(glm::dvec3) == alignof(double));
-  require(coefficients, "coefficients");
-  return {reinterpret_cast<glm::dvec3*>(coefficients), static_cast<std::size_t>(bands * bands)};
-}
-
 const SkyCurve& curve_of(const welkin_sky_curve* curve) {
   require(curve, "curve");
   return curve->curve;
@@ -80,7 +73,8 @@ welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* s
   return guarded([&] {
     const welkin::SkyCurve& light = curve_of(curve);
     const glm::dvec3 towards_sun = read_triple(sun, "sun");
-    light.at(towards_sun, triples(coefficients, light.bands()));
+    const auto functions = static_cast<std::size_t>(light.bands() * light.bands());
+    light.at(towards_sun, triples(coefficients, functions, "coefficients"));
     if (sun_irradiance != nullptr) write_triple(light.sun_irradiance(towards_sun), sun_irradiance);
   });
 }
@@ -124,12 +118,8 @@ SkyLightOptions light_options(const welkin_sky_light_options* options) {
 
 namespace {
 
-SkyLight& light_of(welkin_sky_light* light) {
-  require(light, "light");
-  return light->light;
-}
-
-const SkyLight& light_of(const welkin_sky_light* light) {
+template <class Handle>
+auto& light_of(Handle* light) {
   require(light, "light");
   return light->light;
 }
@@ -205,8 +195,7 @@ welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const wel
 
 welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame) {
   return guarded([&] {
-    require_room_for_bands(frame, light_of(static_cast<const welkin_sky_light*>(light)).light().radiance.bands(),
-                           "frame");
+    require_room_for_bands(frame, light_of(light).light().radiance.bands(), "frame");
     const auto& now = light_of(light).update(seconds);
     lend(*light, now);
     write_frame(*light, now, frame);

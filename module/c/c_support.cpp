@@ -213,16 +213,12 @@ EnvironmentView environment_view(const welkin_environment* environment, const ch
 }
 
 std::vector<CubemapView> cubemap_views(const welkin_environment* mips, std::int32_t mip_count) {
-  if (mip_count < 1 || mip_count > kMaxLevels) {
-    refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMaxLevels));
-  }
+  image::require_range("mip_count", mip_count, 1, kMaxLevels);
   return views_of(mips, static_cast<std::size_t>(mip_count), "mips");
 }
 
 std::vector<CubemapView> probe_views(const welkin_environment* probes, std::int64_t probe_count) {
-  if (probe_count < 0 || probe_count > std::numeric_limits<std::int32_t>::max()) {
-    refuse("probe_count is " + std::to_string(probe_count) + "; it must be from 0 to 2147483647");
-  }
+  image::require_range("probe_count", probe_count, 0, std::numeric_limits<std::int32_t>::max());
   if (probe_count == 0) return {};
   return views_of(probes, static_cast<std::size_t>(probe_count), "probes");
 }
@@ -396,9 +392,7 @@ Target flat_target(const welkin_target* target) {
 
 std::vector<CubemapTarget> cubemap_targets(const welkin_target* targets, std::int64_t count, const std::string& name) {
   constexpr std::int64_t most = std::int64_t{kMaxLevels} * std::numeric_limits<std::int32_t>::max();
-  if (count < 0 || count > most) {
-    refuse("the number of " + name + " is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
-  }
+  image::require_range(("the number of " + name).c_str(), count, 0, most);
   std::vector<CubemapTarget> written;
   if (count == 0) return written;
   written.reserve(static_cast<std::size_t>(count));

@@ -12,6 +12,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -249,6 +250,19 @@ class HandedOver {
 
 /// Three doubles. Throws `Error` (invalid_argument) for null.
 [[nodiscard]] glm::dvec3 read_triple(const double* values, const char* name);
+/// Triples of doubles that lie one after the other, as the calls of C++ read and write them.
+template <class Double>
+[[nodiscard]] auto triples(Double* values, std::size_t count) noexcept {
+  using Triple = std::conditional_t<std::is_const_v<Double>, const glm::dvec3, glm::dvec3>;
+  static_assert(sizeof(Triple) == 3 * sizeof(double) && alignof(Triple) == alignof(double));
+  return std::span<Triple>(reinterpret_cast<Triple*>(values), count);
+}
+/// The same. Throws `Error` (invalid_argument) for null.
+template <class Double>
+[[nodiscard]] auto triples(Double* values, std::size_t count, const char* name) {
+  require(values, name);
+  return triples(values, count);
+}
 void write_triple(const glm::dvec3& values, double* target) noexcept;
 /// Nine doubles, column after column.
 void write_matrix(const glm::dmat3& matrix, double* target) noexcept;

@@ -46,16 +46,10 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_worker_create(const welkin_worker_options* options, welkin_worker** worker) {
-  return guarded([&] {
-    require(worker, "worker");
-    *worker = nullptr;
-    *worker = std::make_unique<welkin_worker>(worker_options(options)).release();
-  });
+  return guarded_making(worker, "worker", [&] { return new welkin_worker(worker_options(options)); });
 }
 
-void welkin_worker_destroy(welkin_worker* worker) {
-  guarded([&] { const std::unique_ptr<welkin_worker> gone(worker); });
-}
+void welkin_worker_destroy(welkin_worker* worker) { destroy(worker); }
 
 welkin_status welkin_worker_terminate(welkin_worker* worker) {
   return guarded([&] {

@@ -21,31 +21,24 @@ namespace {
 /// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
 ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
   ByteWriter writer;
-  writer.put(mip.size);
-  writer.put(mip.roughness);
-  writer.put(mip.lobe_roughness);
-  writer.put(name(mip.method));
+  writer.all(mip.size, mip.roughness, mip.lobe_roughness, name(mip.method));
   if (plan.family != LobeFamily::ggx) {
     // All lobes of a chain decide together which texels are taken out and how many bands there are.
-    writer.put(plan.family);
-    writer.put(plan.size);
+    writer.all(plan.family, plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
     writer.put(plan.bounds.rms);
   } else if (mip.method == MipMethod::spectral || mip.method == MipMethod::near_far) {
     // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
     // cubemap's rings.
-    writer.put(plan.bounds.rms);
-    writer.put(plan.bounds.maximum);
-    writer.put(plan.may_integrate);
+    writer.all(plan.bounds.rms, plan.bounds.maximum, plan.may_integrate);
     for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
       // Which of these are summed near by is decided for all together.
       if (plan.spectral_lobes[k]->alpha() >= reflections::kMaxNearAlpha) continue;
-      writer.put(plan.spectral_lobes[k]->alpha());
-      writer.put(plan.spectral_sizes[k]);
+      writer.all(plan.spectral_lobes[k]->alpha(), plan.spectral_sizes[k]);
     }
     writer.put(plan.near_far_size);  // as many bands as its far part takes
   }
-  return hash_bytes(writer.bytes().data(), writer.bytes().size());
+  return writer.hash();
 }
 
 }  // namespace
@@ -71,7 +64,7 @@ StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const Pi
       continue;
     }
     mips_[mip] = found->value;
-    where_ = where_.empty() || where_ == found->where ? found->where : "in memory and on disk";
+    where_ = where_.empty() || where_ == found->where ? found->where : "found in memory and on disk";
     milliseconds_ += found->milliseconds;
   }
 }
@@ -99,8 +92,8 @@ void StoredChain::add(PrefilteredSpecular made) {
 std::string StoredChain::found_text() const {
   const std::size_t found = mips_.size() - (end_missing_ - first_missing_);
   if (found == 0) return {};
-  if (found == mips_.size()) return "found " + where_;
-  return std::to_string(found) + " of " + std::to_string(mips_.size()) + " mips found " + where_;
+  if (found == mips_.size()) return where_;
+  return std::to_string(found) + " of " + std::to_string(mips_.size()) + " mips " + where_;
 }
 
 PrefilteredSpecular StoredChain::take() {
@@ -149,18 +142,20 @@ class BakeEntries final : public baking::ArtefactStore {
     baking::FoundArtefacts found;
     if (plan.runs(baking::BakePass::project) && !plan.stored_harmonics) {
       const int bands = plan.projecting.bands;
-      found.projection =
-          found_as(store_.find(projection_, cache::projection_bytes(bands),
-                               [bands](cache::ByteSpan bytes) { return cache::decode_projection(bytes, bands); }));
+      found.projection = store_.find(projection_, cache::projection_bytes(bands),
+                                     [bands](cache::ByteSpan bytes) { return cache::decode_projection(bytes, bands); });
     } else if (plan.runs(baking::BakePass::sanitize)) {
       if (auto sanitized = cache::find_sanitized(store_, sanitized_)) found.sanitized = sanitized->diagnostics;
     }
     if (plan.background_size > 0 && !plan.stored_background) {
-      found.background =
-          found_as(find_cubemap(background_, plan.background_size, plan.background_levels, control.memory));
+      const int size = plan.background_size;
+      const int levels = plan.background_levels;
+      found.background = store_.find(background_, cache::cubemap_bytes(size, levels), [&](cache::ByteSpan bytes) {
+        return cache::decode_cubemap(bytes, size, levels, control.memory);
+      });
     }
     if (options.irradiance && (plan.convolves() || !plan.stored_harmonics)) {
-      found.irradiance = found_as(find_irradiance(options.irradiance->size));
+      found.irradiance = find_irradiance(options.irradiance->size);
     }
     if (plan.prefilter) {
       chain_.emplace(store_, source_, options.pixels, *plan.prefilter, control.memory);
@@ -169,9 +164,9 @@ class BakeEntries final : public baking::ArtefactStore {
       found.specular_milliseconds = chain_->milliseconds();
       if (plan.octahedral) {
         name_octahedral(*plan.octahedral);
-        found.octahedral = found_as(
+        found.octahedral =
             store_.find(octahedral_, octahedral::map_bytes(*plan.octahedral) + cache::kSmallPayload,
-                        [&](cache::ByteSpan bytes) { return cache::decode_octahedral(bytes, *plan.octahedral); }));
+                        [&](cache::ByteSpan bytes) { return cache::decode_octahedral(bytes, *plan.octahedral); });
       }
     }
     return found;
@@ -198,14 +193,6 @@ class BakeEntries final : public baking::ArtefactStore {
   }
 
  private:
-  static std::string words(const char* where) { return std::string("found ") + where; }
-
-  template <class Value>
-  static std::optional<baking::Found<Value>> found_as(std::optional<cache::FoundResult<Value>> result) {
-    if (!result) return std::nullopt;
-    return baking::Found<Value>{std::move(result->value), words(result->where), result->milliseconds};
-  }
-
   /// By what decides the bits of each.
   void name_entries(const EnvironmentView& view, const BakeOptions& options, const baking::BakePlan& plan,
                     const Control& control) {
@@ -236,13 +223,7 @@ class BakeEntries final : public baking::ArtefactStore {
     octahedral_ = {EntryKind::octahedral, cache::result_key("bake octahedral", {combine(parts)})};
   }
 
-  [[nodiscard]] std::optional<cache::FoundResult<Cubemap>> find_cubemap(const EntryName& name, int size, int levels,
-                                                                        memory_resource* memory) {
-    return store_.find(name, cache::cubemap_bytes(size, levels),
-                       [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
-  }
-
-  [[nodiscard]] std::optional<cache::FoundResult<reflections::IrradianceMap>> find_irradiance(int size) {
+  [[nodiscard]] std::optional<baking::Found<reflections::IrradianceMap>> find_irradiance(int size) {
     return store_.find(irradiance_, cache::mip_bytes(size),
                        [=](cache::ByteSpan bytes) -> std::optional<reflections::IrradianceMap> {
                          reflections::IrradianceMap map{Cubemap(size), {}};

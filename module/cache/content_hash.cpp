@@ -50,17 +50,8 @@ ContentHash hash_block(const Plane& plane, std::size_t block) noexcept {
   return of(XXH3_128bits_digest(&state));
 }
 
-/// What pixels mean, beside their bytes.
-ContentHash shape_hash(const char* kind, int width, int height, PixelFormat format) {
-  cache::ByteWriter writer;
-  writer.put(kind);
-  writer.put(width);
-  writer.put(height);
-  writer.put(format);
-  return hash_bytes(writer.bytes().data(), writer.bytes().size());
-}
-
-/// The hash of each plane: its shape's and its blocks', in order. All planes have one shape.
+/// The hash of each plane: its shape's (what pixels mean, beside their bytes) and its blocks', in order. All planes
+/// have one shape.
 std::vector<ContentHash> hash_planes(std::span<const Plane> planes, const ContentHash& shape, const Control& control) {
   const std::size_t blocks = planes.front().blocks();
   const std::size_t each = blocks + 1;
@@ -113,7 +104,7 @@ std::array<ContentHash, 6> cache::hash_faces(const CubemapView& cubemap, const C
     planes[face] = plane_of(cubemap.faces[face], cubemap.size, cubemap.size, cubemap.row_stride_bytes, cubemap.format);
   }
   const std::vector<ContentHash> hashes =
-      hash_planes(planes, shape_hash("face", cubemap.size, cubemap.size, cubemap.format), control);
+      hash_planes(planes, hash_of("face", cubemap.size, cubemap.size, cubemap.format), control);
   std::array<ContentHash, 6> faces{};
   std::copy(hashes.begin(), hashes.end(), faces.begin());
   return faces;
@@ -125,7 +116,7 @@ ContentHash hash_pixels(const EnvironmentView& environment, const Control& contr
   image::check_view(lat_long);
   const Plane plane =
       plane_of(lat_long.pixels, lat_long.width, lat_long.height, lat_long.row_stride_bytes, lat_long.format);
-  const ContentHash shape = shape_hash("lat-long", lat_long.width, lat_long.height, lat_long.format);
+  const ContentHash shape = cache::hash_of("lat-long", lat_long.width, lat_long.height, lat_long.format);
   return hash_planes(std::span(&plane, 1), shape, control).front();
 }
 

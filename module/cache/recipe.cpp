@@ -84,8 +84,12 @@ class Loader {
 
 std::uint64_t texels(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
 
-std::size_t mip_values(int size) {
-  return std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+std::size_t mip_values(int size) { return static_cast<std::size_t>(18 * texels(size)); }
+
+std::uint64_t chain_bytes(int size, int levels) {
+  std::uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
+  return bytes;
 }
 
 std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
@@ -104,12 +108,7 @@ Cubemap load_chain(Loader& loader, int size, int levels, memory_resource* memory
     loader.reader.fail();
     return {};
   }
-  std::uint64_t values = 0;  // before any memory is taken for them
-  for (int level = 0; level < levels; ++level) {
-    const auto edge = static_cast<std::uint64_t>(std::max(1, size >> level));
-    values += 18 * edge * edge;
-  }
-  if (values > loader.reader.remaining() / sizeof(float)) {
+  if (chain_bytes(size, levels) > loader.reader.remaining()) {  // before any memory is taken for them
     loader.reader.fail();
     return {};
   }
@@ -128,11 +127,7 @@ std::optional<Result> if_complete(const Loader& loader, Result result) {
 
 std::uint64_t projection_bytes(int bands) { return 24 * texels(bands) + kSmallPayload; }
 std::uint64_t mip_bytes(int size) { return 6 * 12 * texels(size) + kSmallPayload; }
-std::uint64_t cubemap_bytes(int size, int levels) {
-  std::uint64_t bytes = kSmallPayload;
-  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
-  return bytes;
-}
+std::uint64_t cubemap_bytes(int size, int levels) { return chain_bytes(size, levels) + kSmallPayload; }
 std::uint64_t face_sums_bytes(int bands, std::size_t tiles) {
   constexpr std::uint64_t record = 64;
   return tiles * (24 * texels(bands) + record) + kSmallPayload;
@@ -243,70 +238,14 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
 }  // namespace welkin::cache
 
 namespace welkin {
-namespace {
 
 // Which fields of the options a result depends on. Each struct is taken apart by a structured binding: a field that is
 // added and not thought of here does not compile.
 
-using cache::ByteWriter;
-
-class OptionWriter {
- public:
-  explicit OptionWriter(const char* kind) { writer_.put(kind); }
-
-  template <class... Values>
-  void all(const Values&... values) {
-    (one(values), ...);
-  }
-
-  [[nodiscard]] ContentHash hash() const { return hash_bytes(writer_.bytes().data(), writer_.bytes().size()); }
-
- private:
-  template <class Value>
-  void one(const Value& value) {
-    writer_.put(value);
-  }
-  template <class Value>
-  void one(const std::optional<Value>& value) {
-    writer_.put(value.has_value());
-    if (value) one(*value);
-  }
-  void one(const ContentHash& hash) {
-    writer_.put(hash.high);
-    writer_.put(hash.low);
-  }
-  void one(const RadianceClamp& clamp) {
-    const auto& [maximum, preserve_colour] = clamp;
-    all(maximum, preserve_colour);
-  }
-  void one(const DensityLayer& layer) {
-    const auto& [thickness, exponential, scale, linear, constant] = layer;
-    all(thickness, exponential, scale, linear, constant);
-  }
-  void one(const Constituent& matter) {
-    const auto& [density, scattering, absorption] = matter;
-    list(density);
-    all(scattering, absorption);
-  }
-  void one(const std::vector<Constituent>& matters) { list(matters); }
-
-  template <class Value>
-  void list(const std::vector<Value>& values) {
-    writer_.put(values.size());
-    for (const Value& value : values) one(value);
-  }
-
-  ByteWriter writer_;
-};
-
-}  // namespace
-
 ContentHash cache::hash_options(const ProjectionOptions& options) {
   const auto& [bands, quadrature, target_size, pixels] = options;
   const auto& [clamp, gamma, nan, infinity, negative] = pixels;
-  OptionWriter writer("projection");
-  writer.all(bands, quadrature, target_size.value_or(0), clamp, gamma, nan, infinity, negative);
-  return writer.hash();
+  return hash_of("projection", bands, quadrature, target_size.value_or(0), clamp, gamma, nan, infinity, negative);
 }
 
 ContentHash cache::pixel_key(const PixelPolicy& pixels) {
@@ -319,17 +258,13 @@ ContentHash cache::hash_options(const PrefilterOptions& options) {
   const reflections::ErrorBounds bounds = reflections::bounds_of(options);
   static_cast<void>(rms_error);
   static_cast<void>(maximum_error);
-  OptionWriter writer("prefilter");
-  writer.all(size, mips.value_or(0), roughness, lobe_roughness, lobe, spectra, method, bounds.rms, bounds.maximum,
-             cache::pixel_key(pixels));
-  return writer.hash();
+  return hash_of("prefilter", size, mips.value_or(0), roughness, lobe_roughness, lobe, spectra, method, bounds.rms,
+                 bounds.maximum, cache::pixel_key(pixels));
 }
 
 ContentHash cache::hash_options(const BrdfTableOptions& options) {
   const auto& [width, height, model, sheen] = options;
-  OptionWriter writer("brdf");
-  writer.all(width, height, model, sheen);
-  return writer.hash();
+  return hash_of("brdf", width, height, model, sheen);
 }
 
 ContentHash cache::hash_options(const BakeOptions& options) {
@@ -346,8 +281,8 @@ ContentHash cache::hash_options(const BakeOptions& options) {
   }
   std::optional<ContentHash> table;
   if (brdf) table = hash_options(*brdf);
-  OptionWriter writer("bake");
-  writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
+  cache::ByteWriter writer;
+  writer.all("bake", background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
              irradiance ? irradiance_size : 0, irradiance_method, irradiance_error, bands, total_radiance, table,
              cache::pixel_key(pixels));
   if (octahedral) {
@@ -360,9 +295,7 @@ ContentHash cache::hash_options(const BakeOptions& options) {
 ContentHash cache::hash_options(const ReadOptions& options) {
   const auto& [layout, part, layer, level, element, transfer, primaries, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
-  OptionWriter writer("read");
-  writer.all(layout, part, layer, level, element, transfer, primaries);
-  return writer.hash();
+  return hash_of("read", layout, part, layer, level, element, transfer, primaries);
 }
 
 ContentHash cache::hash_options(const SkyTableOptions& options) {
@@ -370,21 +303,18 @@ ContentHash cache::hash_options(const SkyTableOptions& options) {
                irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, convergence_threshold,
                truncate_orders, colour, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
-  OptionWriter writer("sky tables");
-  writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, convergence_threshold,
-             truncate_orders, colour);
-  return writer.hash();
+  return hash_of("sky tables", layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights,
+                 transmittance_zeniths, irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees,
+                 orders, convergence_threshold, truncate_orders, colour);
 }
 
 ContentHash cache::hash_options(const Atmosphere& atmosphere) {
   const auto& [name, wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry,
                aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius, night] = atmosphere;
   static_cast<void>(name);
-  OptionWriter writer("atmosphere");
-  writer.all(wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry,
-             aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius, night);
-  return writer.hash();
+  return hash_of("atmosphere", wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase,
+                 aerosol_asymmetry, aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius,
+                 night);
 }
 
 }  // namespace welkin

@@ -54,6 +54,20 @@ class ByteWriter {
   }
   void put(const char* text) { put(std::string_view(text)); }
   void put(const std::string& text) { put(std::string_view(text)); }
+  void put(const ContentHash& hash) { all(hash.high, hash.low); }
+  // Each struct is taken apart by a structured binding: a field that is added and not thought of here does not compile.
+  void put(const RadianceClamp& clamp) {
+    const auto& [maximum, preserve_colour] = clamp;
+    all(maximum, preserve_colour);
+  }
+  void put(const DensityLayer& layer) {
+    const auto& [thickness, exponential, scale, linear, constant] = layer;
+    all(thickness, exponential, scale, linear, constant);
+  }
+  void put(const Constituent& matter) {
+    const auto& [density, scattering, absorption] = matter;
+    all(density, scattering, absorption);
+  }
 
   template <class Value>
   void put(const std::vector<Value>& values) {
@@ -66,12 +80,17 @@ class ByteWriter {
     if (value) put(*value);
   }
 
+  template <class... Values>
+  void all(const Values&... values) {
+    (put(values), ...);
+  }
+
   /// As they lie in memory.
   void floats(std::span<const float> values) { raw(values.data(), values.size_bytes()); }
   /// Not inline: GCC 12 warns of writes past the end of vectors whose first capacity it knows.
   void raw(const void* bytes, std::size_t count);
 
-  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const noexcept { return bytes_; }
+  [[nodiscard]] ContentHash hash() const { return hash_bytes(bytes_.data(), bytes_.size()); }
   [[nodiscard]] std::vector<std::uint8_t> take() noexcept { return std::move(bytes_); }
 
  private:
@@ -220,8 +239,8 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 template <class... Values>
 [[nodiscard]] ContentHash hash_of(const Values&... values) {
   ByteWriter writer;
-  (writer.put(values), ...);
-  return hash_bytes(writer.bytes().data(), writer.bytes().size());
+  writer.all(values...);
+  return writer.hash();
 }
 
 }  // namespace welkin::cache

@@ -9,20 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "bake/artefacts.h"
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "jobs/stopwatch.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::cache {
-
-/// A result and where it was.
-template <class Result>
-struct FoundResult {
-  Result value;
-  const char* where;  ///< "in memory", "on disk"
-  double milliseconds = 0.0;
-};
 
 class ResultStore {
  public:
@@ -34,15 +27,15 @@ class ResultStore {
   /// removed. Where there is no memory for it, it is not found.
   template <class Decode>
   auto find(const EntryName& name, std::uint64_t most_bytes, const Decode& decode)
-      -> std::optional<FoundResult<typename decltype(decode(ByteSpan{}))::value_type>> {
-    using Found = FoundResult<typename decltype(decode(ByteSpan{}))::value_type>;
+      -> std::optional<baking::Found<typename decltype(decode(ByteSpan{}))::value_type>> {
+    using Found = baking::Found<typename decltype(decode(ByteSpan{}))::value_type>;
     const jobs::Stopwatch watch;
-    const char* where = "in memory";
+    bool on_disk = false;
     Payload payload = memory_.find(name);
     decltype(decode(ByteSpan{})) result;
     try {
       if (!payload && folder_) {
-        where = "on disk";
+        on_disk = true;
         if (auto bytes = folder_->find(name, most_bytes)) payload = std::make_shared<const Bytes>(std::move(*bytes));
       }
       if (payload) result = decode(*payload);
@@ -54,10 +47,9 @@ class ResultStore {
       ++misses_;
       return std::nullopt;
     }
-    const bool on_disk = where[0] == 'o';
     if (on_disk) memory_.store(name, payload);
     ++(on_disk ? disk_hits_ : memory_hits_);
-    return Found{std::move(*result), where, watch.milliseconds()};
+    return Found{std::move(*result), on_disk ? "found on disk" : "found in memory", watch.milliseconds()};
   }
 
   /// Keeps what `encode` gives, if there is memory for that.
@@ -96,12 +88,12 @@ class ResultStore {
 };
 
 /// Passes of a result that was found: what had been run is reused.
-inline void mark_reused(std::vector<PassRecord>& passes, const char* where, double milliseconds) {
+inline void mark_reused(std::vector<PassRecord>& passes, const std::string& where, double milliseconds) {
   for (PassRecord& pass : passes) {
     if (pass.action == PassAction::run) pass.action = PassAction::reuse;
     pass.milliseconds = 0.0;
   }
-  passes.insert(passes.begin(), {"cache", PassAction::reuse, std::string("found ") + where, milliseconds});
+  passes.insert(passes.begin(), {"cache", PassAction::reuse, where, milliseconds});
 }
 
 /// The entry of `project`, and of a bake's projection.

@@ -23,8 +23,8 @@ class AstcDecoder {
   AstcDecoder& operator=(const AstcDecoder&) = delete;
   virtual ~AstcDecoder() = default;
 
-  /// As `decode_rows` (textures.h) for the kind that it was made for. A block that the specification does not define
-  /// gives NaN. Throws `std::bad_alloc`.
+  /// Packed RGB floats from what is at `row_byte_range` of the kind that it was made for. A block that the
+  /// specification does not define gives NaN. Throws `std::bad_alloc`.
   virtual void decode_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) = 0;
 };
 

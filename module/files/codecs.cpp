@@ -4,11 +4,13 @@
 #include "files/codecs.h"
 
 #include <array>
+#include <limits>
 
 #include "files/astc.h"
 #include "files/env.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
+#include "jobs/control.h"
 
 namespace welkin::files {
 namespace {
@@ -30,6 +32,8 @@ constexpr std::array kCodecs{
     Description{WELKIN_JPEG != 0, "libjpeg (JPEG)", "WELKIN_JPEG"},
 };
 
+constexpr const char* kSaveUnpacked = "save it without supercompression";
+
 }  // namespace
 
 void require_codec(Codec codec, const std::filesystem::path& path, const std::string& remedy) {
@@ -42,6 +46,54 @@ void require_codec(Codec codec, const std::filesystem::path& path, const std::st
 
 Codec codec_of(Supercompression supercompression) noexcept {
   return supercompression == Supercompression::zlib ? Codec::zlib : Codec::zstd;
+}
+
+// Supercompression, by the library that packs so.
+
+void refuse_packed_level(const std::filesystem::path& path, const char* library, const std::string& reason) {
+  throw platform::file_error(ErrorCode::corrupt_file, path,
+                             std::string("has a level that does not unpack: ") + library + " says \"" + reason +
+                                 "\"; fetch or export it again");
+}
+
+std::vector<std::uint8_t> pack(Supercompression supercompression, const std::vector<std::uint8_t>& bytes,
+                               const stop_token& stop) {
+  const Codec codec = codec_of(supercompression);
+  require_codec(codec, "a KTX2", "leave the supercompression out");
+  if constexpr (WELKIN_ZLIB != 0) {
+    if (codec == Codec::zlib) return pack_zlib(bytes, stop);
+  }
+  if constexpr (WELKIN_ZSTD != 0) return pack_zstd(bytes, stop);
+  return {};
+}
+
+void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
+            const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const stop_token& stop) {
+  const Codec codec = codec_of(supercompression);
+  jobs::throw_if_cancelled(stop);
+  require_codec(codec, path, kSaveUnpacked);
+  if constexpr (WELKIN_ZLIB != 0) {
+    if (codec == Codec::zlib) return unpack_zlib(packed, path, bytes, stop);
+  }
+  if constexpr (WELKIN_ZSTD != 0) unpack_zstd(packed, path, bytes);
+}
+
+void require_unpacks(Supercompression supercompression, const std::vector<std::uint8_t>& first,
+                     std::uint64_t unpacked_bytes, const std::filesystem::path& path) {
+  const Codec codec = codec_of(supercompression);
+  require_codec(codec, path, kSaveUnpacked);
+  if constexpr (WELKIN_ZLIB != 0) {
+    if (codec == Codec::zlib) return require_zlib(first, path);
+  }
+  if constexpr (WELKIN_ZSTD != 0) require_zstd(first, unpacked_bytes, path);
+}
+
+std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t packed_bytes) noexcept {
+  // deflate: 1032 bytes of one (zlib's technical notes). Zstandard: a block of 128 KiB of the four bytes that say which
+  // byte to repeat (RFC 8878, 3.1.1.2).
+  const std::uint64_t ratio = supercompression == Supercompression::zlib ? 1032 : (128U << 10U) / 4;
+  constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  return packed_bytes > most / ratio ? most : packed_bytes * ratio;
 }
 
 // What follows is reached only where nobody asked `require_codec` first, and must be there for the linker.
@@ -97,34 +149,8 @@ void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/) {
 #endif
 
 #if !WELKIN_ZLIB
-std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
-  require_codec(Codec::zlib, "a KTX2", "leave the supercompression out");
-  return {};
-}
 std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> /*packed*/, std::uint64_t /*most*/) {
   return std::nullopt;
-}
-void unpack_zlib(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
-                 std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
-  require_codec(Codec::zlib, path, "save it without supercompression");
-}
-void require_zlib(const std::vector<std::uint8_t>& /*first*/, const std::filesystem::path& path) {
-  require_codec(Codec::zlib, path, "save it without supercompression");
-}
-#endif
-
-#if !WELKIN_ZSTD
-std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
-  require_codec(Codec::zstd, "a KTX2", "leave the supercompression out");
-  return {};
-}
-void unpack_zstd(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
-                 std::vector<std::uint8_t>& /*bytes*/) {
-  require_codec(Codec::zstd, path, "save it without supercompression");
-}
-void require_zstd(const std::vector<std::uint8_t>& /*first*/, std::uint64_t /*unpacked_bytes*/,
-                  const std::filesystem::path& path) {
-  require_codec(Codec::zstd, path, "save it without supercompression");
 }
 #endif
 

@@ -99,6 +99,18 @@ constexpr std::array kFaceNames{"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
 
 std::uint64_t texels_of(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
 
+/// An upper bound on what a reader holds for pictures of that size, the libraries' memory included.
+std::uint64_t env_reader_bytes(int size, std::uint64_t picture_bytes) noexcept {
+  // The bytes, the texels, and the texels once more inside libwebp (libspng holds rows), with its tables.
+  constexpr std::uint64_t of_libraries = std::uint64_t{1} << 20U;
+  return picture_bytes + 12 * texels_of(size) + of_libraries;
+}
+
+/// "level 2, face -Y"
+std::string name_of_picture(std::size_t index) {
+  return "level " + std::to_string(index / 6) + ", face " + kFaceNames[index % 6] + ",";
+}
+
 std::uint64_t longest(const std::vector<EnvPicture>& pictures) {
   std::uint64_t most = 0;
   for (const EnvPicture& picture : pictures) most = std::max(most, picture.length);
@@ -132,29 +144,31 @@ void turn_rows(float* rgb, int size) {
   }
 }
 
-}  // namespace
+/// Faces out of an .env file. Each thread has its own.
+class EnvReader {
+ public:
+  /// `stop` is looked at while a picture is decoded.
+  explicit EnvReader(const FileInput& input, stop_token stop = {}) : file_(open_file(input)), stop_(std::move(stop)) {}
 
-void EnvReader::read(const EnvPicture& picture, int size, const std::string& what, float* rgb) {
-  bytes_.resize(picture.length);
-  file_.seek(picture.position);
-  file_.read(bytes_.data(), bytes_.size());
-  rgba_.resize(4 * texels_of(size));
-  decode_rgba({bytes_, size, file_.path(), what}, rgba_.data(), stop_);
-  decoder_.decode(rgba_.data(), texels_of(size), rgb);
-  turn_rows(rgb, size);
-}
+  /// A picture of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
+  /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
+  void read(const EnvPicture& picture, int size, const std::string& what, float* rgb) {
+    bytes_.resize(picture.length);
+    file_.seek(picture.position);
+    file_.read(bytes_.data(), bytes_.size());
+    rgba_.resize(4 * texels_of(size));
+    decode_rgba({bytes_, size, file_.path(), what}, rgba_.data(), stop_);
+    decoder_.decode(rgba_.data(), texels_of(size), rgb);
+    turn_rows(rgb, size);
+  }
 
-std::uint64_t env_reader_bytes(int size, std::uint64_t picture_bytes) noexcept {
-  // The bytes, the texels, and the texels once more inside libwebp (libspng holds rows), with its tables.
-  constexpr std::uint64_t of_libraries = std::uint64_t{1} << 20U;
-  return picture_bytes + 12 * texels_of(size) + of_libraries;
-}
-
-std::string name_of_env_picture(std::size_t index) {
-  return "level " + std::to_string(index / 6) + ", face " + kFaceNames[index % 6] + ",";
-}
-
-namespace {
+ private:
+  platform::ByteFile file_;
+  stop_token stop_;
+  RgbdDecoder decoder_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint8_t> rgba_;
+};
 
 const glm::dmat3 kMirrorX(-1, 0, 0, 0, 1, 0, 0, 0, 1);
 
@@ -177,7 +191,7 @@ class EnvRowReader final : public RowReader {
     const auto index = static_cast<std::size_t>(6 * level_ + stored);
     face_ = -1;
     face_pixels_.resize(rgb_bytes(size_, size_) / sizeof(float));
-    reader_.read(manifest_.specular[index], size_, name_of_env_picture(index), face_pixels_.data());
+    reader_.read(manifest_.specular[index], size_, name_of_picture(index), face_pixels_.data());
     face_ = face;
   }
 
@@ -198,9 +212,7 @@ class EnvSource final : public RowSource {
   [[nodiscard]] int section_rows() const override { return info().width; }
   [[nodiscard]] bool has_prefiltered_levels() const override { return true; }
   [[nodiscard]] std::uint64_t reader_bytes() const override {
-    std::uint64_t longest = 0;
-    for (const EnvPicture& picture : manifest_.specular) longest = std::max(longest, picture.length);
-    return rgb_bytes(info().width, info().width) + env_reader_bytes(info().width, longest);
+    return rgb_bytes(info().width, info().width) + env_reader_bytes(info().width, longest(manifest_.specular));
   }
   [[nodiscard]] const char* smaller_reader() const override { return "export it again with smaller faces"; }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
@@ -225,7 +237,7 @@ std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions&
   info.format = FileFormat::babylon;
   info.compression = manifest.image_type == "image/webp" ? "webp" : "deflate";
   info.storage = "version " + std::to_string(manifest.version);
-  for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, ChannelType::rgbd});
+  add_channels(info, "RGB", ChannelType::rgbd);
   settle_cube(info, manifest.width, manifest.levels(), options);
   info.notes.emplace_back("converted from Babylon.js's left-handed axes: x is mirrored");
   info.notes.emplace_back("RGBD ends at 255: brighter values were clamped when the file was written");
@@ -262,7 +274,7 @@ BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_
         auto& reader = readers[worker];
         if (!reader) reader = std::make_unique<files::EnvReader>(input, control.stop);
         if (tile < specular) {
-          reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_env_picture(tile),
+          reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_picture(tile),
                        environment.specular.face(static_cast<int>(tile / 6), static_cast<int>(tile % 6)));
         } else {
           const std::size_t face = tile - specular;

@@ -11,10 +11,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "files/env_manifest.h"
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "welkin/core.h"
@@ -46,32 +44,6 @@ class RgbdDecoder {
  private:
   std::array<double, 256> linear_{};
 };
-
-// Faces out of an .env file.
-
-/// Each thread has its own.
-class EnvReader {
- public:
-  /// `stop` is looked at while a picture is decoded.
-  explicit EnvReader(const FileInput& input, stop_token stop = {}) : file_(open_file(input)), stop_(std::move(stop)) {}
-
-  /// A picture of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
-  /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
-  void read(const EnvPicture& picture, int size, const std::string& what, float* rgb);
-
- private:
-  platform::ByteFile file_;
-  stop_token stop_;
-  RgbdDecoder decoder_;
-  std::vector<std::uint8_t> bytes_;
-  std::vector<std::uint8_t> rgba_;
-};
-
-/// An upper bound on what a reader holds for pictures of that size, the libraries' memory included.
-[[nodiscard]] std::uint64_t env_reader_bytes(int size, std::uint64_t picture_bytes) noexcept;
-
-/// "level 2, face -Y"
-[[nodiscard]] std::string name_of_env_picture(std::size_t index);
 
 // Babylon.js .env files as rows.
 

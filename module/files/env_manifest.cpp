@@ -1,13 +1,16 @@
 #include "files/env_manifest.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
+#include "files/row_source.h"
 #include "image/pixels.h"
 
 namespace welkin::files {
@@ -16,6 +19,7 @@ namespace {
 using Json = nlohmann::json;  // finds a name at once; the ordered one looks through all of them
 using OrderedJson = nlohmann::ordered_json;
 
+constexpr std::string_view kSignature = "\x86\x16\x87\x96\xF6\xD6\x96\x36";
 constexpr int kNewestVersion = 2;
 constexpr int kDeepestNesting = 8;                               // sound ones have 4
 constexpr std::uint64_t kLongestText = std::uint64_t{1} << 18U;  // sound ones have some kilobytes
@@ -190,24 +194,17 @@ OrderedJson as_json(const std::vector<EnvPicture>& list) {
 
 }  // namespace
 
-bool is_env(platform::ByteFile& file) {
-  std::array<std::uint8_t, kEnvSignature.size()> start{};
-  file.seek(0);
-  if (file.size() < start.size()) return false;
-  file.read(start.data(), start.size());
-  file.seek(0);
-  return start == kEnvSignature;
-}
+bool is_env(platform::ByteFile& file) { return first_bytes(file) == kSignature; }
 
 EnvManifest read_env_manifest(platform::ByteFile& file) {
   if (!is_env(file)) {
     throw platform::file_error(ErrorCode::unsupported_file, file.path(),
                                "is not a Babylon.js .env (wrong signature); pass one, or read it as an environment");
   }
-  file.seek(kEnvSignature.size());
+  file.seek(kSignature.size());
   try {
     const std::string text = read_text(file);
-    return read_manifest(parse(text), file, kEnvSignature.size() + text.size() + 1);
+    return read_manifest(parse(text), file, kSignature.size() + text.size() + 1);
   } catch (const Flaw& flaw) {
     throw platform::file_error(flaw.code, file.path(), flaw.message);
   }
@@ -233,7 +230,7 @@ std::string env_manifest_bytes(const EnvManifest& manifest) {
   }
   json["specular"]["mipmaps"] = as_json(manifest.specular);
   json["specular"]["lodGenerationScale"] = manifest.lod_generation_scale;
-  std::string text(reinterpret_cast<const char*>(kEnvSignature.data()), kEnvSignature.size());
+  std::string text(kSignature);
   text += json.dump();
   text += '\0';
   return text;

@@ -4,7 +4,6 @@
 //   (@babylonjs/core 9.34, Misc/environmentTextureTools.)
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -15,8 +14,6 @@
 #include "welkin/engines.h"
 
 namespace welkin::files {
-
-inline constexpr std::array<std::uint8_t, 8> kEnvSignature{0x86, 0x16, 0x87, 0x96, 0xF6, 0xD6, 0x96, 0x36};
 
 /// Bytes of one picture.
 struct EnvPicture {

@@ -175,7 +175,8 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   const platform::FloatingPointScope floating_point;
   files::check(environment);
   files::require_codec(files::Codec::png, output.path(), "write a texture (.ktx2, .dds)");
-  platform::WholeFile file(output.path(), output.bytes());
+  files::OutputFiles written;
+  platform::WholeFile& file = written.add(output);
   const std::vector<files::Picture> pictures =
       files::encoded(files::levels_of(environment), jobs::part_of(control, 0.0, 0.95));
 
@@ -186,8 +187,7 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
     file.write(picture.png.data(), picture.png.size());
     values_clamped += picture.clamped;
   }
-  file.finish();
-  return files::commit_files({&file}, values_clamped, control);
+  return written.commit(values_clamped, control);
 }
 
 RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control) {

@@ -1,10 +1,12 @@
 // What is made of a source of rows: an environment in memory, or a projection.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
 #include "files/layout.h"
 #include "files/row_source.h"
+#include "platform/file.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
@@ -17,6 +19,17 @@ namespace welkin::files {
 /// own place. What lies beside them in a cross is decoded and not kept. Throws `Error`: limit_exceeded before
 /// anything is read, cancelled, and whatever reading throws.
 [[nodiscard]] Environment read_whole(const RowSource& source, const ReadOptions& options, const Control& control);
+
+/// What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
+template <typename Work>
+auto naming_file(const std::filesystem::path& path, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& failure) {
+    if (failure.code() != ErrorCode::rejected_pixel) throw;
+    throw platform::file_error(failure.code(), path, failure.what());
+  }
+}
 
 /// The level of the file's mip chain that stands in for a reduction to `options.target_size`: the nearest in log2, by
 /// the edge of a cube's faces, or a lat-long's width against four times the target. Nothing without a chain, or

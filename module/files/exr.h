@@ -41,17 +41,6 @@ WELKIN_RUN_BEFORE_STATIC_OBJECTS static void make_openexr_statics() {
   (void)IlmThread::ThreadPool::globalThreadPool();
 }
 
-// The attributes of an OpenEXR header, walked before the OpenEXR library sees them.
-
-/// Walks the header's attributes from the current position (behind magic number and version) to their end,
-/// and checks that what OpenEXR 3 will allocate for each is no more than the bytes that the file has for it.
-///
-/// The library allocates by the sizes it is told and for most types reads what the type takes, whatever
-/// size was stated. So it can be led to read a value's bytes as the next attribute's header, and to allocate
-/// gigabytes for a file of a few hundred bytes. Where every stated size is the one that is consumed, the
-/// library's walk is this one. Throws `Error` (corrupt_file) naming the attribute.
-void check_exr_attributes(platform::ByteFile& file);
-
 // The parts of an OpenEXR file: all headers, checked before the library makes room for what they claim.
 
 struct ExrPart {
@@ -147,30 +136,6 @@ struct ExrPicture {
 /// Reads and checks all of a file's headers and chooses part, layer, level and window. `file` stands at its beginning.
 /// Throws as `inspect_environment`.
 [[nodiscard]] ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options);
-
-// Which rectangle of an OpenEXR file is the picture.
-
-/// The picture's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
-/// inclusive. Texels of the picture that are not stored are black.
-struct ExrWindows {
-  Imath::Box2i picture;
-  Imath::Box2i data;
-};
-
-/// The picture is the data window, wherever it lies, unless the file says that it is a frame around or inside of it:
-/// the display window is the picture if
-/// - the header has no envmap attribute, which makes the data window the map (ImfEnvmap.h), and no mip chain, which
-///   belongs to the data window,
-/// - the windows differ in size and overlap,
-/// - it has the shape of a layout (2:1, 1:6, 6:1, 4:3, 3:4): of the one that is asked for, if one is, and
-/// - the data window has not the shape of another layout, if none is asked for.
-/// So overscan is cut off and a cropped render is put back in its place; either is said in `info.notes`.
-///
-/// Both windows are then at most kMaximumWidth x kMaximumHeight, and of a picture above 16384 x 8192 texels at least
-/// a 64th is stored, so that a few bytes cannot make hours of work.
-/// Throws `Error`: corrupt_file for an empty data window, unsupported_file for what is too large.
-[[nodiscard]] ExrWindows choose_exr_windows(EnvironmentInfo& info, const Imf::Header& header, bool has_levels,
-                                            Layout asked_for);
 
 // Sizes of an OpenEXR picture's levels and how many pieces (chunks) it is stored in.
 
@@ -270,8 +235,13 @@ struct ExrFile {
 /// Where the library is to put a channel: texel (column, row) of the file's coordinates at `first`, the next ones
 /// `texel_bytes` and `row_bytes` on. (It expects the address that texel (0, 0) would have, which may lie outside of
 /// anything, and so is worked out in integers.) Channels sampled at every second texel have `sampling` 2.
-[[nodiscard]] Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
-                                   std::size_t row_bytes, int sampling = 1);
+[[nodiscard]] inline Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row,
+                                          std::size_t texel_bytes, std::size_t row_bytes, int sampling = 1) {
+  const auto left = static_cast<std::intptr_t>(column / sampling) * static_cast<std::intptr_t>(texel_bytes);
+  const auto top = static_cast<std::intptr_t>(row / sampling) * static_cast<std::intptr_t>(row_bytes);
+  const std::intptr_t base = reinterpret_cast<std::intptr_t>(first) - left - top;
+  return {type, reinterpret_cast<char*>(base), texel_bytes, row_bytes, sampling, sampling};
+}
 
 // Blocks that the library has just decoded: do they hold all of their texels?
 
@@ -306,43 +276,5 @@ class ExrBlocks {
 
 /// Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
 [[nodiscard]] int luminance_chroma_rows(int unit_rows) noexcept;
-
-// What the writers of OpenEXR files share.
-
-class ExrOutputStream final : public Imf::OStream {
- public:
-  /// `file` outlives the stream.
-  explicit ExrOutputStream(platform::WholeFile& file)
-      : Imf::OStream(platform::utf8(file.path()).c_str()), file_(file) {}
-
-  void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
-  std::uint64_t tellp() override { return file_.position(); }
-  void seekp(std::uint64_t position) override { file_.seek(position); }
-
- private:
-  platform::WholeFile& file_;
-};
-
-/// To the file's type, counting what is clamped. What is finite stays finite: above the largest half, rounding would
-/// make it infinite. NaN and infinities stay.
-void convert_for_exr(const float* from, std::size_t count, float* to, std::uint64_t& clamped) noexcept;
-void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept;
-
-/// Makes OpenEXR's failures `Error`s that name the file. OpenEXR's file objects write their table of offsets when they
-/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `WholeFile::finish`.
-template <typename Write>
-std::uint64_t write_exr_with_library(const platform::WholeFile& file, const Write& write) {
-  try {
-    return write();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const Iex::BaseExc& failure) {
-    throw platform::file_error(
-        ErrorCode::file_access, file.path(),
-        std::string("could not be written; OpenEXR says: ") + platform::printable(failure.what()));
-  }
-}
 
 }  // namespace welkin::files

@@ -41,10 +41,9 @@ constexpr std::array kFixedSizes{
 
 // Little-endian, as everything in OpenEXR.
 std::uint32_t read_uint32(platform::ByteFile& file) {
-  std::array<unsigned char, 4> bytes{};
+  std::array<std::uint8_t, 4> bytes{};
   file.read(bytes.data(), bytes.size());
-  return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8U |
-         static_cast<std::uint32_t>(bytes[2]) << 16U | static_cast<std::uint32_t>(bytes[3]) << 24U;
+  return platform::read_little_endian<std::uint32_t>(bytes.data());
 }
 
 std::string read_name(platform::ByteFile& file, std::uint64_t end) {
@@ -111,9 +110,14 @@ void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t
   }
 }
 
-}  // namespace
-
-void check_exr_attributes(platform::ByteFile& file) {
+/// Walks the header's attributes from the current position (behind magic number and version) to their end,
+/// and checks that what OpenEXR 3 will allocate for each is no more than the bytes that the file has for it.
+///
+/// The library allocates by the sizes it is told and for most types reads what the type takes, whatever
+/// size was stated. So it can be led to read a value's bytes as the next attribute's header, and to allocate
+/// gigabytes for a file of a few hundred bytes. Where every stated size is the one that is consumed, the
+/// library's walk is this one. Throws `Error` (corrupt_file) naming the attribute.
+void check_attributes(platform::ByteFile& file) {
   const std::uint64_t limit = std::min(file.size(), file.position() + kLargestHeader);
   for (std::string name = read_name(file, limit); !name.empty(); name = read_name(file, limit)) {
     const std::string type = read_name(file, limit);
@@ -130,8 +134,6 @@ void check_exr_attributes(platform::ByteFile& file) {
     }
   }
 }
-
-namespace {
 
 // The library keeps some kilobytes for each; the largest productions have some dozens.
 constexpr std::size_t kMaxParts = 1024;
@@ -162,7 +164,7 @@ int read_version(platform::ByteFile& file) {
 // Checks the attributes first, then lets the library read them.
 Imf::Header read_header(platform::ByteFile& file, ExrStream& stream, int version) {
   const std::uint64_t start = file.position();
-  check_exr_attributes(file);
+  check_attributes(file);
   file.seek(start);
   Imf::Header header;
   header.readFrom(stream, version);

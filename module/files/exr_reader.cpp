@@ -62,14 +62,6 @@ ExrFile::ExrFile(const ExrPicture& picture)
   }
 }
 
-Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
-                     std::size_t row_bytes, int sampling) {
-  const auto left = static_cast<std::intptr_t>(column / sampling) * static_cast<std::intptr_t>(texel_bytes);
-  const auto top = static_cast<std::intptr_t>(row / sampling) * static_cast<std::intptr_t>(row_bytes);
-  const std::intptr_t base = reinterpret_cast<std::intptr_t>(first) - left - top;
-  return {type, reinterpret_cast<char*>(base), texel_bytes, row_bytes, sampling, sampling};
-}
-
 namespace {
 
 using Kind = ExrChannels::Kind;

@@ -25,73 +25,108 @@
 namespace welkin::files {
 namespace {
 
-constexpr int kBlockRows = 16;  // that ZIP compresses together
+constexpr int kBlockRows = 16;      // that ZIP compresses together
+constexpr int kLibraryThreads = 0;  // its pool is the program's
+constexpr std::array kNames{"R", "G", "B"};
+
+/// Rows from `first_row` on, packed, in the file's type.
+template <typename Value>
+Imf::FrameBuffer frame_buffer(std::vector<Value>& values, int width, int first_row) {
+  constexpr Imf::PixelType type = sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF;
+  constexpr std::size_t texel = 3 * sizeof(Value);
+  Imf::FrameBuffer buffer;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    buffer.insert(kNames[i],
+                  exr_slice(type, values.data() + i, 0, first_row, texel, texel * static_cast<std::size_t>(width)));
+  }
+  return buffer;
+}
+
+/// To the file's type, counting what is clamped. What is finite stays finite: above the largest half, rounding would
+/// make it infinite. NaN and infinities stay.
+void convert(const float* from, std::size_t count, float* to, std::uint64_t& /*clamped*/) noexcept {
+  std::copy_n(from, count, to);
+}
+
+void convert(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    float value = from[i];
+    if (std::isfinite(value) && std::abs(value) > image::kLargestHalf) {
+      value = std::copysign(image::kLargestHalf, value);
+      ++clamped;
+    }
+    to[i] = Imath::half(value);
+  }
+}
+
+/// Makes OpenEXR's failures `Error`s that name the file. OpenEXR's file objects write their table of offsets when they
+/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `WholeFile::finish`.
+template <typename Write>
+std::uint64_t write_with_library(const platform::WholeFile& file, const Write& write) {
+  try {
+    return write();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Iex::BaseExc& failure) {
+    throw platform::file_error(
+        ErrorCode::file_access, file.path(),
+        std::string("could not be written; OpenEXR says: ") + platform::printable(failure.what()));
+  }
+}
+
+class OutputStream final : public Imf::OStream {
+ public:
+  /// `file` outlives the stream.
+  explicit OutputStream(platform::WholeFile& file) : Imf::OStream(platform::utf8(file.path()).c_str()), file_(file) {}
+
+  void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
+  std::uint64_t tellp() override { return file_.position(); }
+  void seekp(std::uint64_t position) override { file_.seek(position); }
+
+ private:
+  platform::WholeFile& file_;
+};
 
 Imf::Header make_header(const OutputPicture& picture, const WriteJob& job) {
   Imf::Header header(picture.width(), picture.height());
   header.compression() = Imf::ZIP_COMPRESSION;
   const Imf::PixelType type = job.type == SampleType::float32 ? Imf::FLOAT : Imf::HALF;
-  for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(type));
+  for (const char* name : kNames) header.channels().insert(name, Imf::Channel(type));
   if (job.openexr_lat_long) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
   if (job.openexr_cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
   return header;
 }
 
-/// Rows of one block in the file's type.
-template <typename Value>
-struct Block {
-  static constexpr Imf::PixelType kType = sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF;
-
-  std::vector<Value> values;
-
-  // OpenEXR expects the address that texel (0, 0) would have: an integer, since no such place need exist.
-  Imf::FrameBuffer frame_buffer(int width, int first_row) {
-    const std::size_t stride = 3 * sizeof(Value) * static_cast<std::size_t>(width);
-    const std::intptr_t origin = reinterpret_cast<std::intptr_t>(values.data()) -
-                                 static_cast<std::intptr_t>(first_row) * static_cast<std::intptr_t>(stride);
-    Imf::FrameBuffer buffer;
-    std::size_t offset = 0;
-    for (const char* name : {"R", "G", "B"}) {
-      char* base = reinterpret_cast<char*>(origin + static_cast<std::intptr_t>(offset));
-      buffer.insert(name, Imf::Slice(kType, base, 3 * sizeof(Value), stride));
-      offset += sizeof(Value);
-    }
-    return buffer;
-  }
-};
-
 template <typename Value>
 std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Imf::OutputFile& file) {
   const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(picture.width());
   std::vector<float> rgb(row_values);
-  Block<Value> block{std::vector<Value>(row_values * kBlockRows)};
+  std::vector<Value> block(row_values * kBlockRows);
   std::uint64_t clamped = 0;
   for (int first = 0; first < picture.height(); first += kBlockRows) {
     report_rows(job, first, picture.height());
     const int rows = std::min(kBlockRows, picture.height() - first);
     for (int row = 0; row < rows; ++row) {
       picture.read_row(first + row, rgb.data());
-      convert_for_exr(rgb.data(), row_values, block.values.data() + static_cast<std::size_t>(row) * row_values,
-                      clamped);
+      convert(rgb.data(), row_values, block.data() + static_cast<std::size_t>(row) * row_values, clamped);
     }
-    file.setFrameBuffer(block.frame_buffer(picture.width(), first));
+    file.setFrameBuffer(frame_buffer(block, picture.width(), first));
     file.writePixels(rows);
   }
   return clamped;
 }
 
-std::uint64_t write_with_library(const OutputPicture& picture, const WriteJob& job) {
-  constexpr int kLibraryThreads = 0;  // its pool is the program's
-  ExrOutputStream stream(job.file);
-  Imf::OutputFile file(stream, make_header(picture, job), kLibraryThreads);
-  return job.type == SampleType::float32 ? write_blocks<float>(picture, job, file)
-                                         : write_blocks<Imath::half>(picture, job, file);
-}
-
 }  // namespace
 
 std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job) {
-  return write_exr_with_library(job.file, [&] { return write_with_library(picture, job); });
+  return write_with_library(job.file, [&] {
+    OutputStream stream(job.file);
+    Imf::OutputFile file(stream, make_header(picture, job), kLibraryThreads);
+    return job.type == SampleType::float32 ? write_blocks<float>(picture, job, file)
+                                           : write_blocks<Imath::half>(picture, job, file);
+  });
 }
 
 namespace {
@@ -102,7 +137,6 @@ namespace {
 // its six faces (odd sizes: they lie on top, as CubeMap::sizeOfFace has it), and the last ones hold no faces at all.
 
 constexpr int kTileSize = 64;
-constexpr std::array kNames{"R", "G", "B"};
 
 // Attributes that have a meaning and a type of their own, and are not in every header from the start.
 constexpr std::array kReserved{"name", "type", "version", "chunkCount", "view", "tiles", "preview", "multiView"};
@@ -199,10 +233,9 @@ class LevelWriter {
       for (int row = first; row < end; ++row) {
         std::fill(rgb_.begin(), rgb_.end(), 0.0F);
         if (row < picture.height()) picture.read_row(row, rgb_.data());
-        convert_for_exr(rgb_.data(), row_values, values_.data() + row_values * static_cast<std::size_t>(row - first),
-                        clamped_);
+        convert(rgb_.data(), row_values, values_.data() + row_values * static_cast<std::size_t>(row - first), clamped_);
       }
-      set_frame_buffer(row_values * sizeof(Value), first);
+      file_.setFrameBuffer(frame_buffer(values_, width, first));
       file_.writeTiles(0, file_.numXTiles(level) - 1, tile_row, tile_row, level);
     }
   }
@@ -210,20 +243,6 @@ class LevelWriter {
   [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
 
  private:
-  // OpenEXR expects the address that texel (0, 0) would have: an integer, since no such place need exist.
-  void set_frame_buffer(std::size_t row_bytes, int first_row) {
-    const std::intptr_t origin = reinterpret_cast<std::intptr_t>(values_.data()) -
-                                 static_cast<std::intptr_t>(first_row) * static_cast<std::intptr_t>(row_bytes);
-    Imf::FrameBuffer buffer;
-    std::size_t offset = 0;
-    for (const char* name : kNames) {
-      char* base = reinterpret_cast<char*>(origin + static_cast<std::intptr_t>(offset));
-      buffer.insert(name, Imf::Slice(sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF, base, 3 * sizeof(Value), row_bytes));
-      offset += sizeof(Value);
-    }
-    file_.setFrameBuffer(buffer);
-  }
-
   Imf::TiledOutputFile& file_;
   TexelProgress& progress_;
   std::vector<float> rgb_;
@@ -234,7 +253,7 @@ class LevelWriter {
 template <typename Value>
 std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
   const CubePlacement& placement = openexr_cube_placement();
-  TexelProgress progress(job.mips, job.control);
+  TexelProgress progress(job);
   LevelWriter<Value> writer(file, progress);
   const int given = static_cast<int>(job.mips.size());
   for (int level = 0; level < given; ++level) {
@@ -257,28 +276,12 @@ std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
 }  // namespace
 
 std::uint64_t write_exr_cube(const TextureJob& job) {
-  return write_exr_with_library(job.file, [&] {
-    constexpr int library_threads = 0;  // its pool is the program's
-    ExrOutputStream stream(job.file);
-    Imf::TiledOutputFile file(stream, make_header(job), library_threads);
+  return write_with_library(job.file, [&] {
+    OutputStream stream(job.file);
+    Imf::TiledOutputFile file(stream, make_header(job), kLibraryThreads);
     return job.options.format == TexelFormat::rgba32f ? write_levels<float>(job, file)
                                                       : write_levels<Imath::half>(job, file);
   });
-}
-
-void convert_for_exr(const float* from, std::size_t count, float* to, std::uint64_t& /*clamped*/) noexcept {
-  std::copy_n(from, count, to);
-}
-
-void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept {
-  for (std::size_t i = 0; i < count; ++i) {
-    float value = from[i];
-    if (std::isfinite(value) && std::abs(value) > image::kLargestHalf) {
-      value = std::copysign(image::kLargestHalf, value);
-      ++clamped;
-    }
-    to[i] = Imath::half(value);
-  }
 }
 
 }  // namespace welkin::files

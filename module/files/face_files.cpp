@@ -1,6 +1,5 @@
 // The six files of a cubemap, told apart by the ends of their names.
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
@@ -40,11 +39,6 @@ constexpr const char* kFaceNames[] = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
 constexpr const char* kEnds =
     "px nx py ny pz nz; posx negx posy negy posz negz; right left top bottom front back; right left up down front "
     "back; rt lf up dn ft bk; 0 to 5";
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 // What stands before a face's name in a stem, if that ends with it: nothing, or something up to a separator. So
 // "sky_3" is a face and "map10" is none.
@@ -223,10 +217,6 @@ SixPaths faces_in(const Path& directory) {
   return *whole_sets.begin();
 }
 
-}  // namespace
-
-namespace {
-
 using Faces = std::array<std::unique_ptr<RowSource>, 6>;
 
 std::string shape(const EnvironmentInfo& info) {
@@ -264,13 +254,15 @@ void require_fitting_faces(const Faces& faces) {
   }
 }
 
+template <class Value>
+void add_once(std::vector<Value>& values, const Value& value) {
+  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+}
+
 // "zip", or "zip, deflate" where the files differ.
 std::string joined(const Faces& faces, std::string EnvironmentInfo::*text) {
   std::vector<std::string> different;
-  for (const auto& face : faces) {
-    const std::string& its = face->info().*text;
-    if (std::find(different.begin(), different.end(), its) == different.end()) different.push_back(its);
-  }
+  for (const auto& face : faces) add_once(different, face->info().*text);
   std::string all;
   for (const std::string& its : different) all += (all.empty() ? "" : ", ") + its;
   return all;
@@ -292,21 +284,9 @@ std::vector<LevelInfo> common_levels(const Faces& faces) {
   return levels;
 }
 
-// Formats other than the first face's, each once.
-std::vector<FileFormat> other_formats(const Faces& faces) {
-  const FileFormat first = faces.front()->info().format;
-  std::vector<FileFormat> others;
-  for (const auto& face : faces) {
-    const FileFormat its = face->info().format;
-    if (its != first && std::find(others.begin(), others.end(), its) == others.end()) others.push_back(its);
-  }
-  return others;
-}
-
 EnvironmentInfo describe(const std::filesystem::path& path, const Faces& faces, const std::string& reason) {
   EnvironmentInfo info = faces.front()->info();
   info.path = path;
-  info.other_formats = other_formats(faces);
   info.compression = joined(faces, &EnvironmentInfo::compression);
   info.storage = joined(faces, &EnvironmentInfo::storage);
   info.layout = Layout::six_files;
@@ -316,9 +296,8 @@ EnvironmentInfo describe(const std::filesystem::path& path, const Faces& faces, 
   for (std::size_t face = 0; face < faces.size(); ++face) {
     const EnvironmentInfo& its = faces[face]->info();
     info.faces[face] = its.path;
-    for (const std::string& note : its.notes) {
-      if (std::find(info.notes.begin(), info.notes.end(), note) == info.notes.end()) info.notes.push_back(note);
-    }
+    if (its.format != info.format) add_once(info.other_formats, its.format);
+    for (const std::string& note : its.notes) add_once(info.notes, note);
   }
   return info;
 }

@@ -199,22 +199,14 @@ std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes, co
   GainMap map;
   map.by_iso = true;
   map.from_base = base_headroom <= alternate_headroom;
+  constexpr std::array kFields{&GainMap::minimum, &GainMap::maximum, &GainMap::gamma, &GainMap::base_offset,
+                               &GainMap::alternate_offset};
   const std::size_t channels = (flags & kEachChannel) != 0 ? 3 : 1;
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const std::size_t from = channel < channels ? channel : 0;
-    if (from != channel) {
-      map.minimum[channel] = map.minimum[0];
-      map.maximum[channel] = map.maximum[0];
-      map.gamma[channel] = map.gamma[0];
-      map.base_offset[channel] = map.base_offset[0];
-      map.alternate_offset[channel] = map.alternate_offset[0];
-      continue;
+    for (const auto field : kFields) {
+      std::array<double, 3>& values = map.*field;
+      values[channel] = channel < channels ? reader.fraction(field != &GainMap::gamma, denominator) : values[0];
     }
-    map.minimum[channel] = reader.fraction(true, denominator);
-    map.maximum[channel] = reader.fraction(true, denominator);
-    map.gamma[channel] = reader.fraction(false, denominator);
-    map.base_offset[channel] = reader.fraction(true, denominator);
-    map.alternate_offset[channel] = reader.fraction(true, denominator);
   }
   check(map, path);
   return map;

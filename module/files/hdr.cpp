@@ -162,10 +162,7 @@ std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions&
   info.width = header.width;
   info.height = header.height;
   info.notes = header.notes;
-  const std::vector<const char*> names = header.xyz ? std::vector{"X", "Y", "Z"} : std::vector{"R", "G", "B"};
-  for (const char* name : names) {
-    info.channels.push_back({name, header.xyz ? ChannelType::xyze : ChannelType::rgbe});
-  }
+  add_channels(info, header.xyz ? "XYZ" : "RGB", header.xyz ? ChannelType::xyze : ChannelType::rgbe);
   const HdrTexels texels(header.divisor, matrix_of(header, options.primaries, info));
   decide_layout(info, options.layout, std::nullopt);
   return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels, options.memory_limit_bytes);

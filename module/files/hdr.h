@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "files/primaries.h"
 #include "files/row_source.h"
 #include "platform/file.h"
 
@@ -22,9 +23,9 @@ inline constexpr std::size_t kLongestHdrHeader = std::size_t{64} << 10U;
 struct HdrHeader {
   bool xyz = false;         ///< 32-bit_rle_xyze: CIE XYZ instead of RGB
   glm::dvec3 divisor{1.0};  ///< the product of all EXPOSURE and COLORCORR lines; radiance = stored / divisor
-  std::optional<std::array<double, 8>> primaries;  ///< x and y of red, green, blue and white, as the file has them
-  std::string gamma;                               ///< of the last GAMMA line, if it is not 1
-  int width = 0;                                   ///< of the picture when it is upright
+  std::optional<Chromaticities> primaries;  ///< as the file has them
+  std::string gamma;                        ///< of the last GAMMA line, if it is not 1
+  int width = 0;                            ///< of the picture when it is upright
   int height = 0;
   bool columns = false;       ///< scanlines are columns (X stands first in the resolution line)
   bool bottom_first = false;  ///< +Y

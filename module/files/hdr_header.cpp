@@ -106,7 +106,8 @@ void read_primaries(const platform::ByteFile& file, HdrHeader& header, std::stri
   const auto numbers = read_numbers<8>(file, line, value);
   // Photoshop writes eight zeros into every file: it means nothing by them.
   if (std::any_of(numbers.begin(), numbers.end(), [](double number) { return number != 0.0; })) {
-    header.primaries = numbers;
+    const auto& [rx, ry, gx, gy, bx, by, wx, wy] = numbers;
+    header.primaries = Chromaticities{{rx, ry}, {gx, gy}, {bx, by}, {wx, wy}};
   }
 }
 

@@ -87,31 +87,26 @@ class GainRows {
   int next_ = 1;  // row of the map that is decoded next
 };
 
-class JpegReader final : public RowReader {
+class JpegReader final : public SequentialReader {
  public:
-  JpegReader(const FileInput& input, const Pair& pair) : input_(input), pair_(pair) { open(); }
-
-  void read(int first_row, int row_count, float* rgb) override {
-    if (first_row < next_row_) open();
-    while (next_row_ < first_row) next(nullptr);
-    for (int row = 0; row < row_count; ++row, rgb += 3 * static_cast<std::size_t>(pair_.base.width)) next(rgb);
+  JpegReader(const FileInput& input, const Pair& pair) : SequentialReader(pair.base.width), input_(input), pair_(pair) {
+    open();
   }
 
  private:
+  void restart() override { open(); }
+
   void open() {
     base_ = std::make_unique<JpegDecoder>(input_, pair_.base);
     gains_ = std::make_unique<GainRows>(input_, pair_);
     coded_.resize(base_->row_bytes());
-    next_row_ = 0;
   }
 
-  void next(float* rgb) {
+  void next(int row, float* rgb) override {
     base_->decode_row(coded_.data());
-    if (rgb != nullptr) {
-      gains_->factors(next_row_, rgb);
-      apply(rgb);
-    }
-    ++next_row_;
+    if (rgb == nullptr) return;
+    gains_->factors(row, rgb);
+    apply(rgb);
   }
 
   // From factors to light.
@@ -136,7 +131,6 @@ class JpegReader final : public RowReader {
   std::unique_ptr<JpegDecoder> base_;
   std::unique_ptr<GainRows> gains_;
   std::vector<std::uint8_t> coded_;
-  int next_row_ = 0;
 };
 
 class JpegSource final : public RowSource {
@@ -211,10 +205,7 @@ void tell_gains(EnvironmentInfo& info, const JpegSegments& map) {
 std::optional<glm::dmat3> matrix_of(const JpegSegments& base, Primaries wanted, EnvironmentInfo& info) {
   if (base.has_other_profile) info.notes.emplace_back("its ICC profile is not applied: it has no three primaries");
   if (!base.primaries) return std::nullopt;
-  const Chromaticities& stated = *base.primaries;
-  return rec709_from_stated({stated.red.x, stated.red.y, stated.green.x, stated.green.y, stated.blue.x, stated.blue.y,
-                             stated.white.x, stated.white.y},
-                            "its ICC profile", wanted, info);
+  return rec709_from_stated(*base.primaries, "its ICC profile", wanted, info);
 }
 
 }  // namespace
@@ -228,9 +219,7 @@ std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions
   info.storage = pair.base.buffered ? "progressive" : "scanline";
   info.width = pair.base.width;
   info.height = pair.base.height;
-  const bool grey = pair.base.components == 1;
-  for (const char* name : grey ? std::vector{"Y"} : std::vector{"R", "G", "B"})
-    info.channels.push_back({name, ChannelType::uint8});
+  add_channels(info, pair.base.components == 1 ? "Y" : "RGB", ChannelType::uint8);
   tell_gains(info, pair.map);
   const bool linear = options.transfer == Transfer::linear;
   if (linear) info.notes.emplace_back("samples are read as linear, as requested");

@@ -33,20 +33,14 @@ struct Header {
   std::uint32_t width, height, depth, elements, faces, levels, metadata_bytes;
 };
 
-[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
-  throw platform::file_error(code, file.path(), message);
-}
-
 Header read_header(platform::ByteFile& file) {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
   file.read(bytes.data(), bytes.size());
   if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
-    refuse(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
-  const auto field = [&bytes](std::size_t index) {
-    return platform::read_little_endian<std::uint32_t>(bytes.data() + kIdentifier.size() + 4 * index);
-  };
-  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
-          field(7), field(8), field(9), field(10), field(11), field(12)};
+    refuse_texture(file, ErrorCode::corrupt_file, "has an invalid KTX header; fetch or export it again");
+  Header header{};
+  std::memcpy(&header, bytes.data() + kIdentifier.size(), sizeof header);
+  return header;
 }
 
 /// What lies in the file is told by type and format, of blocks by the internal format. (Filament writes the internal
@@ -75,15 +69,17 @@ std::optional<TexelKind> kind_of(const Header& header) {
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
   if (header.order != kOwnOrder)
-    refuse(file, ErrorCode::unsupported_file, "is a big-endian KTX file; convert it (ktx2ktx2)");
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
+    refuse_texture(file, ErrorCode::unsupported_file, "is a big-endian KTX file; convert it (ktx2ktx2)");
+  if (header.depth > 1)
+    refuse_texture(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_of(header)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
-               " and glInternalFormat " + std::to_string(header.internal_format) +
-               " are not read; half floats and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and "
-               "SRGB) and "
-               "BC6H are");
+    refuse_texture(
+        file, ErrorCode::unsupported_file,
+        "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
+            " and glInternalFormat " + std::to_string(header.internal_format) +
+            " are not read; half floats and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and "
+            "SRGB) and "
+            "BC6H are");
   }
 }
 
@@ -106,18 +102,18 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
     const std::uint64_t whole = layout.whole_bytes(level);
     const std::uint64_t wanted = counts_a_face ? layout.face_bytes(level) : whole;
     if (slot + 4 > file.size() || whole > file.size() - slot - 4) {
-      refuse(file, ErrorCode::corrupt_file,
-             "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) + " bytes at " +
-                 std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) +
+                         " bytes at " + std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) +
+                         "; fetch or export it again");
     }
-    std::array<std::uint8_t, 4> stated{};
+    std::uint32_t stated = 0;
     file.seek(slot);
-    file.read(stated.data(), stated.size());
-    if (platform::read_little_endian<std::uint32_t>(stated.data()) != wanted) {
-      refuse(file, ErrorCode::corrupt_file,
-             "its level " + std::to_string(level) + " states " +
-                 std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) + " bytes instead of " +
-                 std::to_string(wanted));
+    file.read(&stated, sizeof stated);
+    if (stated != wanted) {
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "its level " + std::to_string(level) + " states " + std::to_string(stated) + " bytes instead of " +
+                         std::to_string(wanted));
     }
     slot += 4;
     TextureLayout::Level found;
@@ -156,7 +152,7 @@ GlFormat gl_format(TexelFormat format) {
 std::vector<std::uint8_t> header_bytes(const TextureJob& job) {
   const GlFormat gl = gl_format(job.options.format);
   const auto size = static_cast<std::uint32_t>(job.mips.front().size);
-  const auto levels = static_cast<std::uint32_t>(job.mips.size());
+  const auto levels = static_cast<std::uint32_t>(job.levels.size());
   constexpr std::uint32_t no_depth = 0, no_array = 0, six_faces = 6;
   const std::vector<std::uint8_t> metadata = key_value_bytes(job.file, job.options.metadata);
   std::vector<std::uint8_t> bytes(kIdentifier.begin(), kIdentifier.end());
@@ -176,19 +172,15 @@ std::uint64_t write_ktx1(const TextureJob& job) {
   const std::vector<std::uint8_t> header = header_bytes(job);
   job.file.write(header.data(), header.size());
   TexelEncoder encoder(job.options.format);
-  TexelProgress progress(job.mips, job.control);
-  for (std::size_t level = 0; level < job.mips.size(); ++level) {
-    std::vector<std::uint8_t> face_bytes;  // of a face: this is no array
-    platform::append_little_endian(
-        face_bytes, static_cast<std::uint32_t>(level_bytes(kind_of(job.options.format), job.mips[level].size) / 6));
-    job.file.write(face_bytes.data(), face_bytes.size());
+  TexelProgress progress(job);
+  for (std::size_t level = 0; level < job.levels.size(); ++level) {
+    const auto face_bytes = static_cast<std::uint32_t>(job.level_bytes(level) / 6);  // of a face: this is no array
+    job.file.write(&face_bytes, sizeof face_bytes);
     if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
       continue;
     }
-    for (int face = 0; face < 6; ++face) {
-      write_face(job.file, job.mips[level], face, job.options.format, encoder, progress);
-    }
+    for (const LatLongView& face : job.levels[level]) write_picture(job, face, encoder, progress);
   }
   return (blocks ? blocks->values_clamped : 0) + encoder.clamped();
 }

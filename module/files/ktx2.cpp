@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <string>
 
 #include "files/codecs.h"
 #include "files/textures.h"
+#include "image/block_pictures.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
@@ -76,8 +76,7 @@ std::vector<Sample> samples_of(TexelFormat format) {
   return {};
 }
 
-}  // namespace
-
+/// supercompressionScheme.
 std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept {
   switch (supercompression) {
     case Supercompression::none: return 0;
@@ -97,6 +96,7 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
 /// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
 constexpr std::uint32_t kModelUastcHdr = 167;
 
+/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
@@ -131,8 +131,6 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   return bytes;
 }
 
-namespace {
-
 constexpr std::uint32_t kMaxMetadataBytes = 1U << 20U;
 
 struct Header {
@@ -140,37 +138,33 @@ struct Header {
   std::uint32_t descriptor_offset, descriptor_bytes, metadata_offset, metadata_bytes;
 };
 
-[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
-  throw platform::file_error(code, file.path(), message);
-}
-
 Header read_header(platform::ByteFile& file) {
   std::array<std::uint8_t, kKtx2HeaderBytes> bytes{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(kKtx2Identifier.size(), file.size()));
   file.read(bytes.data(), known);
   if (std::memcmp(bytes.data(), kKtx2Identifier.data(), known) != 0) {
-    refuse(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
+    refuse_texture(file, ErrorCode::unsupported_file, "is a KTX texture of an unknown version; export it as KTX 2.0");
   }
   file.read(bytes.data() + known, bytes.size() - known);
-  const auto field = [&bytes](std::size_t index) {
-    return platform::read_little_endian<std::uint32_t>(bytes.data() + kKtx2Identifier.size() + 4 * index);
-  };
-  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
-          field(7), field(8), field(9), field(10), field(11), field(12)};
+  Header header{};
+  std::memcpy(&header, bytes.data() + kKtx2Identifier.size(), sizeof header);
+  return header;
 }
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
-  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
+  if (header.depth > 1)
+    refuse_texture(file, ErrorCode::unsupported_file, "is a 3D texture; pass a cubemap or a 2D texture");
   if (!kind_with(&KindTraits::vulkan, header.format)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
-               "rgba8 and rgb8 (unorm, srgb) are");
+    refuse_texture(
+        file, ErrorCode::unsupported_file,
+        "its VkFormat " + std::to_string(header.format) +
+            " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
+            "rgba8 and rgb8 (unorm, srgb) are");
   }
   if (!supercompression_of_ktx2(header.scheme)) {
-    refuse(file, ErrorCode::unsupported_file,
-           "its supercompression scheme " + std::to_string(header.scheme) +
-               " is not read; none, Zstandard and ZLIB are: convert it");
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "its supercompression scheme " + std::to_string(header.scheme) +
+                       " is not read; none, Zstandard and ZLIB are: convert it");
   }
   const Supercompression supercompression = *supercompression_of_ktx2(header.scheme);
   if (supercompression != Supercompression::none) {
@@ -178,16 +172,17 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   }
   const std::uint32_t type_size = traits(*kind_with(&KindTraits::vulkan, header.format)).unit;
   if (header.type_size != type_size) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its type size is " + std::to_string(header.type_size) + " instead of " + std::to_string(type_size));
   }
 }
 
 void require_inside(const platform::ByteFile& file, const char* what, std::uint64_t offset, std::uint64_t bytes) {
   if (offset > file.size() || bytes > file.size() - offset) {
-    refuse(file, ErrorCode::corrupt_file,
-           std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
-               std::to_string(offset) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
+                       std::to_string(offset) + ", the file " + std::to_string(file.size()) +
+                       "; fetch or export it again");
   }
 }
 
@@ -201,14 +196,14 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
   const bool packed = layout.supercompression != Supercompression::none;
   const std::uint64_t wanted = layout.whole_bytes(level);
   if (unpacked != wanted || (!packed && bytes != wanted)) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes instead of " +
-               std::to_string(wanted));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes instead of " +
+                       std::to_string(wanted));
   }
   if (packed && most_unpacked(layout.supercompression, bytes) < wanted) {
-    refuse(file, ErrorCode::corrupt_file,
-           "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
-               std::to_string(wanted));
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
+                       std::to_string(wanted));
   }
   if (packed) {
     std::vector<std::uint8_t> first(std::min<std::uint64_t>(bytes, kFirstPackedBytes));
@@ -230,9 +225,9 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
                                                    std::uint64_t bytes_there) {
   require_inside(file, "key/value data", offset, bytes_there);
   if (bytes_there > kMaxMetadataBytes) {
-    refuse(file, ErrorCode::limit_exceeded,
-           "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
-               std::to_string(kMaxMetadataBytes) + "; save it without");
+    refuse_texture(file, ErrorCode::limit_exceeded,
+                   "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
+                       std::to_string(kMaxMetadataBytes) + "; save it without");
   }
   std::vector<char> bytes(bytes_there);
   file.seek(offset);
@@ -243,12 +238,12 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
     std::memcpy(&length, bytes.data() + place, sizeof length);
     place += sizeof length;
     if (length > bytes.size() - place) {
-      refuse(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
+      refuse_texture(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
     }
     const std::string entry(bytes.data() + place, length);
     const std::size_t end_of_key = entry.find('\0');
     if (end_of_key == std::string::npos) {
-      refuse(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
+      refuse_texture(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
     }
     std::string value = entry.substr(end_of_key + 1);
     if (!value.empty() && value.back() == '\0') value.pop_back();
@@ -399,28 +394,28 @@ struct PackedLevel {
   std::uint64_t clamped = 0;
 };
 
-PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const Bytes* blocks) {
+PackedLevel pack_level(const TextureJob& job, std::size_t level, const Bytes* blocks) {
   if (blocks != nullptr) return {pack(job.options.supercompression, *blocks, job.control.stop), 0};
   TexelEncoder encoder(job.options.format);
-  const TexelKind kind = kind_of(job.options.format);
-  Bytes texels(level_bytes(kind, view.size));
-  const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
+  Bytes texels(job.level_bytes(level));
   std::uint8_t* to = texels.data();
-  for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
-    jobs::throw_if_cancelled(job.control);
-    encoder.encode(view, row / view.size, row % view.size, 1, to);
+  for (const LatLongView& picture : job.levels[level]) {
+    for (int row = 0; row < picture.height; ++row) {
+      jobs::throw_if_cancelled(job.control);
+      encoder.encode(picture, row, 1, to);
+      to += static_cast<std::size_t>(picture.width) * texel_bytes(job.kind());
+    }
   }
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
 }
 
 /// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
 std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<BlockLevels>& blocks) {
-  std::vector<PackedLevel> levels(job.mips.size());
-  const auto size = std::int64_t{job.mips.front().size};
-  const jobs::Placement placement = jobs::placement_for(6 * size * size);
+  std::vector<PackedLevel> levels(job.levels.size());
+  const jobs::Placement placement = jobs::placement_for(image::texels_of(job.levels.front()));
   jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(job.control, 0.0, 0.9),
                   [&](std::size_t tile, std::size_t) {
-                    levels[tile] = pack_level(job, job.mips[tile], blocks ? &blocks->levels[tile] : nullptr);
+                    levels[tile] = pack_level(job, tile, blocks ? &blocks->levels[tile] : nullptr);
                   });
   return levels;
 }
@@ -429,23 +424,22 @@ std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<
 
 std::uint64_t write_ktx2(const TextureJob& job) {
   const TextureOptions& options = job.options;
-  const TexelKind kind = kind_of(options.format);
   const bool packed = options.supercompression != Supercompression::none;
   const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
   std::vector<LevelRange> places;
-  for (std::size_t level = 0; level < job.mips.size(); ++level) {
-    const std::uint64_t unpacked = level_bytes(kind, job.mips[level].size);
+  for (std::size_t level = 0; level < job.levels.size(); ++level) {
+    const std::uint64_t unpacked = job.level_bytes(level);
     places.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
   }
-  const int size = job.mips.front().size;
-  write_header(job.file, {size, size, 6}, options, places);
+  const LatLongView& first = job.levels.front().front();
+  write_header(job.file, {first.width, first.height, static_cast<std::uint32_t>(job.faces())}, options, places);
 
   TexelEncoder encoder(options.format);
-  TexelProgress progress(job.mips, job.control);
+  TexelProgress progress(job);
   std::uint64_t clamped = blocks ? blocks->values_clamped : 0;
-  for (std::size_t level = job.mips.size(); level-- > 0;) {
+  for (std::size_t level = job.levels.size(); level-- > 0;) {
     write_padding(job.file, places[level].offset);
     if (packed) {
       job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
@@ -453,57 +447,10 @@ std::uint64_t write_ktx2(const TextureJob& job) {
     } else if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
     } else {
-      for (int face = 0; face < 6; ++face) {
-        write_face(job.file, job.mips[level], face, options.format, encoder, progress);
-      }
+      for (const LatLongView& picture : job.levels[level]) write_picture(job, picture, encoder, progress);
     }
   }
   return clamped + encoder.clamped();
-}
-
-namespace {
-
-/// A picture's texels as they lie in the file, unpacked.
-Bytes texels_of(const LatLongView& picture, const PictureJob& job, TexelEncoder& encoder) {
-  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format));
-  Bytes texels(row_bytes * static_cast<std::size_t>(picture.height));
-  for (int row = 0; row < picture.height; ++row) {
-    report_share(job.control, 0.1 * row / picture.height);
-    encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
-  }
-  return texels;
-}
-
-}  // namespace
-
-std::uint64_t write_ktx2(const PictureJob& job) {
-  const TextureOptions& options = job.options;
-  std::vector<LatLongView> levels{job.picture};
-  levels.insert(levels.end(), job.smaller.begin(), job.smaller.end());
-  TexelEncoder encoder(options.format);
-  std::optional<BlockLevels> blocks = compressed(job);
-  std::vector<Bytes> ready;  // levels that are packed or in blocks
-  if (blocks) ready = std::move(blocks->levels);
-  std::vector<LevelRange> places;
-  for (std::size_t number = 0; number < levels.size(); ++number) {
-    const LatLongView& level = levels[number];
-    const std::uint64_t unpacked = row_byte_range(kind_of(options.format), level.width, 0, level.height).bytes;
-    if (options.supercompression != Supercompression::none) {
-      if (!blocks) ready.push_back(texels_of(level, job, encoder));
-      ready[number] = pack(options.supercompression, ready[number], job.control.stop);
-    }
-    places.push_back({0, ready.empty() ? unpacked : ready[number].size(), unpacked});
-  }
-  write_header(job.file, {job.picture.width, job.picture.height, 1}, options, places);
-  for (std::size_t level = levels.size(); level-- > 0;) {
-    write_padding(job.file, places[level].offset);
-    if (ready.empty()) {
-      write_picture({job.file, levels[level], options, job.control}, encoder);
-    } else {
-      job.file.write(ready[level].data(), ready[level].size());
-    }
-  }
-  return encoder.clamped() + (blocks ? blocks->values_clamped : 0);
 }
 
 void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <string_view>
 
 #include "platform/file.h"
 #include "projection/sanitizer.h"
@@ -175,6 +176,10 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
   }
 }
 
+void add_channels(EnvironmentInfo& info, std::string_view names, ChannelType type) {
+  for (const char name : names) info.channels.push_back({std::string(1, name), type});
+}
+
 void require_level(const EnvironmentInfo& info, int levels, int level) {
   if (level >= 0 && level < levels) return;
   throw platform::file_error(
@@ -214,54 +219,29 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
 }  // namespace welkin::files
 
 namespace welkin {
+namespace {
 
-const char* name(Layout layout) noexcept {
-  switch (layout) {
-    case Layout::automatic: return "automatic";
-    case Layout::lat_long: return "lat-long";
-    case Layout::vertical_strip: return "vertical-strip";
-    case Layout::horizontal_strip: return "horizontal-strip";
-    case Layout::horizontal_cross: return "horizontal-cross";
-    case Layout::vertical_cross: return "vertical-cross";
-    case Layout::six_files: return "six-files";
-  }
-  return "unknown";
+// By the enumerators' values.
+constexpr std::array kLayouts{"automatic",        "lat-long",       "vertical-strip", "horizontal-strip",
+                              "horizontal-cross", "vertical-cross", "six-files"};
+constexpr std::array kFormats{"OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX", "JPEG"};
+constexpr std::array kChannelTypes{"unknown", "half",   "float",    "uint",     "rgbe",
+                                   "xyze",    "rgbd",   "uint1",    "uint2",    "uint4",
+                                   "uint8",   "uint16", "ufloat10", "ufloat11", "shared exponent"};
+static_assert(kLayouts.size() == static_cast<std::size_t>(Layout::six_files) + 1);
+static_assert(kFormats.size() == static_cast<std::size_t>(FileFormat::jpeg) + 1);
+static_assert(kChannelTypes.size() == static_cast<std::size_t>(ChannelType::shared_exponent) + 1);
+
+template <class Names, class Enumeration>
+const char* name_in(const Names& names, Enumeration value) noexcept {
+  const auto index = static_cast<std::size_t>(value);
+  return index < names.size() ? names[index] : "unknown";
 }
 
-const char* name(FileFormat format) noexcept {
-  switch (format) {
-    case FileFormat::openexr: return "OpenEXR";
-    case FileFormat::radiance: return "Radiance";
-    case FileFormat::pfm: return "PFM";
-    case FileFormat::png: return "PNG";
-    case FileFormat::ktx2: return "KTX2";
-    case FileFormat::dds: return "DDS";
-    case FileFormat::ktx1: return "KTX";
-    case FileFormat::babylon: return "Babylon.js .env";
-    case FileFormat::jpeg: return "JPEG";
-  }
-  return "unknown";
-}
+}  // namespace
 
-const char* name(ChannelType type) noexcept {
-  switch (type) {
-    case ChannelType::unknown: return "unknown";
-    case ChannelType::half: return "half";
-    case ChannelType::float32: return "float";
-    case ChannelType::uint32: return "uint";
-    case ChannelType::rgbe: return "rgbe";
-    case ChannelType::xyze: return "xyze";
-    case ChannelType::rgbd: return "rgbd";
-    case ChannelType::uint1: return "uint1";
-    case ChannelType::uint2: return "uint2";
-    case ChannelType::uint4: return "uint4";
-    case ChannelType::uint8: return "uint8";
-    case ChannelType::uint16: return "uint16";
-    case ChannelType::ufloat10: return "ufloat10";
-    case ChannelType::ufloat11: return "ufloat11";
-    case ChannelType::shared_exponent: return "shared exponent";
-  }
-  return "unknown";
-}
+const char* name(Layout layout) noexcept { return name_in(kLayouts, layout); }
+const char* name(FileFormat format) noexcept { return name_in(kFormats, format); }
+const char* name(ChannelType type) noexcept { return name_in(kChannelTypes, type); }
 
 }  // namespace welkin

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "files/row_source.h"
 #include "welkin/environment_file.h"
@@ -95,6 +96,9 @@ struct RowSegments {
 
 /// Copies `size` RGB texels, in the other order if `mirrored`: from a picture to a face, or back.
 void copy_segment(const float* from, float* to, int size, bool mirrored) noexcept;
+
+/// A channel for each letter.
+void add_channels(EnvironmentInfo& info, std::string_view names, ChannelType type);
 
 // Shared by the readers of files with levels and elements: KTX2, KTX, DDS, .env.
 

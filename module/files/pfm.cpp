@@ -32,22 +32,25 @@ struct PfmPicture {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
+[[noreturn]] void damaged(const platform::ByteFile& file, const std::string& what) {
+  throw platform::file_error(ErrorCode::corrupt_file, file.path(), what);
+}
+
 // The next token, and the one white space that ends it: the pixels may follow at once.
 std::string read_token(platform::ByteFile& file, const char* what) {
   std::string token;
   char c = ' ';
   for (int gap = 0; is_space(c); ++gap) {
     if (gap > kLongestGap) {
-      throw platform::file_error(ErrorCode::corrupt_file, file.path(), std::string("its PFM header has no ") + what);
+      damaged(file, std::string("its PFM header has no ") + what);
     }
     file.read(&c, 1);
   }
   for (; !is_space(c); file.read(&c, 1)) {
     token += c;
     if (token.size() > kLongestToken) {
-      throw platform::file_error(
-          ErrorCode::corrupt_file, file.path(),
-          std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "...\"");
+      damaged(file,
+              std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "...\"");
     }
   }
   return token;
@@ -61,9 +64,7 @@ Number read_number(platform::ByteFile& file, const char* what) {
   Number value{};
   const auto [stop, failure] = platform::from_chars(begin, end, value);
   if (failure != std::errc{} || stop != end) {
-    throw platform::file_error(
-        ErrorCode::corrupt_file, file.path(),
-        std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "\"");
+    damaged(file, std::string("its PFM header's ") + what + " is not a number: \"" + platform::printable(token) + "\"");
   }
   return value;
 }
@@ -71,8 +72,7 @@ Number read_number(platform::ByteFile& file, const char* what) {
 int read_extent(platform::ByteFile& file, const char* what, int maximum) {
   const auto value = read_number<long long>(file, what);
   if (value < 1) {
-    throw platform::file_error(ErrorCode::corrupt_file, file.path(),
-                               std::string("its PFM header's ") + what + " is " + std::to_string(value));
+    damaged(file, std::string("its PFM header's ") + what + " is " + std::to_string(value));
   }
   if (value > maximum) {
     throw platform::file_error(ErrorCode::unsupported_file, file.path(),
@@ -85,9 +85,7 @@ int read_extent(platform::ByteFile& file, const char* what, int maximum) {
 bool read_is_little_endian(platform::ByteFile& file) {
   const auto scale = read_number<double>(file, "scale");
   if (scale == 0.0 || !std::isfinite(scale)) {
-    throw platform::file_error(
-        ErrorCode::corrupt_file, file.path(),
-        "its PFM header's scale is 0 or not finite, so the byte order is unknown; -1 means little-endian");
+    damaged(file, "its PFM header's scale is 0 or not finite, so the byte order is unknown; -1 means little-endian");
   }
   return scale < 0.0;
 }
@@ -188,16 +186,12 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
   const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(picture.channels());
   pass_second_line_end(file, wanted);
   picture.first_byte = file.position();
-  const std::vector<const char*> names = picture.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
-  for (const char* name : names) {
-    info.channels.push_back({name, ChannelType::float32});
-  }
+  add_channels(info, picture.grey ? "Y" : "RGB", ChannelType::float32);
 
   if (wanted > file.remaining()) {
-    throw platform::file_error(ErrorCode::corrupt_file, file.path(),
-                               "ends too early: " + std::to_string(info.width) + " x " + std::to_string(info.height) +
-                                   " texels take " + std::to_string(wanted) + " bytes, " +
-                                   std::to_string(file.remaining()) + " follow the header; fetch or export it again");
+    damaged(file, "ends too early: " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+                      " texels take " + std::to_string(wanted) + " bytes, " + std::to_string(file.remaining()) +
+                      " follow the header; fetch or export it again");
   }
   decide_layout(info, options.layout, std::nullopt);
   return std::make_unique<PfmSource>(std::move(info), input_of(file), picture);

@@ -31,38 +31,28 @@ namespace {
 // What libspng and zlib hold beside rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
 constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
-class PngReader final : public RowReader {
+class PngReader final : public SequentialReader {
  public:
   PngReader(const FileInput& input, const PngHeader& header, const PngSamples& samples)
-      : input_(input), header_(header), samples_(samples) {
+      : SequentialReader(header.width), input_(input), header_(header), samples_(samples) {
     open();
     const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
     coded_ = platform::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
   }
 
   void read(int first_row, int row_count, float* rgb) override {
-    const auto width = static_cast<std::size_t>(header_.width);
-    if (header_.interlaced) {
-      if (next_row_ == 0) {
-        decoder_->decode_all(coded_.get());
-        next_row_ = header_.height;
-      }
-      samples_.convert(coded_.get() + header_.row_bytes() * static_cast<std::size_t>(first_row),
-                       width * static_cast<std::size_t>(row_count), rgb);
-      return;
-    }
-    go_to(first_row);
-    for (int row = 0; row < row_count; ++row) {
-      next();
-      samples_.convert(coded_.get(), width, rgb + static_cast<std::size_t>(row) * 3 * width);
-    }
+    if (!header_.interlaced) return SequentialReader::read(first_row, row_count, rgb);
+    if (!std::exchange(holds_all_, true)) decoder_->decode_all(coded_.get());
+    samples_.convert(coded_.get() + header_.row_bytes() * static_cast<std::size_t>(first_row),
+                     static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(row_count), rgb);
   }
 
  private:
+  void restart() override { open(); }
+
   // If the file is another one by now, its rows may not fit where they would go.
   void open() {
     decoder_ = std::make_unique<PngDecoder>(input_);
-    next_row_ = 0;
     const PngHeader& found = decoder_->header();
     if (found.width != header_.width || found.height != header_.height || found.bits != header_.bits ||
         found.interlaced != header_.interlaced) {
@@ -70,18 +60,9 @@ class PngReader final : public RowReader {
     }
   }
 
-  void go_to(int row) {
-    if (row < next_row_) {
-      open();
-    }
-    while (next_row_ < row) {
-      next();
-    }
-  }
-
-  void next() {
+  void next(int /*row*/, float* rgb) override {
     decoder_->decode_row(coded_.get());
-    ++next_row_;
+    if (rgb != nullptr) samples_.convert(coded_.get(), static_cast<std::size_t>(header_.width), rgb);
   }
 
   const FileInput& input_;  // the source's
@@ -89,7 +70,7 @@ class PngReader final : public RowReader {
   const PngSamples& samples_;
   std::unique_ptr<PngDecoder> decoder_;
   std::unique_ptr<std::uint8_t[]> coded_;  // a row, or all of them
-  int next_row_ = 0;
+  bool holds_all_ = false;                 // of an interlaced picture
 };
 
 class PngSource final : public RowSource {
@@ -145,10 +126,7 @@ ChannelType type_of_samples(const PngHeader& header) {
 
 void list_channels(EnvironmentInfo& info, const PngHeader& header) {
   const ChannelType type = type_of_samples(header);
-  const std::vector<const char*> names = header.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
-  for (const char* name : names) {
-    info.channels.push_back({name, type});
-  }
+  add_channels(info, header.grey ? "Y" : "RGB", type);
   if (header.alpha) {
     info.channels.push_back({"A", type});
     info.notes.emplace_back("alpha is ignored");

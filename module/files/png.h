@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "files/primaries.h"
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "welkin/environment_file.h"
@@ -57,11 +58,11 @@ struct PngHeader {
   bool palette = false;
   bool alpha = false;  ///< as a channel, or as the transparent colours of a tRNS chunk
   bool interlaced = false;
-  bool says_srgb = false;        ///< has an sRGB chunk
-  bool has_profile = false;      ///< has an iCCP chunk
-  bool has_code_points = false;  ///< has a cICP chunk
-  std::optional<double> gamma;   ///< of the gAMA chunk: the exponent from light to samples; 1 is linear
-  std::optional<std::array<double, 8>> primaries;  ///< of the cHRM chunk: x and y of red, green, blue and white
+  bool says_srgb = false;                   ///< has an sRGB chunk
+  bool has_profile = false;                 ///< has an iCCP chunk
+  bool has_code_points = false;             ///< has a cICP chunk
+  std::optional<double> gamma;              ///< of the gAMA chunk: the exponent from light to samples; 1 is linear
+  std::optional<Chromaticities> primaries;  ///< of the cHRM chunk
 
   /// Of the rows that are handed out.
   [[nodiscard]] std::size_t texel_bytes() const noexcept { return bits == 16 ? 8 : 3; }

@@ -83,9 +83,9 @@ void PngDecoder::read_header() {
   }
   spng_chrm_int chrm{};
   if (spng_get_chrm_int(context_.get(), &chrm) == SPNG_OK) {
-    header_.primaries = {chrm.red_x / 100000.0,         chrm.red_y / 100000.0,        chrm.green_x / 100000.0,
-                         chrm.green_y / 100000.0,       chrm.blue_x / 100000.0,       chrm.blue_y / 100000.0,
-                         chrm.white_point_x / 100000.0, chrm.white_point_y / 100000.0};
+    const auto xy = [](std::uint32_t x, std::uint32_t y) { return glm::dvec2(x / 100000.0, y / 100000.0); };
+    header_.primaries = {xy(chrm.red_x, chrm.red_y), xy(chrm.green_x, chrm.green_y), xy(chrm.blue_x, chrm.blue_y),
+                         xy(chrm.white_point_x, chrm.white_point_y)};
   }
 }
 
@@ -187,25 +187,17 @@ PngSamples::PngSamples(bool sixteen_bits, Transfer transfer, const std::optional
 }
 
 void PngSamples::convert(const std::uint8_t* coded, std::size_t count, float* rgb) const noexcept {
-  for (std::size_t i = 0; i < count; ++i, rgb += 3) {
+  for (std::size_t i = 0; i < count; ++i) {
+    float* const texel = rgb + 3 * i;
     if (sixteen_bits_) {
-      std::array<std::uint16_t, 3> texel{};
-      std::memcpy(texel.data(), coded + 8 * i, sizeof(texel));
-      rgb[0] = table_[texel[0]];
-      rgb[1] = table_[texel[1]];
-      rgb[2] = table_[texel[2]];
+      std::array<std::uint16_t, 3> words{};
+      std::memcpy(words.data(), coded + 8 * i, sizeof words);
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = table_[words[c]];
     } else {
-      rgb[0] = table_[coded[3 * i]];
-      rgb[1] = table_[coded[3 * i + 1]];
-      rgb[2] = table_[coded[3 * i + 2]];
-    }
-    if (matrix_) {
-      const glm::dvec3 colour = *matrix_ * glm::dvec3(rgb[0], rgb[1], rgb[2]);
-      rgb[0] = static_cast<float>(colour.r);
-      rgb[1] = static_cast<float>(colour.g);
-      rgb[2] = static_cast<float>(colour.b);
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = table_[coded[3 * i + c]];
     }
   }
+  if (matrix_) apply(*matrix_, rgb, count);
 }
 
 }  // namespace welkin::files

@@ -135,10 +135,8 @@ std::string describe(const Chromaticities& primaries) {
          place(" white", primaries.white);
 }
 
-std::optional<glm::dmat3> rec709_from_stated(const std::array<double, 8>& numbers, const char* where, Primaries wanted,
+std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where, Primaries wanted,
                                              EnvironmentInfo& info) {
-  const Chromaticities stated{
-      {numbers[0], numbers[1]}, {numbers[2], numbers[3]}, {numbers[4], numbers[5]}, {numbers[6], numbers[7]}};
   if (nearly_same(stated, kRec709)) {
     return std::nullopt;
   }

@@ -1,7 +1,6 @@
 // Colours in other primaries than Rec. 709, and the way to Rec. 709.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -46,9 +45,9 @@ void apply(const glm::dmat3& matrix, float* rgb, std::size_t texels) noexcept;
 
 // What Radiance and PNG files say about their primaries, as a matrix to Rec. 709.
 
-/// `numbers`: x and y of red, green, blue and white. Nothing if they are those of Rec. 709, if colours are
-/// wanted as stored, or if no three primaries are these; `info.notes` says what was done, and `where` who said it.
-[[nodiscard]] std::optional<glm::dmat3> rec709_from_stated(const std::array<double, 8>& numbers, const char* where,
+/// Nothing if they are those of Rec. 709, if colours are wanted as stored, or if no three primaries are these;
+/// `info.notes` says what was done, and `where` who said it.
+[[nodiscard]] std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where,
                                                            Primaries wanted, EnvironmentInfo& info);
 
 /// From CIE XYZ; nothing if the numbers are wanted as stored.

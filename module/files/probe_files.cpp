@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -26,7 +25,6 @@ namespace welkin {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using platform::WholeFile;
 
 constexpr std::size_t kProbesTogether = 128;
 
@@ -155,34 +153,6 @@ Json description_of(const BakedProbes& probes) {
           {"unfilled", probes.unfilled}};
 }
 
-/// "level.json" as "level_three.ktx2".
-std::filesystem::path beside(const std::filesystem::path& path, const std::string& ending) {
-  std::filesystem::path file = path.stem();
-  file += ending;
-  return path.parent_path() / file;
-}
-
-/// Files that are written together.
-class Output {
- public:
-  WholeFile& add(const std::filesystem::path& path) {
-    files_.push_back(std::make_unique<WholeFile>(path));
-    return *files_.back();
-  }
-
-  WriteReport commit(std::uint64_t values_clamped, const Control& control) {
-    std::vector<WholeFile*> finished;
-    for (const auto& file : files_) {
-      file->finish();
-      finished.push_back(file.get());
-    }
-    return files::commit_files(finished, values_clamped, control);
-  }
-
- private:
-  std::vector<std::unique_ptr<WholeFile>> files_;
-};
-
 /// The box that a grid's cells fill, half a cell around its outermost probes, as engines place a volume.
 Json box_of(const ProbeGrid& grid) {
   const dvec3 counts(grid.counts[0], grid.counts[1], grid.counts[2]);
@@ -220,19 +190,19 @@ Json three_scene(const BakedProbes& probes, const std::string& texture) {
             {"children", std::move(children)}}}};
 }
 
-void write_json(WholeFile& file, const Json& json, int indent) {
+void write_json(platform::WholeFile& file, const Json& json, int indent) {
   const std::string text = json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   file.write(text.data(), text.size());
 }
 
-Json write_layout(Output& output, const std::filesystem::path& path, const BakedProbes& probes, ProbeLayout layout,
-                  std::uint64_t& clamped) {
+Json write_layout(files::OutputFiles& output, const std::filesystem::path& path, const BakedProbes& probes,
+                  ProbeLayout layout, std::uint64_t& clamped) {
   const PackedProbes packed = pack_probes(probes, layout);
   clamped += packed.values_clamped;
   Json textures = Json::array();
   for (const ProbeTexture& texture : packed.textures) {
     const std::string ending = packed.textures.size() == 1 ? "" : "_" + texture.name;
-    const std::filesystem::path file = beside(path, std::string("_") + name(layout) + ending + ".ktx2");
+    const std::filesystem::path file = files::beside(path, std::string("_") + name(layout) + ending + ".ktx2");
     files::write_ktx2_volume(output.add(file), {texture.size, texture.halves, texture.is_array},
                              {{"welkin.probes", std::string(name(layout)) + " " + texture.name}});
     textures.push_back({{"name", texture.name},
@@ -244,7 +214,7 @@ Json write_layout(Output& output, const std::filesystem::path& path, const Baked
   Json described{{"layout", name(layout)}};
   if (layout == ProbeLayout::unity_l1 || layout == ProbeLayout::unity_l2) described["bricks"] = packed.bricks;
   if (layout == ProbeLayout::three) {
-    const std::filesystem::path file = beside(path, "_three.json");
+    const std::filesystem::path file = files::beside(path, "_three.json");
     write_json(output.add(file), three_scene(probes, textures[0]["file"]), -1);
     described["scene"] = platform::utf8(file.filename());
   }
@@ -298,11 +268,11 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
     throw platform::file_error(ErrorCode::unsupported_file, path,
                                "is not a name for the description of probes; pass one that ends in .json");
   }
-  Output output;
+  files::OutputFiles output;
   std::uint64_t clamped = 0;
   Json description = description_of(probes);
   std::vector<std::uint8_t> arrays;
-  const std::filesystem::path arrays_path = beside(path, ".bin");
+  const std::filesystem::path arrays_path = files::beside(path, ".bin");
   probes::check_arrays(probes);
   description["arrays"] = {{"file", platform::utf8(arrays_path.filename())},
                            {"byte_order", "little"},

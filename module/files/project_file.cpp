@@ -38,19 +38,6 @@ void put_first(Projection& projection, std::vector<PassRecord> passes) {
   all.insert(all.begin(), passes.begin(), passes.end());
 }
 
-// A projection speaks of faces, rows and columns; the reader of the message wants the file as well.
-template <typename Work>
-Projection naming_file(const std::filesystem::path& path, const Work& work) {
-  try {
-    return work();
-  } catch (const Error& failure) {
-    if (failure.code() == ErrorCode::rejected_pixel) {
-      throw platform::file_error(failure.code(), path, failure.what());
-    }
-    throw;
-  }
-}
-
 Projection project_cube(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
                         const Control& control) {
   constexpr double kReadingShare = 0.8;  // decoding is most of the work, whatever the compression

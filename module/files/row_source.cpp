@@ -37,13 +37,6 @@ constexpr std::array kOtherKinds{
     Signature{"RIFF"sv, "a WebP, or another RIFF file"},
 };
 
-std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buffer) {
-  const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.size());
-  file.read(buffer.data(), count);
-  file.seek(0);
-  return {buffer.data(), count};
-}
-
 [[noreturn]] void refuse(const std::filesystem::path& path, std::string_view start) {
   const auto* known = std::find_if(kOtherKinds.begin(), kOtherKinds.end(),
                                    [&](const Signature& other) { return start.starts_with(other.bytes); });
@@ -58,8 +51,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
 }
 
 std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const ReadOptions& options) {
-  std::array<char, 8> buffer{};
-  const std::string_view start = first_bytes(file, buffer);
+  const std::string start = first_bytes(file);
   if (start.starts_with("\x76\x2f\x31\x01"sv)) {
     return open_exr(file, options);
   }
@@ -75,7 +67,7 @@ std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const R
   if (start.starts_with("\xff\xd8\xff"sv)) {
     return open_jpeg(file, options);
   }
-  if (is_texture(file)) {
+  if (is_texture(start)) {
     return open_texture(file, options);
   }
   if (is_env(file)) {
@@ -110,6 +102,14 @@ platform::ByteFile open_file(const FileInput& input) {
                                "them with read_environment");
   }
   return platform::ByteFile(input.path(), input.bytes());
+}
+
+std::string first_bytes(platform::ByteFile& file) {
+  std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(8, file.size())), '\0');
+  file.seek(0);
+  file.read(bytes.data(), bytes.size());
+  file.seek(0);
+  return bytes;
 }
 
 FileInput input_of(const platform::ByteFile& file) {

@@ -5,6 +5,7 @@
 // side, one reader a thread, without a lock.
 #pragma once
 
+#include <cctype>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -30,6 +31,14 @@ inline constexpr int kMaximumHeight = 6 * 16384;
 /// file.
 [[nodiscard]] platform::ByteFile open_file(const FileInput& input);
 
+/// The first eight bytes, or as many as there are. The file stands at its beginning then.
+[[nodiscard]] std::string first_bytes(platform::ByteFile& file);
+
+[[nodiscard]] inline std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 /// What `file` reads, to open it once more.
 [[nodiscard]] FileInput input_of(const platform::ByteFile& file);
 
@@ -41,6 +50,31 @@ class RowReader {
   /// row_count x width x 3 floats. The range is the caller's to keep inside the picture.
   /// Throws `Error`: corrupt_file, file_access, limit_exceeded. After that the reader is not to be used.
   virtual void read(int first_row, int row_count, float* rgb) = 0;
+};
+
+/// Of a picture whose rows come one after the other from the top: one that is asked for a row above the last one starts
+/// again.
+class SequentialReader : public RowReader {
+ public:
+  explicit SequentialReader(int width) : row_floats_(std::size_t{3} * static_cast<std::size_t>(width)) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    if (first_row < next_row_) {
+      restart();
+      next_row_ = 0;
+    }
+    for (; next_row_ < first_row; ++next_row_) next(next_row_, nullptr);
+    for (const int end = first_row + row_count; next_row_ < end; ++next_row_, rgb += row_floats_) next(next_row_, rgb);
+  }
+
+ protected:
+  virtual void restart() = 0;
+  /// Decodes the next row, to `width` x 3 floats, or passes over it if `rgb` is null.
+  virtual void next(int row, float* rgb) = 0;
+
+ private:
+  std::size_t row_floats_;
+  int next_row_ = 0;
 };
 
 class RowSource {

@@ -26,6 +26,10 @@ using files::crc32;
 using platform::ByteFile;
 using platform::file_error;
 
+[[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
+  throw file_error(ErrorCode::corrupt_file, path, what);
+}
+
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
 // Tables are results, whose bits may change with every minor version of the library; the last two digits count changes
 // of the form.
@@ -37,6 +41,10 @@ constexpr std::size_t kMaxText = 4096;
 constexpr std::size_t kMaxValues = 96;
 constexpr std::size_t kMaxLayers = 8;
 constexpr std::size_t kMaxAbsorbers = 4;
+
+constexpr std::array kLayerFields{&DensityLayer::thickness_m, &DensityLayer::exponential_term,
+                                  &DensityLayer::exponential_scale_per_m, &DensityLayer::linear_term_per_m,
+                                  &DensityLayer::constant_term};
 
 /// Appends values to bytes.
 class Writer {
@@ -56,10 +64,7 @@ class Writer {
     for (const double value : values) put(value);
   }
   void put(const DensityLayer& layer) {
-    for (const double value : {layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m,
-                               layer.linear_term_per_m, layer.constant_term}) {
-      put(value);
-    }
+    for (const auto field : kLayerFields) put(layer.*field);
   }
   void put(const Constituent& matter) {
     put(static_cast<std::uint32_t>(matter.density.size()));
@@ -96,10 +101,7 @@ class Reader {
     for (double& value : values) get(value);
   }
   void get(DensityLayer& layer) {
-    for (double* const value : {&layer.thickness_m, &layer.exponential_term, &layer.exponential_scale_per_m,
-                                &layer.linear_term_per_m, &layer.constant_term}) {
-      get(*value);
-    }
+    for (const auto field : kLayerFields) get(layer.*field);
   }
   void get(Constituent& matter) {
     matter.density.resize(count(kMaxLayers, "layers"));
@@ -111,9 +113,8 @@ class Reader {
     std::uint32_t value = 0;
     get(value);
     if (value > most) {
-      throw file_error(
-          ErrorCode::corrupt_file, path_,
-          "states " + std::to_string(value) + " " + what + ", more than the limit of " + std::to_string(most));
+      damaged(path_,
+              "states " + std::to_string(value) + " " + what + ", more than the limit of " + std::to_string(most));
     }
     return value;
   }
@@ -122,7 +123,7 @@ class Reader {
  private:
   const std::uint8_t* take(std::size_t count) {
     if (count > bytes_.size() - position_) {
-      throw file_error(ErrorCode::corrupt_file, path_, "its parameters end too early");
+      damaged(path_, "its parameters end too early");
     }
     position_ += count;
     return bytes_.data() + (position_ - count);
@@ -174,15 +175,15 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
   tables.options.layout = static_cast<ScatteringLayout>(layout);
   tables.options.colour = static_cast<SkyColour>(colour);
   tables.options.truncate_orders = truncate_orders != 0;
-  if (!reader.at_end()) throw file_error(ErrorCode::corrupt_file, path, "has bytes after its parameters");
+  if (!reader.at_end()) damaged(path, "has bytes after its parameters");
   try {
     check(tables.atmosphere);
     sky::check_options(tables.options);
   } catch (const Error& error) {
-    throw file_error(ErrorCode::corrupt_file, path, error.what());
+    damaged(path, error.what());
   }
   if (tables.orders < 1 || tables.orders > tables.options.orders || !std::isfinite(tables.last_change)) {
-    throw file_error(ErrorCode::corrupt_file, path, "states more orders than were computed");
+    damaged(path, "states more orders than were computed");
   }
   return tables;
 }
@@ -255,12 +256,12 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   ByteFile file = files::open_file(input);
   const std::filesystem::path& path = file.path();
   std::array<std::uint8_t, kHeaderBytes + sizeof(std::uint32_t)> start{};
-  if (file.size() < kMagic.size()) throw file_error(ErrorCode::corrupt_file, path, "is too short for sky tables");
+  if (file.size() < kMagic.size()) damaged(path, "is too short for sky tables");
   file.read(start.data(), std::min<std::uint64_t>(start.size(), file.size()));
   if (std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0) {
     throw file_error(ErrorCode::unsupported_file, path, "holds no sky tables; make some with precompute_sky");
   }
-  if (file.size() < start.size()) throw file_error(ErrorCode::corrupt_file, path, "is cut off in its header");
+  if (file.size() < start.size()) damaged(path, "is cut off in its header");
   const auto version = platform::read_little_endian<std::uint32_t>(start.data() + 8);
   if (version != kVersion) {
     throw file_error(ErrorCode::unsupported_file, path,
@@ -271,12 +272,11 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   const auto following = platform::read_little_endian<std::uint64_t>(start.data() + 16);
   const auto stated = platform::read_little_endian<std::uint32_t>(start.data() + kHeaderBytes);
   if (following != file.size() - kHeaderBytes) {
-    throw file_error(ErrorCode::corrupt_file, path,
-                     "states " + std::to_string(following) + " bytes after its header, " +
-                         std::to_string(file.size() - kHeaderBytes) + " are there");
+    damaged(path, "states " + std::to_string(following) + " bytes after its header, " +
+                      std::to_string(file.size() - kHeaderBytes) + " are there");
   }
   if (stated > kMaxParameterBytes || stated > following - sizeof stated) {
-    throw file_error(ErrorCode::corrupt_file, path, "states more bytes of parameters than there are");
+    damaged(path, "states more bytes of parameters than there are");
   }
   std::vector<std::uint8_t> bytes(stated);
   file.read(bytes.data(), bytes.size());
@@ -285,7 +285,7 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   SkyTables tables = read_parameters(bytes, path);
   const std::uint64_t size = sky::result_bytes(tables.atmosphere, tables.options);
   if (size != following - sizeof stated - stated) {
-    throw file_error(ErrorCode::corrupt_file, path, "its tables do not have the size of its options");
+    damaged(path, "its tables do not have the size of its options");
   }
   if (size > memory_limit_bytes) {
     throw file_error(ErrorCode::limit_exceeded, path,
@@ -294,10 +294,10 @@ SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_byt
   }
   for_each_table(tables,
                  [&](std::vector<float>& values, std::uint64_t count) { read_table(file, values, count, sum); });
-  if (sum != wanted) throw file_error(ErrorCode::corrupt_file, path, "its checksum differs");
+  if (sum != wanted) damaged(path, "its checksum differs");
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
     if (!sound(values)) {
-      throw file_error(ErrorCode::corrupt_file, path, "holds values that are negative or not finite");
+      damaged(path, "holds values that are negative or not finite");
     }
   });
   tables.passes = {{"scattering", PassAction::reuse, "read from a file", 0.0}};

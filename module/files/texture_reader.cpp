@@ -27,23 +27,25 @@ void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, co
   }
 }
 
+using Channel = ChannelType;
+
 // In the enumeration's order.
 constexpr std::array kKinds{
-    KindTraits{"rgba16f", 8, 1, 2, 97, 10, PixelFormat::rgba16f},
-    KindTraits{"rgba32f", 16, 1, 4, 109, 2, PixelFormat::rgba32f},
-    KindTraits{"b10g11r11", 4, 1, 4, 122, 26, std::nullopt},
-    KindTraits{"e5b9g9r9", 4, 1, 4, 123, 67, std::nullopt},
-    KindTraits{"bc6h ufloat", 16, image::kBlockEdge, 1, 143, 95, std::nullopt},
-    KindTraits{"bc6h sfloat", 16, image::kBlockEdge, 1, 144, 96, std::nullopt},
-    KindTraits{"astc 4x4 hdr", 16, 4, 1, 1000066000, 0, std::nullopt},
-    KindTraits{"astc 6x6 hdr", 16, 6, 1, 1000066004, 0, std::nullopt},
-    KindTraits{"uastc hdr 4x4", 16, 4, 1, 1000066000, 0, std::nullopt},
-    KindTraits{"rgba8", 4, 1, 1, 37, 28, PixelFormat::rgba8},
-    KindTraits{"rgba8 srgb", 4, 1, 1, 43, 29, PixelFormat::srgba8},
-    KindTraits{"rgb16f", 6, 1, 2, 90, 0, PixelFormat::rgb16f},
-    KindTraits{"rgb32f", 12, 1, 4, 106, 0, PixelFormat::rgb32f},
-    KindTraits{"rgb8", 3, 1, 1, 23, 0, PixelFormat::rgb8},
-    KindTraits{"rgb8 srgb", 3, 1, 1, 29, 0, PixelFormat::srgb8},
+    KindTraits{"rgba16f", 8, 1, 2, 97, 10, PixelFormat::rgba16f, Channel::half, 4},
+    KindTraits{"rgba32f", 16, 1, 4, 109, 2, PixelFormat::rgba32f, Channel::float32, 4},
+    KindTraits{"b10g11r11", 4, 1, 4, 122, 26, std::nullopt, Channel::ufloat11, 3},
+    KindTraits{"e5b9g9r9", 4, 1, 4, 123, 67, std::nullopt, Channel::shared_exponent, 3},
+    KindTraits{"bc6h ufloat", 16, image::kBlockEdge, 1, 143, 95, std::nullopt, Channel::half, 3},
+    KindTraits{"bc6h sfloat", 16, image::kBlockEdge, 1, 144, 96, std::nullopt, Channel::half, 3},
+    KindTraits{"astc 4x4 hdr", 16, 4, 1, 1000066000, 0, std::nullopt, Channel::half, 3},
+    KindTraits{"astc 6x6 hdr", 16, 6, 1, 1000066004, 0, std::nullopt, Channel::half, 3},
+    KindTraits{"uastc hdr 4x4", 16, 4, 1, 1000066000, 0, std::nullopt, Channel::half, 3},
+    KindTraits{"rgba8", 4, 1, 1, 37, 28, PixelFormat::rgba8, Channel::uint8, 4},
+    KindTraits{"rgba8 srgb", 4, 1, 1, 43, 29, PixelFormat::srgba8, Channel::uint8, 4},
+    KindTraits{"rgb16f", 6, 1, 2, 90, 0, PixelFormat::rgb16f, Channel::half, 3},
+    KindTraits{"rgb32f", 12, 1, 4, 106, 0, PixelFormat::rgb32f, Channel::float32, 3},
+    KindTraits{"rgb8", 3, 1, 1, 23, 0, PixelFormat::rgb8, Channel::uint8, 3},
+    KindTraits{"rgb8 srgb", 3, 1, 1, 29, 0, PixelFormat::srgb8, Channel::uint8, 3},
 };
 static_assert(kKinds.size() == static_cast<std::size_t>(TexelKind::rgb8_srgb) + 1);
 
@@ -66,18 +68,6 @@ ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noex
   return {first * row, (end - first) * row};
 }
 
-void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept {
-  if (!is_compressed(kind)) {
-    decode_texels(kind, bytes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(size), rgb);
-    return;
-  }
-  if (kind == TexelKind::uastc_hdr_4x4) return image::decode_uastc_hdr_rows(bytes, size, first_row, rows, rgb);
-  const auto range = kind == TexelKind::bc6h_ufloat ? image::Bc6hRange::positive : image::Bc6hRange::signed_values;
-  image::decode_bc6h_rows(bytes, range, size, first_row, rows, rgb);
-}
-
-std::uint64_t level_bytes(TexelKind kind, int size) noexcept { return 6 * row_byte_range(kind, size, 0, size).bytes; }
-
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
   if (const auto& pixels = traits(kind).pixels) {
     image::decode_texels(*pixels, texels, static_cast<int>(count), rgb);
@@ -91,14 +81,6 @@ void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count
 namespace {
 
 using namespace std::string_view_literals;
-
-std::string_view first_bytes(platform::ByteFile& file, std::array<char, 7>& buffer) {
-  file.seek(0);
-  const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.size());
-  file.read(buffer.data(), count);
-  file.seek(0);
-  return {buffer.data(), count};
-}
 
 bool is_ktx(std::string_view start) { return start.starts_with("\xabKTX "sv); }
 bool is_ktx1(std::string_view start) { return start.starts_with("\xabKTX 11"sv); }
@@ -115,15 +97,10 @@ const char* name(Supercompression supercompression) noexcept {
   return "unknown";
 }
 
-bool is_texture(platform::ByteFile& file) {
-  std::array<char, 7> buffer{};
-  const std::string_view start = first_bytes(file, buffer);
-  return is_ktx(start) || is_dds(start);
-}
+bool is_texture(std::string_view start) { return is_ktx(start) || is_dds(start); }
 
 TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
-  std::array<char, 7> buffer{};
-  const std::string_view start = first_bytes(file, buffer);
+  const std::string start = first_bytes(file);
   if (is_ktx1(start)) return read_ktx1_layout(file, element);
   if (is_ktx(start)) return read_ktx2_layout(file, element);
   if (is_dds(start)) return read_dds_layout(file, element);
@@ -131,65 +108,136 @@ TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
                              "is not a KTX2, KTX or DDS texture (unknown signature); pass one of those");
 }
 
+void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
+  throw platform::file_error(code, file.path(), message);
+}
+
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
                     std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element) {
   constexpr std::uint32_t most_elements = 65536;
-  const auto refuse = [&file](ErrorCode code, const std::string& message) {
-    throw platform::file_error(code, file.path(), message);
-  };
   if (faces != 6 && faces != 1)
-    refuse(ErrorCode::corrupt_file, "has " + std::to_string(faces) + " faces; a cubemap has six and an image one");
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "has " + std::to_string(faces) + " faces; a cubemap has six and an image one");
   const std::uint32_t count = std::max(elements, 1U);
   if (count > most_elements) {
-    refuse(ErrorCode::unsupported_file, "is an array of " + std::to_string(elements) + "; up to " +
-                                            std::to_string(most_elements) + " elements are read");
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "is an array of " + std::to_string(elements) + "; up to " + std::to_string(most_elements) +
+                       " elements are read");
   }
   require_element(file.path(), static_cast<int>(count), element);
+  const std::string shape = std::to_string(width) + " x " + std::to_string(height);
   if (faces == 6) {
-    check_cubemap_sizes(file, width, height, levels);
-  } else {
-    const std::string shape = std::to_string(width) + " x " + std::to_string(height);
-    if (width < 1 || height < 1 || width > static_cast<std::uint64_t>(kMaximumWidth) ||
-        height > static_cast<std::uint64_t>(kMaximumHeight)) {
-      refuse(ErrorCode::unsupported_file, "has " + shape + " texels; images from 1 x 1 to " +
-                                              std::to_string(kMaximumWidth) + " x " + std::to_string(kMaximumHeight) +
-                                              " are read");
+    if (width != height || width < 1) {
+      refuse_texture(file, ErrorCode::corrupt_file,
+                     "its faces are " + shape + " texels; a cubemap's are square, from 1 x 1 up");
     }
-    const int most = full_chain_levels(static_cast<int>(std::max(width, height)));
-    if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
-      refuse(ErrorCode::corrupt_file, "states " + std::to_string(levels) + " levels; from " + shape +
-                                          " texels down there can be 1 to " + std::to_string(most));
+    if (width > image::kLargestFace) {
+      refuse_texture(
+          file, ErrorCode::unsupported_file,
+          "its faces are " + shape + " texels; reduce them to " + std::to_string(image::kLargestFace) + " or fewer");
     }
-    layout.height = static_cast<int>(height);
+  } else if (width < 1 || height < 1 || width > static_cast<std::uint64_t>(kMaximumWidth) ||
+             height > static_cast<std::uint64_t>(kMaximumHeight)) {
+    refuse_texture(file, ErrorCode::unsupported_file,
+                   "has " + shape + " texels; images from 1 x 1 to " + std::to_string(kMaximumWidth) + " x " +
+                       std::to_string(kMaximumHeight) + " are read");
+  }
+  const int most = full_chain_levels(static_cast<int>(std::max(width, height)));
+  if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
+    refuse_texture(file, ErrorCode::corrupt_file,
+                   "states " + std::to_string(levels) + " levels; from " + shape + " texels down there can be 1 to " +
+                       std::to_string(most));
   }
   layout.size = static_cast<int>(width);
+  layout.height = faces == 6 ? 0 : static_cast<int>(height);
   layout.elements = static_cast<int>(count);
   layout.element = element;
-}
-
-void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
-                         std::uint64_t levels) {
-  const auto refuse = [&file](ErrorCode code, const std::string& message) {
-    throw platform::file_error(code, file.path(), message);
-  };
-  const std::string shape = std::to_string(width) + " x " + std::to_string(height);
-  if (width != height || width < 1) {
-    refuse(ErrorCode::corrupt_file, "its faces are " + shape + " texels; a cubemap's are square, from 1 x 1 up");
-  }
-  if (width > image::kLargestFace) {
-    refuse(ErrorCode::unsupported_file,
-           "its faces are " + shape + " texels; reduce them to " + std::to_string(image::kLargestFace) + " or fewer");
-  }
-  const int most = full_chain_levels(static_cast<int>(width));
-  if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
-    refuse(ErrorCode::corrupt_file, "states " + std::to_string(levels) + " levels; from " + shape +
-                                        " texels down there can be 1 to " + std::to_string(most));
-  }
 }
 
 namespace {
 
 constexpr int kRowsAtOnce = 64;
+
+/// The largest number instead of a wrap: packed levels have the bytes that the file says, and a sparse file says much.
+std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
+  constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  return a > most - b ? most : a + b;
+}
+
+/// The most that a reader holds while it reads so many rows of a level at once.
+std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
+  const int size = layout.level_size(level);
+  const auto& place = layout.levels[static_cast<std::size_t>(level)];
+  // Rows of blocks reach beyond the rows that are read, at either end.
+  const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
+  std::uint64_t bytes = row_byte_range(layout.kind, size, 0, most_rows).bytes;
+  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
+  if (!is_astc(layout.kind)) return bytes;
+  constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
+  const auto texels = static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(most_rows);
+  return sum(bytes, decoder + texels * 4 * sizeof(float));
+}
+
+/// Texels out of a KTX2 or DDS file. Each thread has its own. Holds an unpacked level, if the file's are packed, until
+/// another is asked for.
+class TextureReader {
+ public:
+  /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
+  TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {})
+      : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
+
+  /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
+  void read(int level, int face, int first_row, int rows, float* rgb) {
+    const int size = layout_.level_size(level);
+    const ByteRange place = row_byte_range(layout_.kind, size, first_row, rows);
+    if (layout_.supercompression != Supercompression::none) {
+      if (unpacked_level_ != level) unpack_level(level);
+      const std::uint64_t first_byte = layout_.first_byte_of(level, face);
+      decode(texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
+      return;
+    }
+    texels_.resize(place.bytes);
+    file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] +
+               place.first_byte);
+    file_.read(texels_.data(), texels_.size());
+    decode(texels_.data(), size, first_row, rows, rgb);
+  }
+
+ private:
+  void unpack_level(int level) {
+    const TextureLayout::Level& place = layout_.levels[static_cast<std::size_t>(level)];
+    unpacked_level_ = -1;
+    std::vector<std::uint8_t> packed(place.packed_bytes);
+    file_.seek(place.first_byte);
+    file_.read(packed.data(), packed.size());
+    texels_.resize(layout_.whole_bytes(level));
+    unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
+    unpacked_level_ = level;
+  }
+
+  /// From what is at `row_byte_range`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8: any).
+  void decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) {
+    const TexelKind kind = layout_.kind;
+    if (!is_compressed(kind)) {
+      decode_texels(kind, bytes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(size), rgb);
+    } else if (kind == TexelKind::uastc_hdr_4x4) {
+      image::decode_uastc_hdr_rows(bytes, size, first_row, rows, rgb);
+    } else if (is_astc(kind)) {
+      if (!astc_) astc_ = make_astc_decoder(kind, file_.path());
+      astc_->decode_rows(bytes, size, first_row, rows, rgb);
+    } else {
+      const auto range = kind == TexelKind::bc6h_ufloat ? image::Bc6hRange::positive : image::Bc6hRange::signed_values;
+      image::decode_bc6h_rows(bytes, range, size, first_row, rows, rgb);
+    }
+  }
+
+  platform::ByteFile file_;
+  const TextureLayout& layout_;
+  stop_token stop_;
+  std::unique_ptr<AstcDecoder> astc_;  ///< once it was needed
+  std::vector<std::uint8_t> texels_;
+  int unpacked_level_ = -1;
+};
 
 /// Of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
 std::uint64_t chain_bytes(const TextureLayout& layout) {
@@ -209,12 +257,6 @@ struct Tiles {
   std::size_t faces;  ///< of a tile
   std::size_t count;
 };
-
-/// The largest number instead of a wrap: packed levels have the bytes that the file says, and a sparse file says much.
-std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
-  constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
-  return a > most - b ? most : a + b;
-}
 
 /// Beside the chain, with `workers` readers: each level is unpacked by one of them.
 std::uint64_t working_bytes(const TextureLayout& layout, std::size_t workers) {
@@ -254,60 +296,6 @@ void read_face(TextureReader& reader, Cubemap& chain, int level, int face, int r
     reader.read(level, face, row, std::min(rows_at_once, size - row), chain.face(level, face) + offset);
   }
 }
-
-}  // namespace
-
-std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
-  const int size = layout.level_size(level);
-  const auto& place = layout.levels[static_cast<std::size_t>(level)];
-  // Rows of blocks reach beyond the rows that are read, at either end.
-  const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
-  std::uint64_t bytes = row_byte_range(layout.kind, size, 0, most_rows).bytes;
-  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
-  if (!is_astc(layout.kind)) return bytes;
-  constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
-  const auto texels = static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(most_rows);
-  return sum(bytes, decoder + texels * 4 * sizeof(float));
-}
-
-TextureReader::TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop)
-    : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
-
-TextureReader::~TextureReader() = default;
-
-void TextureReader::decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) {
-  if (!is_astc(layout_.kind)) return decode_rows(layout_.kind, bytes, size, first_row, rows, rgb);
-  if (!astc_) astc_ = make_astc_decoder(layout_.kind, file_.path());
-  astc_->decode_rows(bytes, size, first_row, rows, rgb);
-}
-
-void TextureReader::unpack_level(int level) {
-  const TextureLayout::Level& place = layout_.levels[static_cast<std::size_t>(level)];
-  unpacked_level_ = -1;
-  std::vector<std::uint8_t> packed(place.packed_bytes);
-  file_.seek(place.first_byte);
-  file_.read(packed.data(), packed.size());
-  texels_.resize(layout_.whole_bytes(level));
-  unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
-  unpacked_level_ = level;
-}
-
-void TextureReader::read(int level, int face, int first_row, int rows, float* rgb) {
-  const int size = layout_.level_size(level);
-  const ByteRange place = row_byte_range(layout_.kind, size, first_row, rows);
-  if (layout_.supercompression != Supercompression::none) {
-    if (unpacked_level_ != level) unpack_level(level);
-    const std::uint64_t first_byte = layout_.first_byte_of(level, face);
-    decode(texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
-    return;
-  }
-  texels_.resize(place.bytes);
-  file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] + place.first_byte);
-  file_.read(texels_.data(), texels_.size());
-  decode(texels_.data(), size, first_row, rows, rgb);
-}
-
-namespace {
 
 constexpr int kStreamedRows = 16;
 
@@ -373,49 +361,24 @@ class TextureSource final : public RowSource {
   int level_;
 };
 
-ChannelType channel_type(TexelKind kind, std::size_t channel) {
-  switch (kind) {
-    case TexelKind::rgba16f:
-    case TexelKind::rgb16f:
-    case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat:
-    case TexelKind::astc_4x4_hdr:
-    case TexelKind::astc_6x6_hdr:
-    case TexelKind::uastc_hdr_4x4: return ChannelType::half;
-    case TexelKind::rgb32f:
-    case TexelKind::rgba32f: return ChannelType::float32;
-    case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;
-    case TexelKind::e5b9g9r9: return ChannelType::shared_exponent;
-    case TexelKind::rgb8:
-    case TexelKind::rgb8_srgb:
-    case TexelKind::rgba8:
-    case TexelKind::rgba8_srgb: return ChannelType::uint8;
-  }
-  return ChannelType::unknown;
-}
-
 void list_channels(EnvironmentInfo& info, TexelKind kind) {
-  const bool alpha = kind == TexelKind::rgba16f || kind == TexelKind::rgba32f || kind == TexelKind::rgba8 ||
-                     kind == TexelKind::rgba8_srgb;
   constexpr std::array names{"R", "G", "B", "A"};
-  for (std::size_t channel = 0; channel < (alpha ? 4U : 3U); ++channel) {
-    info.channels.push_back({names[channel], channel_type(kind, channel)});
+  for (std::size_t channel = 0; channel < traits(kind).channels; ++channel) {
+    const bool short_one = kind == TexelKind::b10g11r11 && channel == 2;
+    info.channels.push_back({names[channel], short_one ? ChannelType::ufloat10 : traits(kind).channel});
   }
 }
 
 TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& info) {
   const bool with_alpha = kind == TexelKind::rgba8 || kind == TexelKind::rgba8_srgb;
   if (!with_alpha && kind != TexelKind::rgb8 && kind != TexelKind::rgb8_srgb) return kind;
-  if (asked_for == Transfer::automatic) {
-    info.notes.emplace_back(kind == TexelKind::rgba8 || kind == TexelKind::rgb8
-                                ? "samples are read as linear, as the format states"
-                                : "samples are read as sRGB, as the format states");
-    return kind;
-  }
-  info.notes.emplace_back(asked_for == Transfer::linear ? "samples are read as linear, as requested"
-                                                        : "samples are read as sRGB, as requested");
-  if (with_alpha) return asked_for == Transfer::linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
-  return asked_for == Transfer::linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
+  const bool asked = asked_for != Transfer::automatic;
+  const bool states_linear = kind == TexelKind::rgba8 || kind == TexelKind::rgb8;
+  const bool linear = asked ? asked_for == Transfer::linear : states_linear;
+  info.notes.push_back(std::string("samples are read as ") + (linear ? "linear" : "sRGB") +
+                       (asked ? ", as requested" : ", as the format states"));
+  if (with_alpha) return linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
+  return linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
 }
 
 /// Layout and sizes of a picture's level.
@@ -456,8 +419,7 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
                          "\" is not applied: rows are read from the top");
   }
-  auto source = std::make_unique<TextureSource>(std::move(info), input_of(file), std::move(layout), options.level);
-  return source;
+  return std::make_unique<TextureSource>(std::move(info), input_of(file), std::move(layout), options.level);
 }
 
 }  // namespace welkin::files

@@ -1,22 +1,25 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <string>
-#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "files/astc.h"
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
 #include "image/bc6h_encoder.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "image/uastc_hdr_encoder.h"
 #include "jobs/control.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
+#include "welkin/bake_file.h"
 #include "welkin/image.h"
+#include "welkin/resampling.h"
 
 namespace welkin {
 namespace files {
@@ -24,39 +27,26 @@ namespace {
 
 constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
 
-std::size_t texels_of(const CubemapView& view) {
-  return static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
-}
-
 struct Container {
   const char* extension;
   std::uint64_t (*write)(const TextureJob&);
-  std::uint64_t (*write_picture)(const PictureJob&);  ///< none: cubemaps alone
-  bool packed_formats;                                ///< b10g11r11 and e5b9g9r9
+  bool flat;            ///< pictures as well as cubemaps
+  bool packed_formats;  ///< b10g11r11 and e5b9g9r9
   bool supercompression;
   bool bc6h;
   bool astc;
 };
 
-constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true, true},
-                                 Container{".ktx", write_ktx1, nullptr, true, false, true, false},
-                                 Container{".dds", write_dds, write_dds, true, false, true, false},
-                                 Container{".exr", write_exr_cube, nullptr, false, false, false, false}};
+constexpr std::array kContainers{Container{".ktx2", write_ktx2, true, true, true, true, true},
+                                 Container{".ktx", write_ktx1, false, true, false, true, false},
+                                 Container{".dds", write_dds, true, true, false, true, false},
+                                 Container{".exr", write_exr_cube, false, false, false, false, false}};
 
 const Container& container_of(const std::filesystem::path& path) {
-  std::string extension = platform::utf8(path.extension());
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const Container& container : kContainers) {
-    if (extension != container.extension) continue;
-    if (container.write == write_exr_cube) require_codec(Codec::exr, path, "write .ktx2 or .dds");
-    return container;
-  }
-  throw platform::file_error(
-      ErrorCode::unsupported_file, path,
-      (extension.empty() ? std::string("has no extension that names a format")
-                         : "\"" + platform::printable(extension) + "\" is not written as a texture") +
-          "; use .ktx2, .ktx, .dds or .exr");
+  const Container& container =
+      format_named_by(path, kContainers, " is not written as a texture", "; use .ktx2, .ktx, .dds or .exr");
+  if (container.write == write_exr_cube) require_codec(Codec::exr, path, "write .ktx2 or .dds");
+  return container;
 }
 
 void check_options(const std::filesystem::path& path, const Container& container, const TextureOptions& options) {
@@ -97,104 +87,57 @@ void check_options(const std::filesystem::path& path, const Container& container
 
 }  // namespace
 
-void check_texture_options(const std::filesystem::path& path, const TextureOptions& options) {
-  check_options(path, container_of(path), options);
+std::uint64_t TextureJob::level_bytes(std::size_t level) const noexcept {
+  const LatLongView& first = levels[level].front();
+  return levels[level].size() * row_byte_range(kind(), first.width, 0, first.height).bytes;
 }
-
-namespace {
-
-BlockLevels in_blocks(std::span<const std::vector<LatLongView>> levels, const TextureOptions& options,
-                      const Control& whole) {
-  const Control control = jobs::part_of(whole, 0.0, 0.9);
-  const TexelKind kind = kind_of(options.format);
-  if (is_astc(kind)) return encode_astc(levels, kind, options.astc_effort, control);
-  if (kind == TexelKind::uastc_hdr_4x4) {
-    image::EncodedLevels encoded = image::encode_uastc_hdr_pictures(levels, options.bc6h_effort, control);
-    BlockLevels blocks{{}, encoded.values_clamped};
-    for (image::EncodedLevels::Level& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
-    return blocks;
-  }
-  image::Bc6hPictureLevels encoded =
-      image::encode_bc6h_pictures(levels, {options.bc6h_effort, kind == TexelKind::bc6h_sfloat}, control);
-  BlockLevels blocks{{}, encoded.values_clamped};
-  blocks.levels.reserve(encoded.levels.size());
-  for (image::Bc6hPictures& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
-  return blocks;
-}
-
-}  // namespace
 
 std::optional<BlockLevels> compressed(const TextureJob& job) {
-  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
-  std::vector<std::vector<LatLongView>> levels;
-  levels.reserve(job.mips.size());
-  for (const CubemapView& view : job.mips) levels.push_back(image::pictures_of(view));
-  return in_blocks(levels, job.options, job.control);
-}
-
-std::optional<BlockLevels> compressed(const PictureJob& job) {
-  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
-  std::vector<std::vector<LatLongView>> levels{{job.picture}};
-  for (const LatLongView& level : job.smaller) levels.push_back({level});
-  return in_blocks(levels, job.options, job.control);
-}
-
-void report_share(const Control& control, double done) {
-  jobs::throw_if_cancelled(control);
-  if (control.progress && done > 0.0) control.progress(std::min(done, 1.0));
-}
-
-void TexelEncoder::encode_row(PixelFormat format, const void* row, int width, std::uint8_t* texels) {
-  const auto count = static_cast<std::size_t>(width);
-  rgb_.resize(3 * count);
-  image::decode_texels(format, row, width, rgb_.data());
-  clamped_ += image::encode_texels(format_, rgb_.data(), count, texels);
-}
-
-void TexelEncoder::encode(const CubemapView& view, int face, int first_row, int rows, std::uint8_t* texels) {
-  const std::size_t row_bytes = static_cast<std::size_t>(view.size) * texel_bytes(kind_of(format_));
-  for (int row = 0; row < rows; ++row, texels += row_bytes) {
-    encode_row(view.format, image::row_of(view, face, first_row + row), view.size, texels);
+  const TexelKind kind = job.kind();
+  if (!is_compressed(kind)) return std::nullopt;
+  const Control control = jobs::part_of(job.control, 0.0, 0.9);
+  if (is_astc(kind)) return encode_astc(job.levels, kind, job.options.astc_effort, control);
+  const auto with_blocks_of = [](auto encoded) {
+    BlockLevels blocks{{}, encoded.values_clamped};
+    for (auto& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
+    return blocks;
+  };
+  const Bc6hEffort effort = job.options.bc6h_effort;
+  if (kind == TexelKind::uastc_hdr_4x4) {
+    return with_blocks_of(image::encode_uastc_hdr_pictures(job.levels, effort, control));
   }
+  return with_blocks_of(image::encode_bc6h_pictures(job.levels, {effort, kind == TexelKind::bc6h_sfloat}, control));
 }
 
 void TexelEncoder::encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels) {
-  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(format_));
-  for (int row = 0; row < rows; ++row, texels += row_bytes) {
-    encode_row(picture.format, image::row_of(picture, first_row + row), picture.width, texels);
+  const auto count = static_cast<std::size_t>(picture.width);
+  rgb_.resize(3 * count);
+  for (int row = first_row; row < first_row + rows; ++row, texels += count * texel_bytes(kind_of(format_))) {
+    image::decode_texels(picture.format, image::row_of(picture, row), picture.width, rgb_.data());
+    clamped_ += image::encode_texels(format_, rgb_.data(), count, texels);
   }
 }
 
-TexelProgress::TexelProgress(std::span<const CubemapView> mips, const Control& control) : control_(control) {
-  for (const CubemapView& view : mips) total_ += 6.0 * static_cast<double>(texels_of(view));
+TexelProgress::TexelProgress(const TextureJob& job) : control_(job.control) {
+  for (const std::vector<LatLongView>& pictures : job.levels) total_ += static_cast<double>(image::texels_of(pictures));
 }
 
 void TexelProgress::next(std::uint64_t texels) {
-  report_share(control_, done_ / total_);
+  jobs::throw_if_cancelled(control_);
+  if (control_.progress && done_ > 0.0) control_.progress(std::min(done_ / total_, 1.0));
   done_ += static_cast<double>(texels);
 }
 
-void write_face(platform::WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
-                TexelProgress& progress) {
-  const auto size = static_cast<std::size_t>(view.size);
-  const int block_rows = static_cast<int>(std::clamp<std::size_t>(kBlockTexels / size, 1, size));
-  std::vector<std::uint8_t> texels(size * static_cast<std::size_t>(block_rows) * texel_bytes(kind_of(format)));
-  for (int row = 0; row < view.size; row += block_rows) {
-    const int rows = std::min(block_rows, view.size - row);
-    const std::size_t count = size * static_cast<std::size_t>(rows);
+void write_picture(const TextureJob& job, const LatLongView& picture, TexelEncoder& encoder, TexelProgress& progress) {
+  const auto width = static_cast<std::size_t>(picture.width);
+  const int block_rows = std::clamp(static_cast<int>(kBlockTexels / width), 1, picture.height);
+  std::vector<std::uint8_t> texels(width * static_cast<std::size_t>(block_rows) * texel_bytes(job.kind()));
+  for (int row = 0; row < picture.height; row += block_rows) {
+    const int rows = std::min(block_rows, picture.height - row);
+    const std::size_t count = width * static_cast<std::size_t>(rows);
     progress.next(count);
-    encoder.encode(view, face, row, rows, texels.data());
-    file.write(texels.data(), count * texel_bytes(kind_of(format)));
-  }
-}
-
-void write_picture(const PictureJob& job, TexelEncoder& encoder) {
-  const LatLongView& picture = job.picture;
-  std::vector<std::uint8_t> texels(static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format)));
-  for (int row = 0; row < picture.height; ++row) {
-    report_share(job.control, static_cast<double>(row) / picture.height);
-    encoder.encode(picture, row, 1, texels.data());
-    job.file.write(texels.data(), texels.size());
+    encoder.encode(picture, row, rows, texels.data());
+    job.file.write(texels.data(), count * texel_bytes(job.kind()));
   }
 }
 
@@ -206,10 +149,13 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
   image::check_chain(mips);
   const files::Container& container = files::container_of(output.path());
   files::check_options(output.path(), container, options);
-  platform::WholeFile file(output.path(), output.bytes());
-  const std::uint64_t values_clamped = container.write({file, mips, options, control});
-  file.finish();
-  return files::commit_files({&file}, values_clamped, control);
+  std::vector<std::vector<LatLongView>> levels;
+  levels.reserve(mips.size());
+  for (const CubemapView& view : mips) levels.push_back(image::pictures_of(view));
+  files::OutputFiles written;
+  const std::uint64_t values_clamped =
+      container.write({written.add(output), std::move(levels), options, control, mips});
+  return written.commit(values_clamped, control);
 }
 
 WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
@@ -223,15 +169,74 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                                  " cannot be written; pass 1 to " + std::to_string(largest));
   }
   const files::Container& container = files::container_of(output.path());
-  if (container.write_picture == nullptr) {
+  if (!container.flat) {
     throw platform::file_error(ErrorCode::unsupported_file, output.path(),
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   files::check_options(output.path(), container, options);
-  platform::WholeFile file(output.path(), output.bytes());
-  const std::uint64_t values_clamped = container.write_picture({file, picture, options, control});
-  file.finish();
-  return files::commit_files({&file}, values_clamped, control);
+  files::OutputFiles written;
+  const std::uint64_t values_clamped = container.write({written.add(output), {{picture}}, options, control});
+  return written.commit(values_clamped, control);
+}
+
+namespace {
+
+void check_map(const std::filesystem::path& path, const OctahedralMap& map) {
+  const auto refuse = [&path](const std::string& what) {
+    throw platform::file_error(ErrorCode::invalid_argument, path, what);
+  };
+  if (map.levels.empty()) refuse("cannot be written: the octahedral map has no levels; pass a map of to_octahedral");
+  for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) {
+    const auto edge = static_cast<std::size_t>(std::max(0, map.level_size(level)));
+    if (edge == 0 || map.levels[static_cast<std::size_t>(level)].size() != 3 * edge * edge)
+      refuse("cannot be written: level " + std::to_string(level) + " of the octahedral map has " +
+             std::to_string(map.levels[static_cast<std::size_t>(level)].size()) + " values instead of " +
+             std::to_string(3 * edge * edge) + "; pass a map of to_octahedral");
+  }
+}
+
+/// "map.exr", of several levels "map_m2.exr".
+WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options,
+                           const Control& control) {
+  const std::filesystem::path& path = output.path();
+  if (output.bytes() != nullptr && map.levels.size() > 1) {
+    throw platform::file_error(
+        ErrorCode::invalid_argument, path,
+        "has one image, and the map has " + std::to_string(map.levels.size()) + " levels; write .ktx2, or to a path");
+  }
+  const SampleType type = options.format == TexelFormat::rgba32f ? SampleType::float32 : SampleType::half;
+  std::uint64_t values_clamped = 0;
+  files::OutputFiles written;
+  for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) {
+    platform::WholeFile& file = written.add(
+        map.levels.size() == 1 ? output : files::beside(path, "_m" + std::to_string(level), path.extension()));
+    const files::OutputPicture picture(map.view(level));
+    values_clamped += files::write_exr(picture, {file, type, false, false, {control.stop, {}}});
+  }
+  return written.commit(values_clamped, control);
+}
+
+}  // namespace
+
+WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options,
+                             const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  check_map(output.path(), map);
+  files::check_options(output.path(), files::container_of(output.path()), options);
+  const std::string extension = platform::utf8(output.path().extension());
+  if (extension == ".exr" || extension == ".EXR") return write_pictures(output, map, options, control);
+  if (extension == ".dds" || extension == ".DDS") {
+    throw platform::file_error(ErrorCode::invalid_argument, output.path(),
+                               "is not written as an octahedral map; use .ktx2 or .exr");
+  }
+  std::vector<std::vector<LatLongView>> levels;
+  for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) levels.push_back({map.view(level)});
+  TextureOptions with_border = options;
+  with_border.metadata["welkin.octahedral_border"] = std::to_string(map.border);
+  files::OutputFiles written;
+  const std::uint64_t values_clamped =
+      files::write_ktx2({written.add(output), std::move(levels), with_border, control});
+  return written.commit(values_clamped, control);
 }
 
 }  // namespace welkin

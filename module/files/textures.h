@@ -1,9 +1,7 @@
 // KTX2's levels, packed by zlib or Zstandard.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include "files/row_source.h"
@@ -103,6 +101,8 @@ struct KindTraits {
   std::uint32_t vulkan;               ///< VkFormat
   std::uint32_t dxgi;                 ///< DXGI_FORMAT; 0: not read from DDS
   std::optional<PixelFormat> pixels;  ///< with the same layout
+  ChannelType channel;                ///< of the first one
+  std::size_t channels;
 };
 [[nodiscard]] const KindTraits& traits(TexelKind kind) noexcept;
 
@@ -123,13 +123,6 @@ struct ByteRange {
   std::uint64_t bytes;
 };
 [[nodiscard]] ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noexcept;
-
-/// Packed RGB floats from what is at `row_byte_range`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8:
-/// any). Not for ASTC: `AstcDecoder` (astc.h) needs tables.
-void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
-
-/// Bytes of a level of six faces; `size` up to 16384.
-[[nodiscard]] std::uint64_t level_bytes(TexelKind kind, int size) noexcept;
 
 /// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
@@ -163,13 +156,6 @@ inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 
                                                               0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
 inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
 inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
-
-/// supercompressionScheme.
-[[nodiscard]] std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept;
-[[nodiscard]] std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept;
-
-/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
-[[nodiscard]] std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format);
 
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 
@@ -225,7 +211,8 @@ struct TextureLayout {
 
 /// Of either, by the first bytes; unsupported_file if it is neither.
 [[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file, int element = 0);
-[[nodiscard]] bool is_texture(platform::ByteFile& file);
+/// By those that `first_bytes` gives.
+[[nodiscard]] bool is_texture(std::string_view start);
 
 /// KTX's key/value data, of both versions: keys with their values; a text's closing zero is left out. Entries after one
 /// that makes no sense are an error. Throws `Error` (corrupt_file, limit_exceeded, file_access).
@@ -236,45 +223,13 @@ struct TextureLayout {
 [[nodiscard]] std::vector<std::uint8_t> key_value_bytes(const platform::WholeFile& file,
                                                         const std::map<std::string, std::string>& metadata);
 
+/// Throws `Error` naming the file.
+[[noreturn]] void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message);
+
 /// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
 /// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
                     std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element);
-
-/// Throws unsupported_file unless a header's sizes are those of a cubemap from 1 to 16384 texels, whole or not.
-void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
-                         std::uint64_t levels);
-
-// Texels out of a KTX2 or DDS file.
-
-class AstcDecoder;
-
-/// Each thread has its own. Holds an unpacked level, if the file's are packed, until another is asked for.
-class TextureReader {
- public:
-  /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
-  TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {});
-  ~TextureReader();
-  TextureReader(const TextureReader&) = delete;
-  TextureReader& operator=(const TextureReader&) = delete;
-
-  /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
-  void read(int level, int face, int first_row, int rows, float* rgb);
-
- private:
-  void unpack_level(int level);
-  void decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb);
-
-  platform::ByteFile file_;
-  const TextureLayout& layout_;
-  stop_token stop_;
-  std::unique_ptr<AstcDecoder> astc_;  ///< once it was needed
-  std::vector<std::uint8_t> texels_;
-  int unpacked_level_ = -1;
-};
-
-/// The most that a reader holds while it reads so many rows of a level at once.
-[[nodiscard]] std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept;
 
 // KTX2 and DDS cubemaps as rows.
 
@@ -288,29 +243,24 @@ class TextureReader {
 
 /// Whether a key of a file's metadata speaks of roughness ("welkin.roughness"): then the smaller levels are blurred for
 /// reflections, and none of them stands for the picture.
-[[nodiscard]] inline bool speaks_of_roughness(std::string key) {
-  std::transform(key.begin(), key.end(), key.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return key.find("roughness") != std::string::npos;
+[[nodiscard]] inline bool speaks_of_roughness(const std::string& key) {
+  return lower_case(key).find("roughness") != std::string::npos;
 }
 
 // What the writers of textures share.
 
-/// A texture that is about to be written; all that was checked.
+/// A texture that is about to be written, a cubemap or flat; all that was checked.
 struct TextureJob {
   platform::WholeFile& file;
-  std::span<const CubemapView> mips;
+  std::vector<std::vector<LatLongView>> levels;  ///< of each its six faces, or its one picture: rows, not directions
   const TextureOptions& options;
   const Control& control;
-};
+  std::span<const CubemapView> mips{};  ///< of a cubemap the same levels
 
-/// A picture of one level that is about to be written as a texture.
-struct PictureJob {
-  platform::WholeFile& file;
-  const LatLongView& picture;  ///< any picture: rows, not directions
-  const TextureOptions& options;
-  const Control& control;
-  std::span<const LatLongView> smaller{};  ///< levels below it, each half the one before: of KTX2 alone
+  [[nodiscard]] std::size_t faces() const noexcept { return levels.front().size(); }
+  [[nodiscard]] TexelKind kind() const noexcept { return kind_of(options.format); }
+  /// Of all faces, unpacked.
+  [[nodiscard]] std::uint64_t level_bytes(std::size_t level) const noexcept;
 };
 
 /// Levels in blocks.
@@ -320,18 +270,15 @@ struct BlockLevels {
 };
 
 /// The job's levels in blocks, if its format has such: nine tenths of the work, which is said to the job's control.
-/// Throw `Error`: invalid_argument (the effort), cancelled.
+/// Throws `Error`: invalid_argument (the effort), cancelled.
 [[nodiscard]] std::optional<BlockLevels> compressed(const TextureJob& job);
-[[nodiscard]] std::optional<BlockLevels> compressed(const PictureJob& job);
 
 /// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
-/// `write_texture` does.
+/// `write_texture` does. KTX and OpenEXR are for cubemaps alone, and a flat DDS has one level.
 std::uint64_t write_ktx2(const TextureJob& job);
 std::uint64_t write_ktx1(const TextureJob& job);
 std::uint64_t write_dds(const TextureJob& job);
 std::uint64_t write_exr_cube(const TextureJob& job);
-std::uint64_t write_ktx2(const PictureJob& job);
-std::uint64_t write_dds(const PictureJob& job);
 
 /// A three-dimensional texture of halves, four a texel, x first, then y, then z; or an array whose layers z counts.
 struct Volume {
@@ -344,24 +291,17 @@ struct Volume {
 void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata);
 
-/// Throws `Error` (cancelled), and tells the share that is done.
-void report_share(const Control& control, double done);
-
-/// Turns a level's face into texels, a block of rows after the other.
+/// Turns a face or picture into texels, a block of rows after the other.
 class TexelEncoder {
  public:
   explicit TexelEncoder(TexelFormat format) : format_(format) {}
 
-  /// Some rows of a face, to `texels`: rows x view.size texels.
-  void encode(const CubemapView& view, int face, int first_row, int rows, std::uint8_t* texels);
-
+  /// Some rows, to `texels`: rows x width texels.
   void encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels);
 
   [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
 
  private:
-  void encode_row(PixelFormat format, const void* row, int width, std::uint8_t* texels);
-
   TexelFormat format_;
   std::vector<float> rgb_;  // a row
   std::uint64_t clamped_ = 0;
@@ -370,8 +310,8 @@ class TexelEncoder {
 /// How far texels have come, for the progress of a whole chain.
 class TexelProgress {
  public:
-  TexelProgress(std::span<const CubemapView> mips, const Control& control);
-  /// Before `texels` more are written. Throws as `report_share`.
+  explicit TexelProgress(const TextureJob& job);
+  /// Before `texels` more are written: throws `Error` (cancelled), and tells the share that is done.
   void next(std::uint64_t texels);
 
  private:
@@ -380,14 +320,7 @@ class TexelProgress {
   double done_ = 0.0;
 };
 
-/// Writes a face as it lies in the file, unpacked.
-void write_face(platform::WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
-                TexelProgress& progress);
-
-/// Writes a picture likewise.
-void write_picture(const PictureJob& job, TexelEncoder& encoder);
-
-/// Throws `Error` (invalid_argument, unsupported_file) for options that a .ktx2 or .dds at the path cannot hold.
-void check_texture_options(const std::filesystem::path& path, const TextureOptions& options);
+/// Writes a face or picture as it lies in the file, unpacked.
+void write_picture(const TextureJob& job, const LatLongView& picture, TexelEncoder& encoder, TexelProgress& progress);
 
 }  // namespace welkin::files

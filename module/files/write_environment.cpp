@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -25,7 +24,6 @@ namespace {
 
 using files::OutputPicture;
 using platform::file_error;
-using platform::WholeFile;
 
 struct Format {
   const char* extension;
@@ -55,18 +53,9 @@ const std::array<Format, 4>& formats() {
 }
 
 const Format& format_of(const std::filesystem::path& path) {
-  std::string extension = platform::utf8(path.extension());
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const Format& format : formats()) {
-    if (extension != format.extension) continue;
-    if (format.codec) files::require_codec(*format.codec, path, "write .hdr or .pfm");
-    return format;
-  }
-  throw file_error(ErrorCode::unsupported_file, path,
-                   (extension.empty() ? std::string("has no extension that names a format")
-                                      : "\"" + platform::printable(extension) + "\" is not written") +
-                       "; use .exr, .hdr, .pfm or .png");
+  const Format& format = files::format_named_by(path, formats(), " is not written", "; use .exr, .hdr, .pfm or .png");
+  if (format.codec) files::require_codec(*format.codec, path, "write .hdr or .pfm");
+  return format;
 }
 
 SampleType type_for(const Format& format, SampleType asked_for, const std::filesystem::path& path) {
@@ -78,46 +67,30 @@ SampleType type_for(const Format& format, SampleType asked_for, const std::files
   return asked_for;
 }
 
-/// Files that appear together, once all of them are whole.
-class OutputFiles {
+/// The files of an environment, all of one format.
+class EnvironmentFiles {
  public:
-  OutputFiles(const Format& format, SampleType type, const Control& control)
+  EnvironmentFiles(const Format& format, SampleType type, const Control& control)
       : format_(format), type_(type), control_(control) {}
 
   enum class Header { plain, openexr_lat_long, openexr_cube };
 
   /// `from` to `to`: the part of the progress.
   void add(const FileOutput& output, const OutputPicture& picture, Header header, double from, double to) {
-    files_.push_back(std::make_unique<WholeFile>(output.path(), output.bytes()));
     const Control part = jobs::part_of(control_, from, to);
-    const files::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
-                              part};
-    values_clamped_ += format_.write(picture, job);
-    files_.back()->finish();
+    values_clamped_ += format_.write(
+        picture, {files_.add(output), type_, header == Header::openexr_cube, header == Header::openexr_lat_long, part});
   }
 
-  WriteReport commit() {
-    std::vector<WholeFile*> files;
-    files.reserve(files_.size());
-    for (const auto& file : files_) files.push_back(file.get());
-    return files::commit_files(files, values_clamped_, control_);
-  }
+  WriteReport commit() { return files_.commit(values_clamped_, control_); }
 
  private:
   const Format& format_;
   SampleType type_;
   const Control& control_;
-  std::vector<std::unique_ptr<WholeFile>> files_;
+  files::OutputFiles files_;
   std::uint64_t values_clamped_ = 0;
 };
-
-std::filesystem::path face_path(const std::filesystem::path& path, int face) {
-  static constexpr std::array kEnds{"_px", "_nx", "_py", "_ny", "_pz", "_nz"};
-  std::filesystem::path name = path.stem();
-  name += kEnds[static_cast<std::size_t>(face)];
-  name += path.extension();
-  return path.parent_path() / name;
-}
 
 }  // namespace
 
@@ -153,8 +126,8 @@ namespace {
 WriteReport write(const FileOutput& output, const LatLongView& picture, const WriteOptions& options,
                   const Control& control) {
   const Format& format = format_of(output.path());
-  OutputFiles written(format, type_for(format, options.type, output.path()), control);
-  written.add(output, OutputPicture(picture), OutputFiles::Header::openexr_lat_long, 0.0, 1.0);
+  EnvironmentFiles written(format, type_for(format, options.type, output.path()), control);
+  written.add(output, OutputPicture(picture), EnvironmentFiles::Header::openexr_lat_long, 0.0, 1.0);
   return written.commit();
 }
 
@@ -169,18 +142,19 @@ WriteReport write(const FileOutput& output, const CubemapView& picture, const Wr
                          std::to_string(files::kMaximumWidth) +
                          " that are read; write a vertical strip, a cross or six files");
   }
-  OutputFiles written(format, type_for(format, options.type, path), control);
+  EnvironmentFiles written(format, type_for(format, options.type, path), control);
   if (layout == Layout::six_files) {
     const std::vector<std::filesystem::path> places = files::files_to_write(path, layout);
     for (int face = 0; face < 6; ++face) {
-      written.add(places[static_cast<std::size_t>(face)], OutputPicture(picture, face), OutputFiles::Header::plain,
+      written.add(places[static_cast<std::size_t>(face)], OutputPicture(picture, face), EnvironmentFiles::Header::plain,
                   face / 6.0, (face + 1) / 6.0);
     }
   } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
-    written.add(output, OutputPicture(picture, files::openexr_cube_placement()), OutputFiles::Header::openexr_cube, 0.0,
-                1.0);
+    written.add(output, OutputPicture(picture, files::openexr_cube_placement()), EnvironmentFiles::Header::openexr_cube,
+                0.0, 1.0);
   } else {
-    written.add(output, OutputPicture(picture, files::cube_placement(layout)), OutputFiles::Header::plain, 0.0, 1.0);
+    written.add(output, OutputPicture(picture, files::cube_placement(layout)), EnvironmentFiles::Header::plain, 0.0,
+                1.0);
   }
   return written.commit();
 }
@@ -202,17 +176,32 @@ namespace welkin::files {
 std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout) {
   if (layout != Layout::six_files) return {path};
   std::vector<std::filesystem::path> files;
-  files.reserve(6);
-  for (int face = 0; face < 6; ++face) files.push_back(face_path(path, face));
+  for (const char* const end : {"_px", "_nx", "_py", "_ny", "_pz", "_nz"}) {
+    files.push_back(beside(path, end, path.extension()));
+  }
   return files;
 }
 
-WriteReport commit_files(const std::vector<platform::WholeFile*>& files, std::uint64_t values_clamped,
-                         const Control& control) {
+std::filesystem::path beside(const std::filesystem::path& path, const std::string& ending,
+                             const std::filesystem::path& extension) {
+  std::filesystem::path file = path.stem();
+  file += ending;
+  file += extension;
+  return path.parent_path() / file;
+}
+
+platform::WholeFile& OutputFiles::add(const FileOutput& output) {
+  return *files_.emplace_back(std::make_unique<platform::WholeFile>(output.path(), output.bytes()));
+}
+
+WriteReport OutputFiles::commit(std::uint64_t values_clamped, const Control& control) {
   WriteReport report{.files = {}, .values_clamped = values_clamped};
-  for (const platform::WholeFile* file : files) report.files.push_back(file->path());
+  for (const auto& file : files_) {
+    file->finish();
+    report.files.push_back(file->path());
+  }
   if (control.progress) control.progress(1.0);
-  for (platform::WholeFile* file : files) file->commit();  // last: whatever throws leaves what was there before
+  for (const auto& file : files_) file->commit();  // last: whatever throws leaves what was there before
   return report;
 }
 

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "files/layout.h"
 #include "platform/file.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -47,10 +49,36 @@ struct WriteJob {
 /// The files that a picture of this layout becomes at `path`: one, or a face's each in their order.
 [[nodiscard]] std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout);
 
-/// Puts finished files in their places, together: until the first one is there, whatever throws leaves what was there
-/// before. Tells that all is done.
-[[nodiscard]] WriteReport commit_files(const std::vector<platform::WholeFile*>& files, std::uint64_t values_clamped,
-                                       const Control& control);
+/// "level.json" as "level_three.ktx2".
+[[nodiscard]] std::filesystem::path beside(const std::filesystem::path& path, const std::string& ending,
+                                           const std::filesystem::path& extension = {});
+
+/// The entry of `formats` whose extension the path has. Throws `Error` (unsupported_file) if there is none.
+template <class Formats>
+[[nodiscard]] const auto& format_named_by(const std::filesystem::path& path, const Formats& formats,
+                                          const char* verdict, const char* remedy) {
+  const std::string extension = lower_case(platform::utf8(path.extension()));
+  for (const auto& format : formats) {
+    if (extension == format.extension) return format;
+  }
+  throw platform::file_error(ErrorCode::unsupported_file, path,
+                             (extension.empty() ? std::string("has no extension that names a format")
+                                                : "\"" + platform::printable(extension) + "\"" + verdict) +
+                                 remedy);
+}
+
+/// Files that appear together, once all of them are whole.
+class OutputFiles {
+ public:
+  platform::WholeFile& add(const FileOutput& output);
+
+  /// Puts all in their places: until the first one is there, whatever throws leaves what was there before. Tells that
+  /// all is done.
+  [[nodiscard]] WriteReport commit(std::uint64_t values_clamped, const Control& control);
+
+ private:
+  std::vector<std::unique_ptr<platform::WholeFile>> files_;
+};
 
 /// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
 void report_rows(const WriteJob& job, int done, int height);

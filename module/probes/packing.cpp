@@ -32,6 +32,19 @@ using probes::Texel;
 constexpr int kBrickEdge = 4;         // probes: three cells and one more
 constexpr int kMaxBricksInRow = 512;  // 2048 texels
 
+/// Fills a texture whose slices are those of the grid, again and again: texel(slice, x, y).
+template <class TexelAt>
+std::uint64_t fill(PackedProbes& packed, const Filling& texture, const ProbeGrid& grid, int slices, std::int64_t texels,
+                   const Control& control, const TexelAt& texel) {
+  return for_each_slice(slices, texels, control, [&](int slice) {
+    std::uint64_t clamped = 0;
+    for (int y = 0; y < grid.counts[1]; ++y) {
+      for (int x = 0; x < grid.counts[0]; ++x) clamped += texture.set(packed, x, y, slice, texel(slice, x, y));
+    }
+    return clamped;
+  });
+}
+
 PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
   constexpr int volumes = 7;
   PackedProbes packed{ProbeLayout::three, {}, {}, 0};
@@ -40,26 +53,19 @@ PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
   const int slices = probes.grid.counts[2];
   const int padded = slices + 2;
   const Filling texture(packed, "texture", {columns, rows, volumes * padded});
-  packed.values_clamped =
-      for_each_slice(volumes * padded, std::int64_t{64} * columns * rows * padded, control, [&](int slice) {
-        const int volume = slice / padded;
-        const int z = std::clamp(slice % padded - 1, 0, slices - 1);
-        std::uint64_t clamped = 0;
-        for (int y = 0; y < rows; ++y) {
-          for (int x = 0; x < columns; ++x) {
-            // Nine colours in a row, four numbers of them a volume; the last number is 0.
-            Texel texel{};
-            for (std::size_t c = 0; c < 4; ++c) {
-              const std::size_t number = static_cast<std::size_t>(volume) * 4 + c;
-              if (number >= 27) continue;
-              texel[c] = static_cast<float>(
-                  coefficient(probes, number_of(probes.grid, x, y, z), number / 3)[static_cast<int>(number % 3)]);
-            }
-            clamped += texture.set(packed, x, y, slice, texel);
-          }
-        }
-        return clamped;
-      });
+  packed.values_clamped = fill(packed, texture, probes.grid, volumes * padded,
+                               std::int64_t{64} * columns * rows * padded, control, [&](int slice, int x, int y) {
+                                 const int z = std::clamp(slice % padded - 1, 0, slices - 1);
+                                 // Nine colours in a row, four numbers of them a volume; the last number is 0.
+                                 Texel texel{};
+                                 for (std::size_t c = 0; c < 4; ++c) {
+                                   const std::size_t number = static_cast<std::size_t>(slice / padded) * 4 + c;
+                                   if (number >= 27) continue;
+                                   texel[c] = static_cast<float>(coefficient(probes, number_of(probes.grid, x, y, z),
+                                                                             number / 3)[static_cast<int>(number % 3)]);
+                                 }
+                                 return texel;
+                               });
   return packed;
 }
 
@@ -70,20 +76,13 @@ PackedProbes pack_plain(const BakedProbes& probes, const Control& control) {
   const int slices = probes.grid.counts[2];
   const int volumes = probes.bands * probes.bands;
   const Filling texture(packed, "coefficients", {columns, rows, volumes * slices});
-  packed.values_clamped =
-      for_each_slice(volumes * slices, std::int64_t{64} * columns * rows * slices, control, [&](int slice) {
-        std::uint64_t clamped = 0;
-        for (int y = 0; y < rows; ++y) {
-          for (int x = 0; x < columns; ++x) {
-            const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
-            const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
-            clamped += texture.set(packed, x, y, slice,
-                                   {static_cast<float>(rgb.x), static_cast<float>(rgb.y), static_cast<float>(rgb.z),
-                                    probes.validity[probe]});
-          }
-        }
-        return clamped;
-      });
+  packed.values_clamped = fill(packed, texture, probes.grid, volumes * slices,
+                               std::int64_t{64} * columns * rows * slices, control, [&](int slice, int x, int y) {
+                                 const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
+                                 const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
+                                 return Texel{static_cast<float>(rgb.x), static_cast<float>(rgb.y),
+                                              static_cast<float>(rgb.z), probes.validity[probe]};
+                               });
   return packed;
 }
 

@@ -21,13 +21,13 @@ void require_length(const char* name, std::size_t is, std::size_t must_be) {
          std::to_string(must_be));
 }
 
+}  // namespace
+
 void require_between(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  refuse("ProbeOptions: " + std::string(name) + " is " + std::to_string(value) + "; it must be from " +
-         std::to_string(low) + " to " + std::to_string(high));
+  refuse(std::string(name) + " is " + std::to_string(value) + "; it must be from " + std::to_string(low) + " to " +
+         std::to_string(high));
 }
-
-}  // namespace
 
 void check_grid(const ProbeGrid& grid) {
   constexpr const char* axes[] = {"x", "y", "z"};
@@ -51,9 +51,9 @@ void check_grid(const ProbeGrid& grid) {
 void check_options(const ProbeOptions& options, bool with_depths) {
   projection::check_options(options.projection);
   image::require_range("bands of probes", options.projection.bands, 1, kMaxBands);
-  require_between("near_share", options.near_share, 0.0, 1e6);
-  require_between("valid_share", options.valid_share, 0.0, 1.0);
-  require_between("distance_limit", options.distance_limit, 0.0, 1e30);
+  require_between("ProbeOptions: near_share", options.near_share, 0.0, 1e6);
+  require_between("ProbeOptions: valid_share", options.valid_share, 0.0, 1.0);
+  require_between("ProbeOptions: distance_limit", options.distance_limit, 0.0, 1e30);
   image::require_range("distance_size of probes", options.distance_size, 0, 64);
   image::require_range("distance_power of probes", options.distance_power, 1, 1024);
   image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);

@@ -123,13 +123,6 @@ class Mover {
   double clearance_;
 };
 
-void require_between(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw Error(ErrorCode::invalid_argument, "RelocationOptions: " + std::string(name) + " is " + std::to_string(value) +
-                                               "; it must be from " + std::to_string(low) + " to " +
-                                               std::to_string(high));
-}
-
 }  // namespace
 
 std::vector<dvec3> relocate_probes(const ProbeGrid& grid, std::span<const DepthView> depths,
@@ -137,9 +130,9 @@ std::vector<dvec3> relocate_probes(const ProbeGrid& grid, std::span<const DepthV
                                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_grid(grid);
-  require_between("back_share", options.back_share, 0.0, 1.0);
-  require_between("clearance", options.clearance, 0.0, 0.5);
-  require_between("farthest", options.farthest, 0.0, 0.5);
+  probes::require_between("RelocationOptions: back_share", options.back_share, 0.0, 1.0);
+  probes::require_between("RelocationOptions: clearance", options.clearance, 0.0, 0.5);
+  probes::require_between("RelocationOptions: farthest", options.farthest, 0.0, 0.5);
   probes::require_count("depths", depths.size(), grid.size());
   if (!offsets.empty()) probes::require_count("offsets", offsets.size(), grid.size());
   probes::check_depths(depths);
