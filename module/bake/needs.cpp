@@ -1,9 +1,8 @@
-#include "bake/needs.h"
-
 #include <algorithm>
 #include <string>
 #include <utility>
 
+#include "bake/bake_plan.h"
 #include "image/pixels.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"

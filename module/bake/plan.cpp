@@ -6,7 +6,6 @@
 
 #include "bake/artefacts.h"
 #include "bake/bake_plan.h"
-#include "bake/needs.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
 #include "platform/text.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "bake/bake_plan.h"
-#include "bake/needs.h"
 #include "image/pixels.h"
 #include "jobs/stopwatch.h"
 #include "jobs/tiles.h"

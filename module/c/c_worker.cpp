@@ -1,6 +1,7 @@
 #include "c/c_worker.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -13,13 +14,11 @@ namespace welkin::c_interface {
 namespace {
 
 ThreadPriority thread_priority_of(welkin_thread_priority priority) {
-  switch (priority) {
-    case WELKIN_THREAD_PRIORITY_DEFAULT: return WorkerOptions().thread_priority;
-    case WELKIN_THREAD_PRIORITY_BELOW_NORMAL: return ThreadPriority::below_normal;
-    case WELKIN_THREAD_PRIORITY_NORMAL: return ThreadPriority::normal;
-    case WELKIN_THREAD_PRIORITY_IDLE: return ThreadPriority::idle;
-    default: refuse("thread_priority is " + std::to_string(priority) + "; it must be from 0 to 3");
-  }
+  static_assert(WELKIN_THREAD_PRIORITY_BELOW_NORMAL == 1 && WELKIN_THREAD_PRIORITY_NORMAL == 2);
+  image::require_range("thread_priority", priority, WELKIN_THREAD_PRIORITY_DEFAULT, WELKIN_THREAD_PRIORITY_IDLE);
+  const std::array priorities{WorkerOptions().thread_priority, ThreadPriority::below_normal, ThreadPriority::normal,
+                              ThreadPriority::idle};
+  return priorities[static_cast<std::size_t>(priority)];
 }
 
 std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {

@@ -44,42 +44,40 @@ void diagnostics(Archive& archive, Diagnostics& value) {
   archive.list(value.passes);
 }
 
-class Saver {
+class Saver : public ByteWriter {
  public:
-  explicit Saver(std::size_t expected_bytes) : writer(expected_bytes + kSmallChange) {}
+  explicit Saver(std::size_t expected_bytes) : ByteWriter(expected_bytes + kSmallChange) {}
   template <class... Values>
   void operator()(const Values&... values) {
-    (writer.put(values), ...);
+    all(values...);
   }
   template <class Value>
   void list(const std::vector<Value>& values) {
-    writer.put(values.size());
+    put(values.size());
     for (const Value& value : values) one(*this, value);
   }
-  void floats(const std::vector<float>& values) {
-    writer.put(values.size());
-    writer.floats(values);
+  void counted(const std::vector<float>& values) {
+    put(values.size());
+    floats(values);
   }
-  ByteWriter writer;
 };
 
-class Loader {
+class Loader : public ByteReader {
  public:
-  explicit Loader(ByteSpan bytes) : reader(bytes) {}
+  using ByteReader::ByteReader;
   template <class... Values>
   void operator()(Values&... values) {
-    (reader.get(values), ...);
+    (get(values), ...);
   }
   template <class Value>
   void list(std::vector<Value>& values) {
-    values.resize(reader.count(8));
+    values.resize(count(8));
     for (Value& value : values) one(*this, value);
   }
-  void floats(std::vector<float>& values) {
-    values.resize(reader.count(sizeof(float)));
-    reader.floats(values);
+  void counted(std::vector<float>& values) {
+    values.resize(count(sizeof(float)));
+    floats(values);
   }
-  ByteReader reader;
 };
 
 std::uint64_t texels(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
@@ -94,32 +92,24 @@ std::uint64_t chain_bytes(int size, int levels) {
 
 std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
 
-void save(Saver& saver, const Cubemap& chain) {
-  saver(chain.size(), chain.levels());
-  if (chain.levels() > 0) saver.writer.floats({chain.face(0, 0), chain_values(chain)});
-}
-
 /// `size` and `levels` of a chain that there can be.
 Cubemap load_chain(Loader& loader, int size, int levels, memory_resource* memory) {
   int stored_size = 0;
   int stored_levels = 0;
   loader(stored_size, stored_levels);
-  if (stored_size != size || stored_levels != levels) {
-    loader.reader.fail();
-    return {};
-  }
-  if (chain_bytes(size, levels) > loader.reader.remaining()) {  // before any memory is taken for them
-    loader.reader.fail();
+  // Before any memory is taken for it.
+  if (stored_size != size || stored_levels != levels || chain_bytes(size, levels) > loader.remaining()) {
+    loader.fail();
     return {};
   }
   Cubemap chain(size, levels, memory);
-  loader.reader.floats({chain.face(0, 0), chain_values(chain)});
+  loader.floats({chain.face(0, 0), chain_values(chain)});
   return chain;
 }
 
 template <class Result>
 std::optional<Result> if_complete(const Loader& loader, Result result) {
-  if (!loader.reader.complete()) return std::nullopt;
+  if (!loader.complete()) return std::nullopt;
   return std::optional<Result>(std::move(result));
 }
 
@@ -138,7 +128,7 @@ Bytes encode(const Projection& projection) {
   saver(projection.radiance.bands());
   for (const glm::dvec3& coefficient : projection.radiance.coefficients()) vector_3(saver, coefficient);
   diagnostics(saver, projection.diagnostics);
-  return saver.writer.take();
+  return saver.take();
 }
 
 std::optional<Projection> decode_projection(ByteSpan bytes, int bands) {
@@ -154,8 +144,9 @@ std::optional<Projection> decode_projection(ByteSpan bytes, int bands) {
 
 Bytes encode(const Cubemap& chain) {
   Saver saver(chain.bytes());
-  save(saver, chain);
-  return saver.writer.take();
+  saver(chain.size(), chain.levels());
+  if (chain.levels() > 0) saver.floats({chain.face(0, 0), chain_values(chain)});
+  return saver.take();
 }
 
 std::optional<Cubemap> decode_cubemap(ByteSpan bytes, int size, int levels, memory_resource* memory) {
@@ -167,8 +158,8 @@ std::optional<Cubemap> decode_cubemap(ByteSpan bytes, int size, int levels, memo
 Bytes encode(const OctahedralMap& map) {
   Saver saver(0);
   saver(map.size, map.border, map.levels.size());
-  for (const std::vector<float>& level : map.levels) saver.floats(level);
-  return saver.writer.take();
+  for (const std::vector<float>& level : map.levels) saver.counted(level);
+  return saver.take();
 }
 
 std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options) {
@@ -178,7 +169,7 @@ std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralO
   loader(map.size, map.border, levels);
   if (map.size != options.size || levels != static_cast<std::size_t>(options.levels)) return std::nullopt;
   for (int level = 0; level < options.levels; ++level) {
-    loader.floats(map.levels.emplace_back());
+    loader.counted(map.levels.emplace_back());
     const auto edge = static_cast<std::size_t>(map.level_size(level));
     if (map.levels.back().size() != 3 * edge * edge) return std::nullopt;
   }
@@ -189,9 +180,9 @@ Bytes encode_mip(const MipRecord& mip, const float* texels, const std::vector<fl
   const std::size_t values = mip_values(mip.size);
   Saver saver(values * sizeof(float));
   one(saver, mip);
-  saver.floats(energies);
-  saver.writer.floats({texels, values});
-  return saver.writer.take();
+  saver.counted(energies);
+  saver.floats({texels, values});
+  return saver.take();
 }
 
 std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels, std::vector<float>* energies) {
@@ -199,11 +190,11 @@ std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels, std
   MipRecord mip;
   one(loader, mip);
   std::vector<float> stored;
-  loader.floats(stored);
+  loader.counted(stored);
   mip.milliseconds = 0.0;
   const std::size_t values = mip_values(size);
-  if (mip.size != size || loader.reader.remaining() != values * sizeof(float)) return std::nullopt;
-  loader.reader.floats({texels, values});
+  if (mip.size != size || loader.remaining() != values * sizeof(float)) return std::nullopt;
+  loader.floats({texels, values});
   if (energies != nullptr && !stored.empty()) *energies = std::move(stored);
   return if_complete(loader, mip);
 }
@@ -211,12 +202,12 @@ std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels, std
 Bytes encode(const projection::FaceSums& sums) {
   Saver saver(sums.bytes());
   saver(sums.functions, sums.records.size());
-  saver.writer.raw(sums.values.data(), sums.values.size() * sizeof(double));
+  saver.raw(sums.values.data(), sums.values.size() * sizeof(double));
   for (const projection::SanitizeRecord& record : sums.records) {
     saver(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(saver, record.radiance_removed);
   }
-  return saver.writer.take();
+  return saver.take();
 }
 
 std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
@@ -225,9 +216,9 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
   std::size_t functions = 0;
   loader(functions);
   if (functions != static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands)) return std::nullopt;
-  if (loader.reader.count(3 * functions * sizeof(double)) != tiles) return std::nullopt;
+  if (loader.count(3 * functions * sizeof(double)) != tiles) return std::nullopt;
   auto sums = std::make_shared<projection::FaceSums>(tiles, bands);
-  loader.reader.raw(sums->values.data(), sums->values.size() * sizeof(double));
+  loader.raw(sums->values.data(), sums->values.size() * sizeof(double));
   for (projection::SanitizeRecord& record : sums->records) {
     loader(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(loader, record.radiance_removed);

@@ -20,7 +20,7 @@ namespace welkin::files {
 /// anything is read, cancelled, and whatever reading throws.
 [[nodiscard]] Environment read_whole(const RowSource& source, const ReadOptions& options, const Control& control);
 
-/// What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
+/// The message about a rejected pixel names face, row and column; this puts the file's name before it.
 template <typename Work>
 auto naming_file(const std::filesystem::path& path, const Work& work) {
   try {

@@ -34,6 +34,7 @@ inline constexpr int kMaximumHeight = 6 * 16384;
 /// The first eight bytes, or as many as there are. The file stands at its beginning then.
 [[nodiscard]] std::string first_bytes(platform::ByteFile& file);
 
+/// By the C library's `tolower`, byte by byte.
 [[nodiscard]] inline std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -52,7 +53,7 @@ class RowReader {
   virtual void read(int first_row, int row_count, float* rgb) = 0;
 };
 
-/// Of a picture whose rows come one after the other from the top: one that is asked for a row above the last one starts
+/// Reads a picture whose rows come one after the other from the top: asked for a row above the last one, it starts
 /// again.
 class SequentialReader : public RowReader {
  public:

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bake/bake_plan.h"
-#include "bake/needs.h"
 #include "files/env_manifest.h"
 #include "files/file_source.h"
 #include "files/textures.h"

@@ -259,7 +259,7 @@ struct TextureJob {
 
   [[nodiscard]] std::size_t faces() const noexcept { return levels.front().size(); }
   [[nodiscard]] TexelKind kind() const noexcept { return kind_of(options.format); }
-  /// Of all faces, unpacked.
+  /// All faces of a level, unpacked.
   [[nodiscard]] std::uint64_t level_bytes(std::size_t level) const noexcept;
 };
 

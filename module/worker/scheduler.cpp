@@ -22,7 +22,6 @@
 #include "platform/wait.h"
 #include "welkin/worker.h"
 #include "worker/thread_executor.h"
-#include "worker/thread_role.h"
 
 namespace welkin::detail {
 namespace {

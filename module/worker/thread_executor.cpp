@@ -15,7 +15,6 @@
 #include "platform/spin.h"
 #include "platform/thread.h"
 #include "worker/scheduler.h"
-#include "worker/thread_role.h"
 
 namespace welkin::detail {
 namespace {
