@@ -145,7 +145,7 @@ inline constexpr int kGroundNodes = 513;
                                                   const ColourFold& fold);
 
 /// Share of the ground's light that arrives at an altitude within the air, along the rays of the `half` view nodes that
-/// end on the ground (of 2 half, as the mapping has them): [half][4], the last 0.
+/// end on the ground (of 2 half, as the mapping has them), to 1e-6: [half][4], the last 0.
 [[nodiscard]] std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping,
                                               const ColourFold& fold, double altitude, int half);
 
