@@ -355,6 +355,25 @@ SliceShape slice_shape(const SkyTableOptions& options) noexcept {
   return {2 * std::max(4, options.view_zeniths / 2), std::max(4, angles_of(options)), std::max(4, options.sun_zeniths)};
 }
 
+// Rows as the tables have them and, where there are fewer than a slice has, as it has them; what views, suns, the
+// ground and the night add; and the aureole's tables.
+std::uint64_t slice_bytes(const SkyTableOptions& options) noexcept {
+  constexpr std::uint64_t kAureole = std::uint64_t{256} << 10U;
+  const auto rows = [](int views, int azimuths, int suns) {
+    return std::uint64_t{kRow} * sizeof(float) * static_cast<std::uint64_t>(views) *
+           static_cast<std::uint64_t>(azimuths) * static_cast<std::uint64_t>(suns);
+  };
+  const SliceShape shape = slice_shape(options);
+  const int angles = angles_of(options);
+  const bool continued =
+      shape.views != options.view_zeniths || shape.azimuths != angles || shape.suns != options.sun_zeniths;
+  const std::uint64_t first = continued ? rows(options.view_zeniths, angles, options.sun_zeniths) : 0;
+  const std::uint64_t of_suns = static_cast<std::uint64_t>(shape.suns) * (8 * kSunSteps + 64);
+  const std::uint64_t of_views = std::uint64_t{8} * static_cast<std::uint64_t>(shape.views);
+  return rows(shape.views, shape.azimuths, shape.suns) + first + of_suns + of_views +
+         16 * (kGroundNodes + std::uint64_t{kNightNodes}) + kAureole;
+}
+
 std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                               double altitude) {
   const SkyTableOptions& options = tables.options;

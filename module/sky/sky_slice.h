@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -128,6 +129,9 @@ struct SliceShape {
 };
 
 [[nodiscard]] SliceShape slice_shape(const SkyTableOptions& options) noexcept;
+
+/// Bytes that a slice takes at most while it is made, without its tables.
+[[nodiscard]] std::uint64_t slice_bytes(const SkyTableOptions& options) noexcept;
 
 /// Rows of eight floats (sky_slice.h): [views][azimuths][suns].
 [[nodiscard]] std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mapping,
