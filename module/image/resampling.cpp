@@ -45,11 +45,8 @@ void require_orthogonal(const glm::dmat3& rotation) {
 // Texels a radian, where they lie closest: a cube's at the middle of an edge.
 // A face has size / 2 texels per unit of u, and u = tan(angle) has the slope 1 + u^2: size / 2 texels per radian in the
 // middle of a face and size at u = 1, v = 0. (Along u it is size / 2 (1 + u^2 + v^2) / sqrt(1 + v^2), 1.06 size in the
-// corners. There samples lie up to 1.06 texels apart in a row or column: less than the 2 texels over which a texel's
-// interpolation reaches, so that none is missed, but those of a lone texel add up to its light less evenly. From 32 to
-// 16 x 16 x 6, askew, it keeps 1 with a deviation of 0.087 in the corners, 0.037 at edges and 0.014 inside of faces. As
-// many samples as 1.06 size asks for, one more along each edge and half as many again in all, leave 0.032, 0.021 and
-// 0.011: samples that are evenly spaced lose most of that where the faces' shapes differ, wherever they are few.)
+// corners: samples 1.06 texels apart miss none, as interpolation reaches over 2. From 32 to 16 x 16 x 6, askew, a lone
+// texel keeps 1 +- 0.087 of its light there; with the 5/4 squared as many samples of 1.06 size 1 +- 0.032.)
 double closest_texels(const CubemapView& source) { return source.size; }
 double closest_texels(const LatLongView& source) {
   return std::max(0.5 * source.width, 1.0 * source.height) / std::numbers::pi;
