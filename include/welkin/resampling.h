@@ -50,12 +50,13 @@ enum class ResampleFilter {
 ///   convolution along each row, limited to the range of the four nearest texels. Each row's sum is preserved to
 ///   rounding.
 /// - Otherwise: mean, by solid angle, of the source's bilinear interpolation at evenly spaced samples over the texel's
-///   area. The number of samples per edge is the source's maximum density of texels per radian (cubemap: size;
-///   lat-long: the larger of width / 2 pi and height / pi) divided by the result's minimum density (cubemap: size / 2;
-///   lat-long: width / 2 pi and height / pi), rounded up, at least 2. No source texel is missed, except near the poles
-///   of a lat-long: texels there are narrower than the distance of samples, and one that differs much from its row may
-///   count several times or not at all (from 256 x 128 to 16 x 16 x 6: 0 to 26 times in the first row, 0.2 to 4 times
-///   in the fifth).
+///   area. The number of samples per edge is the source's maximum density of texels per radian (cubemap: size, that
+///   in the middle of edges; 6 % less than in corners; lat-long: the larger of width / 2 pi and height / pi) divided by
+///   the result's minimum density (cubemap: size / 2; lat-long: width / 2 pi and height / pi), rounded up, at least 2.
+///   No source texel is missed, except near the poles of a lat-long: texels there are narrower than the distance of
+///   samples, and one that differs much from its row may count several times or not at all (from 256 x 128 to 16 x 16 x
+///   6: 0 to 26 times in the first row, 0.2 to 4 times in the fifth). A cubemap's lone texel counts 0.7 to 1.2 times in
+///   a corner, 0.97 to 1.04 times inside of a face (from 32 to 16 x 16 x 6).
 ///
 /// Interpolation continues across edges of faces, poles and the seam. NaN and infinities spread to the texels that they
 /// touch, with `area` to a few more. `filter` is used between a lat-long and a cubemap only. Cost on one thread: `area`

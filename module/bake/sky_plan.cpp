@@ -11,6 +11,9 @@
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
 #include "reflections/prefilter.h"
+#include "sky/elevation_curve.h"
+#include "sky/sky_projection.h"
+#include "sky/sky_slice.h"
 #include "sky/table_sizes.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
@@ -87,8 +90,9 @@ class SkyPlanner {
   static constexpr const char* kNotGlossy = "the scene has no glossy materials";
   static constexpr const char* kNoTables = "no pass uses the scattering tables";
 
-  void add(SkyPass pass, std::string reason, std::uint64_t bytes) {
-    plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes});
+  /// `working`: bytes that it takes at most beside its result.
+  void add(SkyPass pass, std::string reason, std::uint64_t bytes, std::uint64_t working = 0) {
+    plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes + working});
     plan_.result_bytes += bytes;
   }
   void skip(SkyPass pass, std::string reason) {
@@ -119,7 +123,8 @@ class SkyPlanner {
             ? "orders 2 to " + std::to_string(tables.orders) +
                   (tables.truncate_orders ? "" : ", estimate of further ones") + ", and irradiance of the ground"
             : "irradiance of the ground only, because one order has no multiple scattering",
-        sizeof(float) * sky::irradiance_floats(tables));
+        sizeof(float) * sky::irradiance_floats(tables),
+        sky::sky_table_bytes(plan_.atmosphere, tables) - sky::result_bytes(plan_.atmosphere, tables));
     add(SkyPass::scattering, tables.orders > 1 ? "single and multiple scattering" : "single scattering",
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
@@ -142,26 +147,23 @@ class SkyPlanner {
     if (!plan_.tables) {
       skip(SkyPass::view, kNoTables);
     } else {
-      const SkyTableOptions& tables = options_.tables;
-      // A slice has the texels of one height, eight floats each: three channels and a padding of both kinds of
-      // scattering.
-      const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
-      add(SkyPass::view, "slice of the tables at the altitude", 8 * sizeof(float) * static_cast<std::uint64_t>(texels));
+      add(SkyPass::view, "slice of the tables at the altitude", 0, sky::slice_bytes(options_.tables));
     }
     const std::string bands = std::to_string(options_.bands) + " bands";
+    const auto quadrature = [&](SkyHarmonicsOptions harmonics) {
+      harmonics.bands = options_.bands;
+      return sky::projection_bytes(options_.tables, harmonics);
+    };
     if (plan_.curve) {
-      // A value and a slope for each channel of the bands (bands + 1) / 2 coefficients that are even in the azimuth: 3
-      // bands (bands + 1) doubles per node of the sky's curve.
-      const std::uint64_t bytes =
-          static_cast<std::uint64_t>(options_.curve.nodes) *
-          (3 * static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands + 1) + 24) *
-          sizeof(double);
-      add(SkyPass::curve, bands + " over the sun's elevation", bytes);
+      add(SkyPass::curve, bands + " over the sun's elevation", sky::curve_bytes(options_.bands, options_.curve.nodes),
+          quadrature(options_.curve.projection));
     } else {
       skip(SkyPass::curve, options_.bands == 0 ? no_light() : "the sun does not move");
     }
     if (options_.bands > 0 && !plan_.curve) {
-      add(SkyPass::project, bands + " for one sun", 0);
+      const std::uint64_t coefficients =
+          static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands);
+      add(SkyPass::project, bands + " for one sun", coefficients * sizeof(glm::dvec3), quadrature(options_.harmonics));
     } else {
       skip(SkyPass::project, options_.bands == 0 ? no_light() : "the curve covers every sun");
     }
@@ -176,7 +178,7 @@ class SkyPlanner {
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
     const PlannedPass pass = baking::plan_prefilter_pass(source, reflections::plan_prefilter(*options_.specular));
     add(SkyPass::specular, pass.reason + unused_mips_ + ", for one sun; the shader rotates it about the vertical",
-        pass.bytes);
+        pass.bytes, kTexelBytes * baking::chain_texels(size, 1));
   }
 
   void plan_background() {

@@ -45,7 +45,8 @@ void require_orthogonal(const glm::dmat3& rotation) {
 // Texels a radian, where they lie closest: a cube's at the middle of an edge.
 // A face has size / 2 texels per unit of u, and u = tan(angle) has the slope 1 + u^2: size / 2 texels per radian in the
 // middle of a face and size at u = 1, v = 0. (Along u it is size / 2 (1 + u^2 + v^2) / sqrt(1 + v^2), 1.06 size in the
-// corners.)
+// corners: samples 1.06 texels apart miss none, as interpolation reaches over 2. From 32 to 16 x 16 x 6, askew, a lone
+// texel keeps 1 +- 0.087 of its light there; with the 5/4 squared as many samples of 1.06 size 1 +- 0.032.)
 double closest_texels(const CubemapView& source) { return source.size; }
 double closest_texels(const LatLongView& source) {
   return std::max(0.5 * source.width, 1.0 * source.height) / std::numbers::pi;

@@ -22,12 +22,18 @@ class KernelFunction {
   /// Replaces each x by the value there.
   virtual void evaluate(std::span<double> x) const noexcept = 0;
 
+  /// Replaces each x by the mean of the values about it where x is the mean and has that variance, but for third
+  /// moments: k(x) + k''(x) variance / 2. Called where `curved` is true.
+  virtual void evaluate_means(std::span<double> x, std::span<const double> /*variances*/) const noexcept {
+    evaluate(x);
+  }
+
   /// Points along an edge of the Gauss rule for a part of a texel that no break cuts: no point of the part is farther
   /// than `radius` (in radians) from its centre, which is at x. 0: the part must be divided.
   [[nodiscard]] virtual int order(double x, double radius) const noexcept = 0;
 
-  /// From this x on, a texel of that radius that no break cuts is its weight times the value at its centroid, within
-  /// 2e-5.
+  /// From this x on, a texel of that radius that no break cuts is its weight times the value at its centroid or, where
+  /// `curved` is true, the mean by its variance, within 2e-5; a GGX lobe's within 5e-6.
   [[nodiscard]] virtual double far(double radius) const noexcept = 0;
 
   /// Points along an edge of a Gauss rule that does the same for every texel of that radius that no break cuts, however
@@ -38,6 +44,7 @@ class KernelFunction {
   double last = 2.0;           ///< and beyond this one
   bool hemisphere = false;     ///< whether it is 0 beyond the horizon, x = 1, and bends or jumps there
   std::vector<double> breaks;  ///< other x where it bends or jumps
+  bool curved = false;         ///< whether a texel's variance counts
   bool cosine = false;         ///< whether it is a multiple of the cosine up to the horizon: a texel's weight is its
                                ///< moment then, which makes the value exact; else its solid angle
 };
@@ -50,6 +57,15 @@ struct TexelRow {
   double radius = 0.0;              ///< radians: no point of a texel is farther from its centroid
 
   explicit TexelRow(std::size_t columns);
+};
+
+/// How the unit directions of a row's texels are spread, weighted by solid angle: over a texel the cosine to an axis n
+/// has the mean n.c `length`, c the centroid's unit direction, and the variance (n.a)^2 + (n.b)^2, to the second order
+/// in the texel's size.
+struct TexelSpread {
+  std::vector<double> length;  ///< of the mean direction
+  std::vector<double> ax, ay, az;
+  std::vector<double> bx, by, bz;
 };
 
 /// Points of Gauss rules on a row's texels, `count` of each, texel after texel.
@@ -76,6 +92,9 @@ class TexelIntegrals {
   [[nodiscard]] virtual int columns() const noexcept = 0;
 
   virtual void fill(int row, TexelRow& texels) const = 0;
+
+  /// Fills in the spread of texels that `fill` has filled in.
+  virtual void fill(int row, const TexelRow& texels, TexelSpread& spread) const = 0;
 
   /// Fills in the points of a rule of `order` points along an edge.
   virtual void fill(int row, int order, TexelPoints& points) const = 0;

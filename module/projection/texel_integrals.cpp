@@ -173,6 +173,13 @@ void fill_points(const Mapping& mapping, int row, int columns, int order, TexelP
   }
 }
 
+void resize(TexelSpread& spread, std::size_t columns) {
+  for (std::vector<double>* const list :
+       {&spread.length, &spread.ax, &spread.ay, &spread.az, &spread.bx, &spread.by, &spread.bz}) {
+    list->resize(columns);
+  }
+}
+
 /// The horizon in longitude and latitude. With h(longitude) = n.x sin + n.z cos = r cos(longitude - that of n), the
 /// cosine is n.y sin(latitude) + h cos(latitude): at each longitude the horizon is crossed once, where tan(latitude) =
 /// -h / n.y.
@@ -321,6 +328,43 @@ class LatLongTexels final : public TexelIntegrals {
     const double aside = std::abs(latitude.sine * middle.cosine - latitude.cosine * middle.sine);
     // `radius` is from the middle of the texel; the centroid's latitude is off it by `aside`.
     texels.radius = whole ? kPi : radius({0.5, row + 0.5, 0.5, 0.5}) + aside;
+  }
+
+  /// With c the centroid, at the latitude p, d.east = cos v sin(u - u0) and d.north = sin(v - p) for u = u0. The
+  /// variances are the means of their squares, dw = cos v du dv: of sin^2(u - u0) over u0 +- a (1 - sin 2a / 2a) / 2,
+  /// and over v by a Gauss rule, since a row next to a pole is a triangle.
+  void fill(int row, const TexelRow& texels, TexelSpread& spread) const override {
+    resize(spread, longitudes_.size());
+    const double width = 2.0 * kPi / width_;  // 2a
+    const math::GaussRule rule = math::gauss_legendre(4);
+    const double sine = texels.y.front();
+    const double cosine = std::sqrt(std::max(0.0, (1.0 - sine) * (1.0 + sine)));
+    double whole = 0.0;
+    double north = 0.0;
+    double east = 0.0;
+    for (int k = 0; k < rule.order; ++k) {
+      const math::SineCosine v = math::sine_cosine_of_turns(0.25 - (row + 0.5 + 0.5 * rule.nodes[k]) / (2.0 * height_));
+      const double weight = rule.weights[k] * v.cosine;
+      const double along = v.sine * cosine - v.cosine * sine;
+      whole += weight;
+      north += weight * along * along;
+      east += weight * v.cosine * v.cosine;
+    }
+    // 1 - sin(t) / t = t^2 / 6 (1 - t^2 / 20 + t^4 / 840 - ...), which cancels for narrow texels
+    const double square = width * width;
+    const double bent = width < 0.1 ? square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0))
+                                    : 1.0 - math::sine_cosine_of_turns(1.0 / width_).sine / width;
+    const double across = std::sqrt(0.5 * bent * east / whole);
+    const double down = std::sqrt(north / whole);
+    for (std::size_t i = 0; i < longitudes_.size(); ++i) {
+      spread.length[i] = texels.moment[i] / texels.solid_angle[i];
+      spread.ax[i] = across * longitudes_[i].cosine;
+      spread.ay[i] = 0.0;
+      spread.az[i] = -across * longitudes_[i].sine;
+      spread.bx[i] = -down * sine * longitudes_[i].sine;
+      spread.by[i] = down * cosine;
+      spread.bz[i] = -down * sine * longitudes_[i].cosine;
+    }
   }
 
   void fill(int row, int order, TexelPoints& points) const override { fill_points(*this, row, width_, order, points); }
@@ -497,6 +541,27 @@ class CubemapTexels final : public TexelIntegrals {
     }
     // Half a diagonal on a plane at distance 1 or more.
     texels.radius = std::numbers::sqrt2 / size_;
+  }
+
+  /// d = (u, v, 1) / r gives dd/du = (U - d (d.U)) / r, U the axis along u, and the same with v. Over +-h about the
+  /// middle u has the variance h^2 / 3, and so has v. 1 / r is d.normal.
+  void fill(int row, const TexelRow& texels, TexelSpread& spread) const override {
+    resize(spread, static_cast<std::size_t>(size_));
+    const image::Frame& frame = image::face_frame(row / size_);
+    const double scale = 1.0 / (size_ * std::numbers::sqrt3);
+    for (std::size_t i = 0; i < spread.length.size(); ++i) {
+      const glm::dvec3 d(texels.x[i], texels.y[i], texels.z[i]);
+      const double share = scale * glm::dot(d, frame.normal);
+      const glm::dvec3 a = share * (frame.u - glm::dot(d, frame.u) * d);
+      const glm::dvec3 b = share * (frame.v - glm::dot(d, frame.v) * d);
+      spread.length[i] = texels.moment[i] / texels.solid_angle[i];
+      spread.ax[i] = a.x;
+      spread.ay[i] = a.y;
+      spread.az[i] = a.z;
+      spread.bx[i] = b.x;
+      spread.by[i] = b.y;
+      spread.bz[i] = b.z;
+    }
   }
 
   void fill(int row, int order, TexelPoints& points) const override {

@@ -23,6 +23,7 @@ class GgxFunction final : public projection::KernelFunction {
     return (1.0 - x) * scale_ / (width * width);
   }
   void evaluate(std::span<double> x) const noexcept override;
+  void evaluate_means(std::span<double> x, std::span<const double> variances) const noexcept override;
   [[nodiscard]] int order(double x, double radius) const noexcept override;
   [[nodiscard]] double far(double radius) const noexcept override;
 

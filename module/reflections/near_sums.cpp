@@ -27,11 +27,7 @@ double texels_of_radian(const NearSplit& split) {
   return split.cubemap() ? 0.5 * split.face : std::sqrt(split.face / (2.0 * kPi) * split.rows / kPi);
 }
 
-/// Returns the directions that have weights of their own: of n = size / 2 texels along half an edge the n (n + 1) / 2
-/// of an eighth of +y, which are size (size + 2) / 8; and of a lat-long the n^2 of half a side face as well.
-double directions_of(const NearSplit& split) {
-  return (split.cubemap() ? 0.125 : 0.375) * split.size * (split.size + 2.0) + 1.0;
-}
+double directions_of(const NearSplit& split) { return static_cast<double>(NearWeights::directions_of(split)); }
 
 /// Returns a bound on the weights of all of them. In the mean over the sphere a cap of `reach` has reach^2 / 4 of all
 /// texels: with t = reach `texels_of_radian` that is 6 t^2 of a cubemap's, pi^2 / 2 t^2 of a lat-long's. The rest is

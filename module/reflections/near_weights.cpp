@@ -121,6 +121,7 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
   lobe_ = split_lobe(split, !closed_);
   const int size = split.size;
   const int first = size % 2 == 0 ? 1 : 0;
+  directions_.reserve(directions_of(split));
   for (int up = first; up < size && !split.cubemap(); up += 2) {
     for (int across = first; across < size; across += 2) directions_.emplace_back(across, up, size);
   }
@@ -134,6 +135,13 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
     column_table_.push_back(static_cast<float>(value.sine));
     column_table_.push_back(static_cast<float>(value.cosine));
   }
+}
+
+// Of n texels along half an edge, the middle one of an odd size among them, the n (n + 1) / 2 of an eighth of +y, and
+// of a lat-long the n^2 of half a side face as well.
+std::size_t NearWeights::directions_of(const NearSplit& split) noexcept {
+  const auto half = static_cast<std::size_t>((split.size + 1) / 2);
+  return half * (half + 1) / 2 + (split.cubemap() ? 0 : half * half);
 }
 
 std::size_t NearWeights::tiles() const noexcept { return (directions_.size() + first_of(1) - 1) / first_of(1); }

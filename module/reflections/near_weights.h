@@ -57,6 +57,8 @@ class NearWeights {
 
   /// Returns their centres in half texels of the mip's cube, row by row.
   [[nodiscard]] const std::vector<glm::ivec3>& directions() const noexcept { return directions_; }
+  /// Returns how many there are.
+  [[nodiscard]] static std::size_t directions_of(const NearSplit& split) noexcept;
   [[nodiscard]] std::size_t tiles() const noexcept;
   [[nodiscard]] static std::size_t first_of(std::size_t tile) noexcept;  ///< direction
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,17 @@ struct CurveValues {
     return values[(static_cast<std::size_t>(node) * functions + function) * 2 + 1];
   }
 };
+
+/// Nodes of the sun's irradiance for each of the sky's.
+inline constexpr int kSunNodes = 2;
+
+/// Bytes of a sky's curve at most: a value and a slope of each channel of the bands (bands + 1) / 2 coefficients that
+/// are even in the azimuth, and of the sun's irradiance; and 512 for what holds them.
+[[nodiscard]] constexpr std::uint64_t curve_bytes(int bands, int nodes) noexcept {
+  const auto functions =
+      3 * (static_cast<std::uint64_t>(bands) * static_cast<std::uint64_t>(bands + 1) / 2 + kSunNodes);
+  return static_cast<std::uint64_t>(nodes) * 2 * functions * sizeof(double) + 512;
+}
 
 /// Slopes of a function that is nowhere negative and may fall by decades: those of its logarithm, times itself, where
 /// all around are above zero; limited so that no cubic goes below zero (|slope| <= 3 value).

@@ -17,8 +17,6 @@
 namespace welkin {
 namespace {
 
-constexpr int kSunNodes = 2;  ///< of the sun's irradiance for each of the sky's
-
 SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
   if (options.nodes < 8 || options.nodes > 4096) {
     throw Error(ErrorCode::invalid_argument,
@@ -66,7 +64,7 @@ SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, cons
       axis(options.nodes, -1.0, horizon_of(view)),
       disc(view.tables()->atmosphere, view.altitude_m()),
       // The whole disc's irradiance has no values below the horizon: all nodes are above it.
-      direct_axis(kSunNodes * options.nodes, horizon_of(view), horizon_of(view)) {
+      direct_axis(sky::kSunNodes * options.nodes, horizon_of(view), horizon_of(view)) {
   bake_sky(projector, control);
   bake_sun(view);
 }
@@ -173,6 +171,7 @@ glm::dvec3 SkyCurve::sun_irradiance(const glm::dvec3& sun) const {
 }
 
 std::uint64_t SkyCurve::bytes() const noexcept {
+  static_assert(sizeof(Nodes) <= 512);  // `curve_bytes` counts on it
   return sizeof(Nodes) + (nodes_->sky.values.size() + nodes_->direct.values.size()) * sizeof(double);
 }
 

@@ -196,6 +196,22 @@ void SkyProjection::check_size(std::size_t rings) const {
                   " suns take more than 1 GiB; use fewer zeniths, azimuths or suns in the table");
 }
 
+// Groups of sixteen rings, each of them with its share of the slice; uniform rings leave two groups unfilled, on either
+// side of the horizon.
+std::uint64_t projection_bytes(const SkyTableOptions& tables, const SkyHarmonicsOptions& options) noexcept {
+  const SliceShape shape = slice_shape(tables);
+  const auto texels = static_cast<std::uint64_t>(shape.azimuths) * static_cast<std::uint64_t>(shape.suns);
+  const std::uint64_t side = (static_cast<std::uint64_t>(options.zeniths) + kRings - 1) / kRings;
+  const std::uint64_t groups = options.quadrature == SkyQuadrature::uniform ? side + 1 : 2 * side;
+  const std::uint64_t group =
+      kRings * (texels * kSkyChannels * sizeof(float) + even_count(options.bands) * sizeof(double));
+  const std::uint64_t of_azimuths = static_cast<std::uint64_t>(options.azimuths) *
+                                    (64 + 2 * static_cast<std::uint64_t>(options.bands) * sizeof(float));
+  // Their vector doubles, and a row of the slice is at hand while a group is filled.
+  return groups * (group + 3 * sizeof(RingGroup)) + texels * kSliceRow * sizeof(float) + of_azimuths +
+         sizeof(SkyProjection) + (std::uint64_t{64} << 10U);
+}
+
 void SkyProjection::add_rings(const RingRule& rings, bool below) {
   const auto count = static_cast<int>(rings.cosines.size());
   const std::size_t terms = even_count(options_.bands);

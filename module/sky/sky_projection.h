@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -119,6 +120,10 @@ class SkyProjection {
   double horizon_ = 0.0;
   int directions_ = 0;
 };
+
+/// Bytes that one takes at most, without its view; `options` as `sky_rule` accepts them.
+[[nodiscard]] std::uint64_t projection_bytes(const SkyTableOptions& tables,
+                                             const SkyHarmonicsOptions& options) noexcept;
 
 /// Throws `Error` (invalid_argument) unless bands^2 coefficients have room.
 void check_room(std::size_t room, int bands);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -129,6 +130,9 @@ struct SliceShape {
 
 [[nodiscard]] SliceShape slice_shape(const SkyTableOptions& options) noexcept;
 
+/// Bytes that a slice takes at most while it is made, without its tables.
+[[nodiscard]] std::uint64_t slice_bytes(const SkyTableOptions& options) noexcept;
+
 /// Rows of eight floats (sky_slice.h): [views][azimuths][suns].
 [[nodiscard]] std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mapping,
                                             const ColourFold& fold, double altitude);
@@ -145,7 +149,7 @@ inline constexpr int kGroundNodes = 513;
                                                   const ColourFold& fold);
 
 /// Share of the ground's light that arrives at an altitude within the air, along the rays of the `half` view nodes that
-/// end on the ground (of 2 half, as the mapping has them): [half][4], the last 0.
+/// end on the ground (of 2 half, as the mapping has them), to 1e-6: [half][4], the last 0.
 [[nodiscard]] std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping,
                                               const ColourFold& fold, double altitude, int half);
 

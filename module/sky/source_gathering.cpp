@@ -89,8 +89,15 @@ void SourceSolver::gather(const Control& control) {
 // c(l, m) = Int L(w) Y(l, m)(w) dw = Sum_i w_i (2 pi / n) Sum_j L cos(m phi_j) Y(l, m)(mu_i), phi_j = pi (j + 1/2) / n:
 // the n midpoints of half the circle stand for their mirror images too, as light is even in the azimuth about a sun at
 // azimuth 0. On n midpoints cos((2 n - k) phi) = -cos(k phi), and cos(n phi) = 0: orders of m >= n cannot be told from
-// lower ones. Where an order of scattering is followed along fewer azimuths than `shape_.azimuths`, only m < n are
-// projected.
+// lower ones. Two sums can be made of such light, for the addition theorem gives Sum_lm chi_l c(l, m) Y(l, m)(v) =
+// Sum_ij w_ij L_ij p(v.w_ij) over the directions w_ij, p of so many bands, if all m <= l are projected, and the
+// integral of p times the trigonometric polynomial through L if only m < n are. Neither knows what L has at m >= n.
+// Where an order of scattering is followed along fewer azimuths than `shape_.azimuths`, only m < n are projected: by
+// all m, tables would differ by 1.5 to 40 times as much from tables of 40 azimuths. Along all of them, of which n is 10
+// (compact tables) or 16, neither sum is better throughout. Root mean square difference of scattered light to tables of
+// 40 azimuths, four orders, by all m (and by m < n): compact tables of Bruneton's Earth 6.9e-5 (5.0e-5), `earth()`
+// 2.1e-5 (4.2e-5), in haze 4.8e-5 (5.4e-5), Mars 2.5e-3 (2.9e-3; but of irradiance 7.7e-3 and 4.8e-3); full tables of
+// Bruneton's Earth 6.9e-6 (5.7e-6), others within 3 % of each other.
 void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
   const SolverKernels& kernels = solver_kernels();
   const std::size_t suns = index(shape_.suns);

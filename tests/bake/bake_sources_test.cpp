@@ -2,6 +2,7 @@
 #include "bake/baked.h"
 #include "places.h"
 #include "support/catch.h"
+#include "support/heap.h"
 #include "support/pictures.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
@@ -390,6 +391,54 @@ TEST_CASE("A planned sky has the bits of the direct calls", "[plan][sky]") {
   CHECK(same_bits(*whole.background, *still.background));
   CHECK(!still.brdf);
   CHECK(whole.sun.irradiance == still.sun.irradiance);
+}
+
+namespace {
+
+/// Bytes that `made` takes at most while it is made.
+template <class Make>
+std::uint64_t peak_of(const Make& made) {
+  const HeapWatch heap;
+  const auto result = made();
+  static_cast<void>(result);
+  return static_cast<std::uint64_t>(std::max(0L, heap.peak_bytes()));
+}
+
+}  // namespace
+
+// A view of compact tables has four azimuths where the tables have one; a quadrature and the solver counted for
+// nothing.
+TEST_CASE("A sky's plan bounds what its passes take, and not far above it", "[plan][sky][truth]") {
+  for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
+    SkyBakeOptions options;
+    options.tables = {.layout = layout, .heights = 12, .sun_angles = layout == ScatteringLayout::full ? 8 : 3};
+    options.tables.orders = 2;
+    options.specular.reset();
+    const SkyPlan moving = plan(earth(), {.glossy = std::nullopt}, options);
+    const SkyPlan still = plan(earth(), {.glossy = std::nullopt, .sun_moves = false}, options);
+    const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), options.tables));
+    const SkyView view(tables, 0.0);
+    const glm::dvec3 sun = sun_direction(20.0, 40.0);
+    const SkyCurve curve(view, options.curve);
+    const auto sky = [&] { return SkyView(tables, 0.0); };
+    const auto light = [&] { return SkyProjector(view, options.harmonics).project(sun); };
+    const auto over_suns = [&] { return SkyCurve(view, options.curve); };
+    static_cast<void>(light());  // what a process computes once
+    const auto check = [](std::uint64_t planned, std::uint64_t taken) {
+      CAPTURE(planned, taken);
+      CHECK(planned >= taken);
+      if (taken > 0) CHECK(2 * planned < 3 * taken);  // sanitizers have a heap of their own
+    };
+    CAPTURE(static_cast<int>(layout));
+    check(moving.pass("view").bytes, peak_of(sky));
+    check(still.pass("project").bytes, peak_of(light));
+    check(moving.pass("curve").bytes, peak_of(over_suns));
+    CHECK(moving.pass("orders").bytes + moving.pass("scattering").bytes + moving.pass("transmittance").bytes >=
+          peak_of([&] { return precompute_sky(earth(), options.tables); }));
+    const std::uint64_t background = moving.pass("background").bytes;
+    CHECK(moving.result_bytes >= tables->bytes() + curve.bytes() + background);
+    CHECK(moving.result_bytes < tables->bytes() + curve.bytes() + background + 512);
+  }
 }
 
 }  // namespace welkin::test

@@ -158,6 +158,20 @@ TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow][
   CHECK(worst_sum < 2e-4);
 }
 
+// Of odd sizes, which have a texel in the middle of an edge, too few directions were counted.
+TEST_CASE("near weights: directions are as many as are counted for, of odd sizes too", "[prefilter][near]") {
+  for (const int rows : {0, 64}) {
+    for (int size = 1; size <= 33; ++size) {
+      const reflections::NearSplit split{
+          .face = rows == 0 ? 64 : 128, .size = size, .alpha = 0.05, .reach = 0.1, .bands = 120, .rows = rows};
+      const NearTable table(split);
+      CAPTURE(rows, size);
+      CHECK(table.weights().directions().size() == reflections::NearWeights::directions_of(split));
+      CHECK(table.bytes() <= NearTable::most_bytes(split));
+    }
+  }
+}
+
 // Two images have the texels on the diagonals of a face.
 TEST_CASE("near sums of a turned picture are turned near sums, to the last bit", "[prefilter][near]") {
   const auto rotated = [](const std::vector<float>& faces, int size) {
