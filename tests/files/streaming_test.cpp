@@ -287,7 +287,7 @@ bool same_coefficients(const Projection& a, const Projection& b) {
 TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec][slow]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.exr");
-  for (const auto& [width, height] : {std::pair{640, 320}, {514, 257}, {30, 15}}) {
+  for (const auto& [width, height] : {std::pair{514, 257}, {30, 15}}) {
     const std::vector<float> pixels = some_pixels(width, height);
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::DWAB_COMPRESSION}) {
       for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(48, 40)},
@@ -296,7 +296,7 @@ TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec]
         write_exr(path, lat_long_recipe(width, height, compression, tiles), pixels);
         const Environment whole = read_environment(path);
         const Projection wanted = project(whole.lat_long());
-        for (const int threads : {1, 2, 5}) {
+        for (const int threads : {1, 5}) {
           run_with_threads(threads, [&] { CHECK(same_coefficients(project_file(path), wanted)); });
         }
       }
