@@ -221,8 +221,7 @@ constexpr double kPi = std::numbers::pi;
 }  // namespace
 
 TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("known.pfm");
+  const TemporaryFile path("known.pfm");
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> pixels(std::size_t{3} * 64 * 32, 0.25F);
@@ -259,8 +258,7 @@ TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
 }
 
 TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("uniform.pfm");
+  const TemporaryFile path("uniform.pfm");
   for (const auto& [width, height] : {std::pair{20, 10}, {1, 6}, {7, 42}, {40, 240}}) {
     write_bytes(path, pfm_bytes(width, height, true, "-1",
                                 std::vector<float>(static_cast<std::size_t>(width * height), 0.75F)));
@@ -273,8 +271,7 @@ TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[code
 }
 
 TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("nothing.pfm");
+  const TemporaryFile path("nothing.pfm");
   const std::vector<float> pixels(std::size_t{3} * 4 * 2, std::numeric_limits<float>::quiet_NaN());
   write_bytes(path, pfm_bytes(4, 2, false, "-1", pixels));
   const EnvironmentStatistics found = measure_environment(path);
@@ -321,8 +318,7 @@ TEST_CASE("what is no readable file is refused", "[codec][posix]") {
 }
 
 TEST_CASE("other formats are refused by their names", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pic");
+  const TemporaryFile path("sky.pic");
   const ErrorCode code = ErrorCode::unsupported_file;
   const std::string remedy =
       "OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, JPEG with a gain map, KTX2, KTX, DDS and .env are read: "
@@ -337,8 +333,7 @@ TEST_CASE("other formats are refused by their names", "[codec]") {
 }
 
 TEST_CASE("channels that make no colour are refused by their names", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const ErrorCode code = ErrorCode::unsupported_file;
   const std::vector<float> pixels = some_pixels(8, 4);
 
@@ -353,8 +348,7 @@ TEST_CASE("channels that make no colour are refused by their names", "[codec]") 
 }
 
 TEST_CASE("deep and multi-part files and unknown versions are refused by what they are", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const ErrorCode code = ErrorCode::unsupported_file;
   write_exr(path, small_recipe(rgb_channels(Imf::HALF)), some_pixels(8, 4));
   const std::vector<char> sound = read_bytes(path);
@@ -388,8 +382,7 @@ TEST_CASE("pictures too large for any layout are refused before they are read", 
 }
 
 TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   const ErrorCode code = ErrorCode::corrupt_file;
   check_text(path, "PF", code, "ends too early", "fetch or export it again");
   check_text(path, "PF\n2", code, "ends too early", "");
@@ -407,8 +400,7 @@ TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]
 }
 
 TEST_CASE("a picture above the memory limit is refused, a streamed one is not", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   write_bytes(path, pfm_bytes(512, 256, false, "-1", some_pixels(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 12 - 1};
   const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
@@ -439,8 +431,7 @@ void check_changed(const std::filesystem::path& path, const files::RowSource& so
 }  // namespace
 
 TEST_CASE("a PNG that has become another one is not read", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   const PngRecipe first{8, 4};
   PngRecipe interlaced = first;
   interlaced.interlaced = true;
@@ -457,8 +448,7 @@ TEST_CASE("a PNG that has become another one is not read", "[codec][png]") {
 }
 
 TEST_CASE("an OpenEXR file that has got other tiles is not read", "[codec][exr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const auto write = [&](const Imf::TileDescription& tiles) {
     ExrRecipe recipe{.width = 64, .height = 32, .tiles = tiles, .channels = rgb_channels(Imf::HALF)};
     write_exr(path, recipe, some_pixels(64, 32));

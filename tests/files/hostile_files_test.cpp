@@ -284,8 +284,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
   WARN("left out: address space cannot be limited under a sanitizer");
 #else
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("claims.exr");
+  const TemporaryFile path("claims.exr");
   const std::vector<char> sound = tiled_exr(path);
   const auto check = [&](const std::function<void(std::vector<char>&)>& damage) {
     std::vector<char> bytes = sound;
@@ -319,8 +318,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
 }
 
 TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("claims.ktx2");
+  const TemporaryFile path("claims.ktx2");
   const auto refusal_of = [&](const std::vector<char>& sound, const std::vector<std::uint8_t>& begin,
                               std::size_t payload) {
     std::vector<char> bytes(sound.begin(), sound.begin() + 104);  // the header, and a level index of one level
@@ -361,8 +359,7 @@ TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
 }
 
 TEST_CASE("sizes that multiply past 64 bits are refused", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("product.exr");
+  const TemporaryFile path("product.exr");
   for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
     for (const std::uint32_t corner : {0x3ffffffeU, 0x7ffffffeU, 0x7fffffffU}) {
       std::vector<char> bytes = tiled_exr(path, mode);

@@ -285,8 +285,7 @@ bool same_coefficients(const Projection& a, const Projection& b) {
 }  // namespace
 
 TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   for (const auto& [width, height] : {std::pair{514, 257}, {30, 15}}) {
     const std::vector<float> pixels = some_pixels(width, height);
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::DWAB_COMPRESSION}) {
@@ -332,8 +331,7 @@ TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
 }
 
 TEST_CASE("damage in the middle of a file is an error, not a half result", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("damaged.exr");
+  const TemporaryFile path("damaged.exr");
   write_exr(path, lat_long_recipe(640, 320, Imf::ZIP_COMPRESSION, std::nullopt), some_pixels(640, 320));
   std::vector<char> bytes = read_bytes(path);
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), 5000, '\x55');

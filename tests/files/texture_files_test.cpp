@@ -75,8 +75,7 @@ TEST_CASE("a texture is an environment at each of its levels", "[codec][textures
 }
 
 TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was asked for", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.dds");
+  const TemporaryFile path("sky.dds");
   const Cubemap chain = noisy_chain(1, 1);
   write_texture(path, chain.views(), {TexelFormat::e5b9g9r9, Supercompression::none, {}});
   std::vector<char> bytes = read_bytes(path);
@@ -127,8 +126,7 @@ TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[
 }
 
 TEST_CASE("an .env is an environment in Welkin's axes, with the light that it stores", "[codec][env]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.env");
+  const TemporaryFile path("sky.env");
   const Cubemap chain = noisy_chain(8, 4);
   const SphericalHarmonics radiance = RandomLight(5).harmonics(3);
   write_babylon_environment(path, to_babylon(chain, radiance));
@@ -318,8 +316,7 @@ TEST_CASE("a texture that takes more memory than it may is refused before it is 
 }
 
 TEST_CASE("packed sizes that overflow together are above the limit", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.ktx2");
+  const TemporaryFile path("sky.ktx2");
   write_texture(path, noisy_chain(8, 4).views(), {TexelFormat::rgba16f, Supercompression::zstd, {}});
   std::vector<char> bytes = read_bytes(path);
   for (std::size_t level = 0; level < 4; ++level) put(bytes, 80 + 24 * level + 12, 1U << 30U);  // 2^62 bytes each
@@ -334,8 +331,7 @@ TEST_CASE("packed sizes that overflow together are above the limit", "[codec][te
 }
 
 TEST_CASE("DDS mips are counted by their number, whether or not the flag beside it is set", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.dds");
+  const TemporaryFile path("sky.dds");
   write_texture(path, noisy_chain(4, 3).views(), {});
   const CubemapTexture flagged = read_texture(path);
   std::vector<char> bytes = read_bytes(path);
