@@ -21,15 +21,10 @@ namespace welkin::test {
 
 namespace {
 
-// Of what a file decodes to against the truth, at `place` of the truth and times `gain`.
-double worst_relative_error(const Environment& read, const std::vector<float>& truth, int column, int row, float gain) {
+double worst_relative_error(const Environment& read, const std::vector<float>& truth) {
   double worst = 0.0;
-  for (int y = 0; y < read.info.height; ++y) {
-    for (int x = 0; x < 3 * read.info.width; ++x) {
-      const float wanted = gain * truth[static_cast<std::size_t>((y + row) * 256 * 3 + x + 3 * column)];
-      const float found = read.pixels[static_cast<std::size_t>(y * 3 * read.info.width + x)];
-      worst = std::max(worst, static_cast<double>(std::abs(found - wanted) / wanted));
-    }
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    worst = std::max(worst, static_cast<double>(std::abs(read.pixels[i] - truth[i]) / truth[i]));
   }
   return worst;
 }
@@ -83,44 +78,8 @@ TEST_CASE("one picture in every OpenEXR form is the same picture", "[codec][shar
     CHECK(read.info.layout == Layout::lat_long);
     REQUIRE(read.info.width == 256);
     REQUIRE(read.info.height == 128);
-    CHECK(worst_relative_error(read, truth, 0, 0, 1.0F) <= variant.tolerance);
+    CHECK(worst_relative_error(read, truth) <= variant.tolerance);
   }
-}
-
-TEST_CASE("windows, alpha and grey of the shared pictures", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
-    return;
-  }
-  const std::vector<float> truth = read_npy(kVariants / "truth_256x128.npy");
-  Environment cropped = read_environment(kVariants / "cropped_data_256x128.exr");
-  REQUIRE(cropped.info.width == 256);
-  for (int texel = 0; texel < 256 * 128; ++texel) {
-    const int column = texel % 256;
-    const int row = texel / 256;
-    const bool stored = column >= 20 && column < 220 && row >= 10 && row < 110;
-    for (int i = 3 * texel; i < 3 * texel + 3; ++i) {
-      REQUIRE(cropped.pixels[static_cast<std::size_t>(i)] == (stored ? truth[static_cast<std::size_t>(i)] : 0.0F));
-    }
-  }
-  const Environment premultiplied = read_environment(kVariants / "rgba_premult_half_alpha_256x128.exr");
-  CHECK(worst_relative_error(premultiplied, truth, 0, 0, 0.5F) == 0.0);
-
-  const Environment grey = read_environment(kVariants / "y_only_256x128.exr");
-  const EnvironmentStatistics statistics = measure_environment(kVariants / "y_only_256x128.exr");
-  CHECK(grey.pixels[0] == grey.pixels[2]);
-  CHECK(statistics.maximum == glm::dvec3(12.375));
-}
-
-TEST_CASE("what is odd in a picture's values is counted", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
-    return;
-  }
-  const EnvironmentStatistics odd = measure_environment(kVariants / "naninfneg_float_256x128.exr");
-  CHECK(odd.nans == 4);
-  CHECK(odd.infinities == 6);
-  CHECK(odd.negatives == 3);
-  CHECK(odd.minimum == glm::dvec3(-1.5));
-  CHECK(odd.maximum == glm::dvec3(10.6875, 12.375, 18.25));
 }
 
 TEST_CASE("OpenEXR's cubes show the same scene as its lat-longs", "[codec][shared][slow]") {
@@ -374,8 +333,7 @@ TEST_CASE("pictures too large for any layout are refused before they are read", 
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("vast.exr");
   const std::vector<float> pixels = some_pixels(65538, 1);
-  ExrRecipe recipe{65538, 1, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
+  ExrRecipe recipe{.width = 65538, .height = 1};
   write_exr(path, recipe, pixels);
   check_refusal(path, ErrorCode::unsupported_file, "65538 x 1", "reduce it");
   check_text(directory.file("vast.pfm"), "PF\n70000 1\n-1\n", ErrorCode::unsupported_file, "70000", "reduce");

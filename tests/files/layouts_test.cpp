@@ -25,8 +25,7 @@ namespace {
 std::filesystem::path write_picture(const TemporaryDirectory& directory, int width, int height,
                                     std::optional<Imf::Envmap> envmap = std::nullopt) {
   std::filesystem::path path = directory.file("sky.exr");
-  ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, envmap, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
+  ExrRecipe recipe{.width = width, .height = height, .envmap = envmap};
   write_exr(path, recipe, some_pixels(width, height));
   return path;
 }
