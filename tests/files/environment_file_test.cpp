@@ -21,15 +21,10 @@ namespace welkin::test {
 
 namespace {
 
-// Of what a file decodes to against the truth, at `place` of the truth and times `gain`.
-double worst_relative_error(const Environment& read, const std::vector<float>& truth, int column, int row, float gain) {
+double worst_relative_error(const Environment& read, const std::vector<float>& truth) {
   double worst = 0.0;
-  for (int y = 0; y < read.info.height; ++y) {
-    for (int x = 0; x < 3 * read.info.width; ++x) {
-      const float wanted = gain * truth[static_cast<std::size_t>((y + row) * 256 * 3 + x + 3 * column)];
-      const float found = read.pixels[static_cast<std::size_t>(y * 3 * read.info.width + x)];
-      worst = std::max(worst, static_cast<double>(std::abs(found - wanted) / wanted));
-    }
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    worst = std::max(worst, static_cast<double>(std::abs(read.pixels[i] - truth[i]) / truth[i]));
   }
   return worst;
 }
@@ -83,44 +78,8 @@ TEST_CASE("one picture in every OpenEXR form is the same picture", "[codec][shar
     CHECK(read.info.layout == Layout::lat_long);
     REQUIRE(read.info.width == 256);
     REQUIRE(read.info.height == 128);
-    CHECK(worst_relative_error(read, truth, 0, 0, 1.0F) <= variant.tolerance);
+    CHECK(worst_relative_error(read, truth) <= variant.tolerance);
   }
-}
-
-TEST_CASE("windows, alpha and grey of the shared pictures", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
-    return;
-  }
-  const std::vector<float> truth = read_npy(kVariants / "truth_256x128.npy");
-  Environment cropped = read_environment(kVariants / "cropped_data_256x128.exr");
-  REQUIRE(cropped.info.width == 256);
-  for (int texel = 0; texel < 256 * 128; ++texel) {
-    const int column = texel % 256;
-    const int row = texel / 256;
-    const bool stored = column >= 20 && column < 220 && row >= 10 && row < 110;
-    for (int i = 3 * texel; i < 3 * texel + 3; ++i) {
-      REQUIRE(cropped.pixels[static_cast<std::size_t>(i)] == (stored ? truth[static_cast<std::size_t>(i)] : 0.0F));
-    }
-  }
-  const Environment premultiplied = read_environment(kVariants / "rgba_premult_half_alpha_256x128.exr");
-  CHECK(worst_relative_error(premultiplied, truth, 0, 0, 0.5F) == 0.0);
-
-  const Environment grey = read_environment(kVariants / "y_only_256x128.exr");
-  const EnvironmentStatistics statistics = measure_environment(kVariants / "y_only_256x128.exr");
-  CHECK(grey.pixels[0] == grey.pixels[2]);
-  CHECK(statistics.maximum == glm::dvec3(12.375));
-}
-
-TEST_CASE("what is odd in a picture's values is counted", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
-    return;
-  }
-  const EnvironmentStatistics odd = measure_environment(kVariants / "naninfneg_float_256x128.exr");
-  CHECK(odd.nans == 4);
-  CHECK(odd.infinities == 6);
-  CHECK(odd.negatives == 3);
-  CHECK(odd.minimum == glm::dvec3(-1.5));
-  CHECK(odd.maximum == glm::dvec3(10.6875, 12.375, 18.25));
 }
 
 TEST_CASE("OpenEXR's cubes show the same scene as its lat-longs", "[codec][shared][slow]") {
@@ -221,8 +180,7 @@ constexpr double kPi = std::numbers::pi;
 }  // namespace
 
 TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("known.pfm");
+  const TemporaryFile path("known.pfm");
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> pixels(std::size_t{3} * 64 * 32, 0.25F);
@@ -259,8 +217,7 @@ TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
 }
 
 TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("uniform.pfm");
+  const TemporaryFile path("uniform.pfm");
   for (const auto& [width, height] : {std::pair{20, 10}, {1, 6}, {7, 42}, {40, 240}}) {
     write_bytes(path, pfm_bytes(width, height, true, "-1",
                                 std::vector<float>(static_cast<std::size_t>(width * height), 0.75F)));
@@ -273,8 +230,7 @@ TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[code
 }
 
 TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("nothing.pfm");
+  const TemporaryFile path("nothing.pfm");
   const std::vector<float> pixels(std::size_t{3} * 4 * 2, std::numeric_limits<float>::quiet_NaN());
   write_bytes(path, pfm_bytes(4, 2, false, "-1", pixels));
   const EnvironmentStatistics found = measure_environment(path);
@@ -321,8 +277,7 @@ TEST_CASE("what is no readable file is refused", "[codec][posix]") {
 }
 
 TEST_CASE("other formats are refused by their names", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pic");
+  const TemporaryFile path("sky.pic");
   const ErrorCode code = ErrorCode::unsupported_file;
   const std::string remedy =
       "OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, JPEG with a gain map, KTX2, KTX, DDS and .env are read: "
@@ -337,8 +292,7 @@ TEST_CASE("other formats are refused by their names", "[codec]") {
 }
 
 TEST_CASE("channels that make no colour are refused by their names", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const ErrorCode code = ErrorCode::unsupported_file;
   const std::vector<float> pixels = some_pixels(8, 4);
 
@@ -353,8 +307,7 @@ TEST_CASE("channels that make no colour are refused by their names", "[codec]") 
 }
 
 TEST_CASE("deep and multi-part files and unknown versions are refused by what they are", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const ErrorCode code = ErrorCode::unsupported_file;
   write_exr(path, small_recipe(rgb_channels(Imf::HALF)), some_pixels(8, 4));
   const std::vector<char> sound = read_bytes(path);
@@ -380,16 +333,14 @@ TEST_CASE("pictures too large for any layout are refused before they are read", 
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("vast.exr");
   const std::vector<float> pixels = some_pixels(65538, 1);
-  ExrRecipe recipe{65538, 1, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
+  ExrRecipe recipe{.width = 65538, .height = 1};
   write_exr(path, recipe, pixels);
   check_refusal(path, ErrorCode::unsupported_file, "65538 x 1", "reduce it");
   check_text(directory.file("vast.pfm"), "PF\n70000 1\n-1\n", ErrorCode::unsupported_file, "70000", "reduce");
 }
 
 TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   const ErrorCode code = ErrorCode::corrupt_file;
   check_text(path, "PF", code, "ends too early", "fetch or export it again");
   check_text(path, "PF\n2", code, "ends too early", "");
@@ -407,8 +358,7 @@ TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]
 }
 
 TEST_CASE("a picture above the memory limit is refused, a streamed one is not", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   write_bytes(path, pfm_bytes(512, 256, false, "-1", some_pixels(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 12 - 1};
   const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
@@ -439,8 +389,7 @@ void check_changed(const std::filesystem::path& path, const files::RowSource& so
 }  // namespace
 
 TEST_CASE("a PNG that has become another one is not read", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   const PngRecipe first{8, 4};
   PngRecipe interlaced = first;
   interlaced.interlaced = true;
@@ -457,8 +406,7 @@ TEST_CASE("a PNG that has become another one is not read", "[codec][png]") {
 }
 
 TEST_CASE("an OpenEXR file that has got other tiles is not read", "[codec][exr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const auto write = [&](const Imf::TileDescription& tiles) {
     ExrRecipe recipe{.width = 64, .height = 32, .tiles = tiles, .channels = rgb_channels(Imf::HALF)};
     write_exr(path, recipe, some_pixels(64, 32));

@@ -41,8 +41,7 @@ void check_equal_to_library(const std::filesystem::path& path) {
 }  // namespace
 
 TEST_CASE("luminance and chroma become what OpenEXR makes of them", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("yc.exr");
+  const TemporaryFile path("yc.exr");
   for (const auto& [width, height] : {std::pair{2, 2}, {4, 2}, {2, 40}, {64, 32}, {258, 130}}) {
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::DWAB_COMPRESSION}) {
       ExrRecipe recipe = recipe_of(width, height, compression);
@@ -60,8 +59,7 @@ TEST_CASE("luminance and chroma become what OpenEXR makes of them", "[codec]") {
 }
 
 TEST_CASE("any rows of luminance and chroma are those of the whole", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("yc.exr");
+  const TemporaryFile path("yc.exr");
   write_luminance_chroma_exr(path, recipe_of(32, 200), some_pixels(32, 200));
   const std::vector<float> wanted = read_rgba_with_library(path);
   const auto source = files::open_row_source(path, as_stored_lat_long());
@@ -133,8 +131,7 @@ TEST_CASE("luminance and chroma are read in layers and parts", "[codec]") {
 }
 
 TEST_CASE("stated primaries are converted, and left on request", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("wide.exr");
+  const TemporaryFile path("wide.exr");
   for (const bool framed : {false, true}) {
     write_with(path, [&](Imf::Header& header) {
       Imf::addChromaticities(header, kRec2020InFile);
@@ -159,8 +156,7 @@ TEST_CASE("stated primaries are converted, and left on request", "[codec]") {
 }
 
 TEST_CASE("Rec. 709 is left as it is, stated or not, and so is grey", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("plain.exr");
+  const TemporaryFile path("plain.exr");
   write_with(path, [](Imf::Header& header) { Imf::addChromaticities(header, Imf::Chromaticities()); });
   CHECK(reads(path, kPixels));
   CHECK(inspect_environment(path).notes.empty());
@@ -180,8 +176,7 @@ TEST_CASE("Rec. 709 is left as it is, stated or not, and so is grey", "[codec]")
 }
 
 TEST_CASE("the adopted neutral becomes grey", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("neutral.exr");
+  const TemporaryFile path("neutral.exr");
   const Imath::V2f neutral(0.35F, 0.36F);
   write_with(path, [&](Imf::Header& header) {
     Imf::addChromaticities(header, kRec2020InFile);
@@ -195,8 +190,7 @@ TEST_CASE("the adopted neutral becomes grey", "[codec]") {
 }
 
 TEST_CASE("primaries that make no colours are an error that names the attribute", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("bad.exr");
+  const TemporaryFile path("bad.exr");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto message = [&](const ReadOptions& options = {}) {
     const ThrownError error = thrown_by([&] { (void)inspect_environment(path, options); });
@@ -264,8 +258,7 @@ glm::dvec3 direction_of_view(int size, std::size_t face, int column, int row) {
 }  // namespace
 
 TEST_CASE("a strip with the envmap attribute of a cube is turned to Welkin's frames", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.exr");
+  const TemporaryFile path("cube.exr");
   for (const int size : {4, 7, 40}) {
     for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(16, 16)}}) {
       const std::vector<float> stored = directions_by_openexr(size);

@@ -43,8 +43,7 @@ ReadOptions with_part(const std::string& name) {
 }  // namespace
 
 TEST_CASE("parts are chosen by name, by number and by what they hold", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("parts.exr");
+  const TemporaryFile path("parts.exr");
   const std::vector<ExrChannel> colour = rgb_channels(Imf::FLOAT);
   std::vector<ExrPartRecipe> parts{part("mask", {{"Y"}}, 1), part("depth", {{"Z", Imf::FLOAT}}, 2),
                                    part("sky", colour, 3), part("0", colour, 4), part("tiles", colour, 5)};
@@ -61,15 +60,13 @@ TEST_CASE("parts are chosen by name, by number and by what they hold", "[codec]"
 }
 
 TEST_CASE("without colour the first part with luminance is read", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("parts.exr");
+  const TemporaryFile path("parts.exr");
   write_exr_parts(path, {part("depth", {{"Z", Imf::FLOAT}}, 1), part("mask", {{"Y", Imf::FLOAT, 1, 1}}, 2)});
   CHECK(read_environment(path).pixels[0] == some_pixels(32, 16, 2)[1]);
 }
 
 TEST_CASE("the part that has the layer is read", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("parts.exr");
+  const TemporaryFile path("parts.exr");
   const std::vector<ExrPartRecipe> parts{
       part("a", rgb_channels(Imf::FLOAT), 1),
       part("b", {{"sun.R", Imf::FLOAT, 1, 0}, {"sun.G", Imf::FLOAT, 1, 1}, {"sun.B", Imf::FLOAT, 1, 2}}, 2)};
@@ -79,8 +76,7 @@ TEST_CASE("the part that has the layer is read", "[codec]") {
 }
 
 TEST_CASE("deep parts are skipped, and refused if they are asked for", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("parts.exr");
+  const TemporaryFile path("parts.exr");
   std::vector<ExrPartRecipe> parts{part("smoke", rgb_channels(Imf::FLOAT), 1),
                                    part("sky", rgb_channels(Imf::FLOAT), 2)};
   parts[0].deep = true;
@@ -96,8 +92,7 @@ TEST_CASE("deep parts are skipped, and refused if they are asked for", "[codec]"
 }
 
 TEST_CASE("a part that is not there is an error that names those that are", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("parts.exr");
+  const TemporaryFile path("parts.exr");
   const auto message = [&](const ReadOptions& options) {
     const ThrownError error = thrown_by([&] { (void)inspect_environment(path, options); });
     CHECK(error.code == ErrorCode::unsupported_file);
@@ -150,8 +145,7 @@ std::vector<float> level_by_library(Imf::TiledInputFile& file, int level) {
 }  // namespace
 
 TEST_CASE("every level is read as the library reads it", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("levels.exr");
+  const TemporaryFile path("levels.exr");
   for (const auto& [width, height] : {std::pair{64, 32}, {77, 35}, {3, 50}, {1, 1}}) {
     for (const Imf::LevelMode mode : {Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
       for (const Imf::LevelRoundingMode rounding : {Imf::ROUND_DOWN, Imf::ROUND_UP}) {
@@ -179,8 +173,7 @@ TEST_CASE("every level is read as the library reads it", "[codec]") {
 }
 
 TEST_CASE("a level that is not there is an error that says how many there are", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("levels.exr");
+  const TemporaryFile path("levels.exr");
   const auto message = [&](int level) {
     const ThrownError error = thrown_by([&] { (void)inspect_environment(path, at_level(level)); });
     CHECK(error.code == ErrorCode::unsupported_file);
@@ -194,8 +187,7 @@ TEST_CASE("a level that is not there is an error that says how many there are", 
 }
 
 TEST_CASE("the levels of a cube are cubes, down to faces of one texel", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("levels.exr");
+  const TemporaryFile path("levels.exr");
   ExrRecipe recipe = recipe_of(8, 48, Imf::TileDescription(8, 8, Imf::MIPMAP_LEVELS));
   recipe.envmap = Imf::ENVMAP_CUBE;
   write_exr(path, recipe, some_pixels(8, 48));
@@ -292,8 +284,7 @@ TEST_CASE("files choose as chains in memory do", "[codec][levels]") {
 // (OpenImageIO 2.4 does with "textureformat"), and where the blocks are can be found without them.
 
 TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("no-table.exr");
+  const TemporaryFile path("no-table.exr");
   const std::vector<float> pixels = some_pixels(64, 32);
   ExrRecipe sky{64, 32, 0, 0, Imf::ZIPS_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
   sky.channels = rgb_channels(Imf::FLOAT);

@@ -55,8 +55,7 @@ std::string refusal(const std::filesystem::path& path, const ReadOptions& option
 }  // namespace
 
 TEST_CASE("R, G and B are found among other channels, whatever those are", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("channels.exr");
+  const TemporaryFile path("channels.exr");
   const std::vector<float> pixels = some_pixels(32, 16);
   ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
   recipe.channels = {{"R", Imf::FLOAT, 1, 0},    {"G", Imf::HALF, 1, 1},        {"B", Imf::FLOAT, 1, 2},
@@ -76,8 +75,7 @@ TEST_CASE("R, G and B are found among other channels, whatever those are", "[cod
 }
 
 TEST_CASE("Y alone becomes grey, scanline and tiled", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("grey.exr");
+  const TemporaryFile path("grey.exr");
   const std::vector<float> pixels = some_pixels(32, 16);
   for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(8, 8)}}) {
     ExrRecipe recipe{32, 16, 5, -3, Imf::PIZ_COMPRESSION, Imf::INCREASING_Y, tiles, std::nullopt, {}};
@@ -91,8 +89,7 @@ TEST_CASE("Y alone becomes grey, scanline and tiled", "[codec]") {
 }
 
 TEST_CASE("colours are found in any spelling, alone and in layers", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("layers.exr");
+  const TemporaryFile path("layers.exr");
   for (const std::string prefix : {"", "env.", "ViewLayer.Combined.", "..", "a b."}) {
     for (const auto& names : {std::vector<std::string>{"R", "G", "B"},
                               {"r", "g", "b"},
@@ -106,8 +103,7 @@ TEST_CASE("colours are found in any spelling, alone and in layers", "[codec]") {
 }
 
 TEST_CASE("layers are chosen by name; by default the channels without one, else the only one in colour", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("layers.exr");
+  const TemporaryFile path("layers.exr");
   const std::vector<std::string> rgb{"R", "G", "B"};
   const std::vector<std::string> bgr{"B", "G", "R"};
   std::vector<float> pixels = write_channels(path, together(together(layer("", rgb), layer("env.", bgr)), {{"a.b.Y"}}));
@@ -121,8 +117,7 @@ TEST_CASE("layers are chosen by name; by default the channels without one, else 
 }
 
 TEST_CASE("layers that are not there, and too many of them, are errors that name them", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("layers.exr");
+  const TemporaryFile path("layers.exr");
   write_channels(path, together(layer("left.", {"R", "G", "B"}), layer("right.", {"R", "G", "B"})));
   CHECK(refusal(path) == ": has several layers; pass --layer with one of: left, right");
   CHECK(
@@ -139,8 +134,7 @@ TEST_CASE("layers that are not there, and too many of them, are errors that name
 }
 
 TEST_CASE("the views of a multi-view file are its layers, and the default view has none", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("views.exr");
+  const TemporaryFile path("views.exr");
   const std::vector<float> pixels = some_pixels(32, 16);
   ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
   recipe.channels = together(layer("", {"R", "G", "B"}), layer("left.", {"B", "G", "R"}));
@@ -151,8 +145,7 @@ TEST_CASE("the views of a multi-view file are its layers, and the default view h
 }
 
 TEST_CASE("integers are the numbers that they state", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("integers.exr");
+  const TemporaryFile path("integers.exr");
   std::vector<float> pixels;
   for (int i = 0; i < 32 * 16 * 3; ++i) {
     pixels.push_back(i < 3 ? 4294967040.0F : static_cast<float>(i * 131));  // the first: the largest float below 2^32
@@ -211,8 +204,7 @@ void check_any_rows(const files::RowSource& source, const std::vector<float>& pi
 }  // namespace
 
 TEST_CASE("data windows, line orders and the rows that are asked for change no pixel", "[codec][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("window.exr");
+  const TemporaryFile path("window.exr");
   std::mt19937 random(7);
   for (int round = 0; round < 60; ++round) {
     const ExrRecipe recipe = random_recipe(random, round);
@@ -270,8 +262,7 @@ bool says(const EnvironmentInfo& info, const std::string& words) {
 }  // namespace
 
 TEST_CASE("overscan is cut off and crops are put back, in any rows", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("window.exr");
+  const TemporaryFile path("window.exr");
   std::mt19937 random(5);
   const auto between = [&](int low, int high) {
     return low + static_cast<int>(random() % static_cast<unsigned>(high - low));
@@ -313,8 +304,7 @@ TEST_CASE("overscan is cut off and crops are put back, in any rows", "[codec]") 
 }
 
 TEST_CASE("the data window is the picture where the display window is no frame", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("window.exr");
+  const TemporaryFile path("window.exr");
   const auto size_read = [&](const ExrRecipe& recipe, const ReadOptions& options = {}) {
     write_exr(path, recipe, some_pixels(recipe.width, recipe.height));
     const EnvironmentInfo info = inspect_environment(path, options);
@@ -398,8 +388,7 @@ void check_values(const Environment& read, const std::filesystem::path& path, co
 }  // namespace
 
 TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("window.exr");
+  const TemporaryFile path("window.exr");
   const auto message = [&](const Window& display) {
     write_exr(path, recipe_of({5, 5, 30, 20}, display), some_pixels(30, 20));
     const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
@@ -414,8 +403,7 @@ TEST_CASE("a few texels in a vast display window are refused", "[codec]") {
 }
 
 TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled", "[codec][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   const int width = 130;
   const int height = 65;
   const std::vector<float> pixels = some_pixels(width, height);
@@ -433,54 +421,6 @@ TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled
         REQUIRE(read.info.height == height);
         check_values(read, path, recipe, pixels,
                      type == Imf::HALF ? compression.lossless_for_half : compression.lossless_for_float);
-      }
-    }
-  }
-}
-
-// Promise: windows and tiles of an OpenEXR header whose sizes multiply past 64 bits are refused by the header alone.
-
-namespace {
-
-using namespace std::string_literals;
-
-std::vector<char> small_exr(const std::filesystem::path& path, Imf::Compression compression,
-                            const std::optional<Imf::TileDescription>& tiles) {
-  ExrRecipe recipe{8, 4, 0, 0, compression, Imf::INCREASING_Y, tiles, Imf::ENVMAP_LATLONG, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
-  write_exr(path, recipe, some_pixels(8, 4));
-  return read_bytes(path);
-}
-
-// Where the value of an attribute begins, by its name and type with the zero between them: behind the type's zero and
-// the size.
-std::size_t field(const std::vector<char>& bytes, const std::string& name_and_type) {
-  const auto found = std::search(bytes.begin(), bytes.end(), name_and_type.begin(), name_and_type.end());
-  REQUIRE(found != bytes.end());
-  return static_cast<std::size_t>(found - bytes.begin()) + name_and_type.size() + 5;
-}
-
-}  // namespace
-
-TEST_CASE("sizes that multiply past 64 bits are refused", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("product.exr");
-  for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
-    for (const std::int32_t corner : {0x3ffffffe, 0x7ffffffe, 0x7fffffff}) {
-      std::vector<char> bytes = small_exr(path, Imf::ZIP_COMPRESSION, Imf::TileDescription(4, 4, mode));
-      for (const std::string& window : {"dataWindow\0box2i"s, "displayWindow\0box2i"s}) {
-        const std::size_t index = field(bytes, window);
-        for (const auto& [offset, value] : {std::pair{0, -corner}, {4, -corner}, {8, corner}, {12, corner}}) {
-          std::memcpy(bytes.data() + index + offset, &value, 4);
-        }
-      }
-      const std::size_t tiles = field(bytes, "tiles\0tiledesc"s);
-      for (const std::uint32_t edge : {1U, 0x7fffffffU, 0xffffffffU}) {
-        std::memcpy(bytes.data() + tiles, &edge, 4);
-        std::memcpy(bytes.data() + tiles + 4, &edge, 4);
-        write_bytes(path, bytes);
-        const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
-        CHECK(error.says(path.string()));
       }
     }
   }

@@ -32,8 +32,7 @@ void check_whole(const std::filesystem::path& path, const HdrRecipe& recipe, con
 }  // namespace
 
 TEST_CASE("all forms and orientations of a Radiance picture are the same picture", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   const std::vector<Rgbe> texels = some_rgbe(38, 19);
   for (const HdrForm form : {HdrForm::flat, HdrForm::old_rle, HdrForm::new_rle, HdrForm::mixed}) {
     for (int orientation = 0; orientation < 8; ++orientation) {
@@ -44,8 +43,7 @@ TEST_CASE("all forms and orientations of a Radiance picture are the same picture
 }
 
 TEST_CASE("Radiance pictures of any width are read", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   for (const auto& [width, height] : {std::tuple{1, 1},
                                       {1, 9},
                                       {2, 1},
@@ -71,8 +69,7 @@ TEST_CASE("Radiance pictures of any width are read", "[codec][hdr]") {
 }
 
 TEST_CASE("long repeats of the old form shift their counts", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   for (const int width : {256, 257, 258, 513, 65536}) {  // after a first texel: counts of 255, 256, 257, 512, 65535
     const std::vector<Rgbe> texels(static_cast<std::size_t>(width), Rgbe{200, 100, 50, 130});
     check_whole(path, {width, 1, HdrForm::old_rle}, texels);
@@ -88,8 +85,7 @@ TEST_CASE("long repeats of the old form shift their counts", "[codec][hdr]") {
 }
 
 TEST_CASE("what may look like the new form is read as Radiance reads it", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   // Third byte 128 or more: an old texel. Below 8 texels and above 32767: never the new form.
   std::vector<Rgbe> texels = some_rgbe(8, 4);
   texels[0] = texels[8] = {2, 2, 128, 8};
@@ -104,8 +100,7 @@ TEST_CASE("what may look like the new form is read as Radiance reads it", "[code
 }
 
 TEST_CASE("codes of no texels are passed over", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   std::string file = hdr_header({8, 1}) + std::string("\x02\x02\x00\x08", 4);
   for (const char value : {'\x11', '\x22', '\x33', '\x7f'}) {
     file += std::string("\x00\x00\x83", 3) + value + std::string("\x00\x80\x00\x85", 4) + value;
@@ -258,8 +253,7 @@ namespace {
 using namespace std::string_literals;
 
 void check_refusal(const std::string& content, ErrorCode code, const std::string& found, const std::string& remedy) {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   write_bytes(path, {content.begin(), content.end()});
   const ThrownError error = thrown_by([&] { (void)read_environment(path, kLatLong); });
   INFO(error.message);
@@ -356,8 +350,7 @@ TEST_CASE("damaged Radiance scanlines are refused by where and how", "[codec][hd
 }
 
 TEST_CASE("a picture of columns is refused where decoding it whole takes too much", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 4};
   CHECK(inspect_environment(path, options).width == 512);
@@ -371,8 +364,7 @@ TEST_CASE("a picture of columns is refused where decoding it whole takes too muc
 }
 
 TEST_CASE("what a Radiance reader holds does not depend on what the header claims", "[codec][hdr]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   // The smallest file that may be 65536 x 32768: its rows are damaged, and nothing is allocated to find that out.
   std::string content = hdr_header({65536, 32768});
   content += std::string(262144, '\x01');

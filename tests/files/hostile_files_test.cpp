@@ -24,66 +24,85 @@ namespace welkin::test {
 
 namespace {
 
-struct Tally {
-  int loaded = 0;
-  int refused = 0;
-};
+constexpr std::uint64_t kLimit = std::uint64_t{16} << 20U;
 
-// Whatever but an Error comes out of this fails the test.
-void try_to_read(const std::filesystem::path& path, const std::vector<char>& bytes, Tally& tally) {
-  std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
-  write_bytes(path, bytes);
-  ReadOptions options{.memory_limit_bytes = std::uint64_t{16} << 20U};
-  try {
-    (void)read_environment(path, options);
-    (void)measure_environment(path, options);
-    ++tally.loaded;
-  } catch (const Error& error) {
-    if (std::string(error.what()).find(path.string()) != 0) FAIL("no file is named in: " << error.what());
-    ++tally.refused;
+using Calls = std::vector<std::function<void(const std::filesystem::path&)>>;
+
+/// What is done with a file of an extension.
+Calls calls_for(const std::string& extension) {
+  const auto read = [](const auto& path) { (void)read_environment(path, {.memory_limit_bytes = kLimit}); };
+  if (extension == ".env") return {[](const auto& path) { (void)read_babylon_environment(path, kLimit); }, read};
+  if (extension == ".ktx2" || extension == ".dds") {
+    return {[](const auto& path) { (void)read_texture(path, kLimit); }, read};
   }
+  return {[read](const auto& path) {
+    read(path);
+    (void)measure_environment(path, {.memory_limit_bytes = kLimit});
+  }};
 }
 
 using Damage = void (*)(const SoundFile&, const Use&);
 
-void check_damage(Damage damage, const std::string& extension, bool may_load) {
+/// Whatever but an Error that names the file comes out of a call fails the test.
+void check_damage(const std::vector<SoundFile>& files, Damage damage, bool may_load) {
   const TemporaryDirectory directory;
-  for (const SoundFile& sound : sound_files(directory.file(""))) {
-    if (std::filesystem::path(sound.name).extension() != extension) continue;
+  for (const SoundFile& sound : files) {
     CAPTURE(sound.name);
     const std::filesystem::path path = directory.file(sound.name);
-    Tally tally;
-    try_to_read(path, sound.bytes, tally);
-    REQUIRE(tally.loaded == 1);
-    damage(sound, [&](const std::vector<char>& bytes) { try_to_read(path, bytes, tally); });
-    if (!may_load && sound.all_is_read) CHECK(tally.loaded == 1);
-    CHECK(tally.refused > 0);
+    const Calls calls = calls_for(path.extension().string());
+    std::size_t loaded = 0;
+    std::size_t refused = 0;
+    const auto try_to_read = [&](const std::vector<char>& bytes) {
+      std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
+      write_bytes(path, bytes);
+      for (const auto& call : calls) {
+        try {
+          call(path);
+          ++loaded;
+        } catch (const Error& error) {
+          if (std::string(error.what()).find(path.string()) != 0) FAIL("no file is named in: " << error.what());
+          ++refused;
+        }
+      }
+    };
+    try_to_read(sound.bytes);
+    REQUIRE(loaded == calls.size());
+    damage(sound, try_to_read);
+    if (!may_load && sound.all_is_read) CHECK(loaded == calls.size());
+    CHECK(refused > 0);
   }
+}
+
+std::vector<SoundFile> sound_pictures(const std::vector<std::string>& extensions) {
+  const TemporaryDirectory directory;
+  std::vector<SoundFile> files = sound_files(directory.path());
+  std::erase_if(files, [&](const SoundFile& file) {
+    return std::ranges::find(extensions, std::filesystem::path(file.name).extension().string()) == extensions.end();
+  });
+  return files;
 }
 
 }  // namespace
 
 TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage][slow]") {
-  for (const char* extension : {".exr", ".pfm", ".hdr", ".jpg"}) check_damage(for_each_truncation, extension, false);
-  check_damage(for_each_truncation, ".png", true);  // nothing that is needed follows the last row
+  check_damage(sound_pictures({".exr", ".pfm", ".hdr", ".jpg"}), for_each_truncation, false);
+  check_damage(sound_pictures({".png"}), for_each_truncation, true);  // nothing that is needed follows the last row
 }
 
 TEST_CASE("no changed byte does harm", "[codec][damage][slow]") {
-  for (const char* extension : {".exr", ".pfm", ".hdr", ".png", ".jpg"}) {
-    check_damage(for_each_changed_byte, extension, true);
-  }
+  check_damage(sound_pictures({".exr", ".pfm", ".hdr", ".png", ".jpg"}), for_each_changed_byte, true);
 }
 
 TEST_CASE("no extreme number in a header of text does harm", "[codec][damage]") {
-  for (const char* extension : {".pfm", ".hdr"}) check_damage(for_each_extreme_number, extension, true);
+  check_damage(sound_pictures({".pfm", ".hdr"}), for_each_extreme_number, true);
 }
 
 TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage][slow]") {
-  check_damage(for_each_extreme_field, ".exr", true);
+  check_damage(sound_pictures({".exr"}), for_each_extreme_field, true);
 }
 
 TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage][slow]") {
-  for (const char* extension : {".pfm", ".hdr", ".png", ".jpg"}) check_damage(for_each_extreme_field, extension, true);
+  check_damage(sound_pictures({".pfm", ".hdr", ".png", ".jpg"}), for_each_extreme_field, true);
 }
 
 // Promises: a texture or .env that is cut off anywhere, has any byte changed, or any field set to an extreme, is either
@@ -91,99 +110,61 @@ TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec
 
 namespace {
 
-SoundFile texture(const TemporaryDirectory& directory, const std::string& name, const TextureOptions& options) {
+/// Damaged up to `header_bytes`; its fields are words.
+SoundFile texture(const std::string& name, std::size_t header_bytes, const TextureOptions& options) {
+  const TemporaryDirectory directory;
   write_texture(directory.file(name), noisy_chain(3, 2).views(), options);
   SoundFile file{name, read_bytes(directory.file(name))};
-  file.header_bytes = std::min<std::size_t>(file.bytes.size(), 500);
+  file.header_bytes = std::min(file.bytes.size(), header_bytes);
+  file.fields_changed.step = 4;
   return file;
 }
 
-SoundFile env(const TemporaryDirectory& directory) {
+/// Its manifest is damaged, a text without fields, and the first of its pictures, which are all alike.
+SoundFile env_of(const std::string& name, const std::vector<char>& bytes) {
+  const auto payload = static_cast<std::size_t>(std::find(bytes.begin() + 8, bytes.end(), '\0') - bytes.begin()) + 1;
+  SoundFile file{name, bytes};
+  file.header_bytes = std::min(bytes.size(), payload + 200);
+  file.bytes_changed.step = 6;
+  file.fields_changed.first = payload;
+  return file;
+}
+
+std::vector<char> env_bytes() {
   BabylonEnvironment environment;
   environment.specular = noisy_chain(2, 2);
   environment.polynomial = BabylonPolynomial{};
   environment.irradiance = {1, std::vector<float>(18, 0.5F)};
-  write_babylon_environment(directory.file("sky.env"), environment);
-  SoundFile file{"sky.env", read_bytes(directory.file("sky.env"))};
-  file.header_bytes = std::min<std::size_t>(file.bytes.size(), 1300);
-  return file;
-}
-
-SoundFile webp_env(const TemporaryDirectory& directory) {
-  SoundFile file = env(directory);
-  file.name = "webp.env";
-  file.bytes = with_webp_pictures(file.bytes);
-  file.header_bytes = file.bytes.size();
-  return file;
-}
-
-std::vector<SoundFile> sound_textures(const TemporaryDirectory& directory) {
-  return {texture(directory, "sky.ktx2", {}),
-          texture(directory, "zlib.ktx2", {TexelFormat::b10g11r11, Supercompression::zlib, {{"key", "value"}}}),
-          texture(directory, "zstd.ktx2", {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
-          texture(directory, "sky.dds", {}),
-          env(directory),
-          webp_env(directory)};
-}
-
-void try_to_read_texture(const std::filesystem::path& path, const std::vector<char>& bytes, Tally& tally) {
-  std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
-  write_bytes(path, bytes);
-  constexpr std::uint64_t limit = std::uint64_t{16} << 20U;
-  ReadOptions options{.memory_limit_bytes = limit};
-  const auto attempt = [&](const auto& call) {
-    try {
-      call();
-      ++tally.loaded;
-    } catch (const Error& error) {
-      if (std::string(error.what()).find(path.string()) != 0) FAIL("no file is named in: " << error.what());
-      ++tally.refused;
-    }
-  };
-  if (path.extension() == ".env") {
-    attempt([&] { (void)read_babylon_environment(path, limit); });
-  } else {
-    attempt([&] { (void)read_texture(path, limit); });
-  }
-  attempt([&] { (void)read_environment(path, options); });
-}
-
-void check_texture_damage(Damage damage, bool may_load) {
   const TemporaryDirectory directory;
-  for (const SoundFile& sound : sound_textures(directory)) {
-    CAPTURE(sound.name);
-    Tally tally;
-    try_to_read_texture(directory.file(sound.name), sound.bytes, tally);
-    REQUIRE(tally.loaded == 2);
-    const Tally before = tally;
-    damage(sound,
-           [&](const std::vector<char>& bytes) { try_to_read_texture(directory.file(sound.name), bytes, tally); });
-    if (!may_load) CHECK(tally.loaded == before.loaded);
-    CHECK(tally.refused > 0);
-  }
+  write_babylon_environment(directory.file("sky.env"), environment);
+  return read_bytes(directory.file("sky.env"));
+}
+
+std::vector<SoundFile> sound_textures() {
+  return {texture("sky.ktx2", 320, {}),
+          texture("zlib.ktx2", 420, {TexelFormat::b10g11r11, Supercompression::zlib, {{"key", "value"}}}),
+          texture("zstd.ktx2", 420, {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
+          texture("sky.dds", 160, {}),
+          env_of("sky.env", env_bytes()),
+          env_of("webp.env", with_webp_pictures(env_bytes()))};
 }
 
 }  // namespace
 
 TEST_CASE("a texture that is cut off is refused, wherever the cut is", "[codec][textures][damage][slow]") {
-  check_texture_damage(for_each_truncation, false);
+  check_damage(sound_textures(), for_each_truncation, false);
 }
 
 TEST_CASE("no changed byte of a texture does harm", "[codec][textures][damage][slow]") {
-  check_texture_damage(for_each_changed_byte, true);
+  check_damage(sound_textures(), for_each_changed_byte, true);
 }
 
 TEST_CASE("no extreme field of a texture does harm", "[codec][textures][damage][slow]") {
-  check_texture_damage(for_each_extreme_field, true);
+  check_damage(sound_textures(), for_each_extreme_field, true);
 }
 
 TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][damage][slow]") {
-  const TemporaryDirectory directory;
-  const SoundFile sound = env(directory);
-  Tally tally;
-  for_each_extreme_number(
-      sound, [&](const std::vector<char>& bytes) { try_to_read_texture(directory.file("sky.env"), bytes, tally); });
-  CHECK(tally.refused > 0);
+  check_damage({env_of("sky.env", env_bytes())}, for_each_extreme_number, true);
 }
 
 // Promises: what a header claims costs no memory; a streamed picture needs a few blocks a thread.
@@ -194,6 +175,24 @@ TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][dam
 #endif
 
 namespace {
+
+using namespace std::string_literals;
+const std::string kTiles = "tiles\0tiledesc\0"s;
+const std::string kDataWindow = "dataWindow\0box2i\0"s;
+
+// Puts a 32-bit value behind the first place where `name` and a type stand as attribute.
+void patch_attribute(std::vector<char>& bytes, const std::string& name_and_type, std::size_t offset,
+                     std::uint32_t value) {
+  const auto found = std::search(bytes.begin(), bytes.end(), name_and_type.begin(), name_and_type.end());
+  REQUIRE(found != bytes.end());
+  const auto index = found - bytes.begin() + static_cast<std::ptrdiff_t>(name_and_type.size() + offset);
+  std::memcpy(bytes.data() + index, &value, sizeof(value));
+}
+
+std::vector<char> tiled_exr(const std::filesystem::path& path, Imf::LevelMode mode = Imf::ONE_LEVEL) {
+  write_exr(path, {.width = 64, .height = 32, .tiles = Imf::TileDescription(16, 16, mode)}, some_pixels(64, 32));
+  return read_bytes(path);
+}
 
 #ifndef WELKIN_UNLIMITED_ADDRESS_SPACE
 
@@ -264,22 +263,6 @@ bool is_refused_for_itself(const std::filesystem::path& path) {
   return false;
 }
 
-// Puts a 32-bit value behind the first place where `name` and a type stand as attribute.
-void patch_attribute(std::vector<char>& bytes, const std::string& name_and_type, std::size_t offset,
-                     std::uint32_t value) {
-  const auto found = std::search(bytes.begin(), bytes.end(), name_and_type.begin(), name_and_type.end());
-  REQUIRE(found != bytes.end());
-  const auto index = found - bytes.begin() + static_cast<std::ptrdiff_t>(name_and_type.size() + offset);
-  std::memcpy(bytes.data() + index, &value, sizeof(value));
-}
-
-std::vector<char> tiled_exr(const std::filesystem::path& path) {
-  ExrRecipe recipe{64, 32, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, Imf::TileDescription(16, 16), {}, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
-  write_exr(path, recipe, some_pixels(64, 32));
-  return read_bytes(path);
-}
-
 // What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the picture's size.
 void call_once_before(const TemporaryDirectory& directory) {
   const std::filesystem::path exr = directory.file("small.exr");
@@ -293,10 +276,6 @@ void call_once_before(const TemporaryDirectory& directory) {
   }
 }
 
-using namespace std::string_literals;
-const std::string kTiles = "tiles\0tiledesc\0"s;
-const std::string kDataWindow = "dataWindow\0box2i\0"s;
-
 #endif
 
 }  // namespace
@@ -305,8 +284,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
 #ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
   WARN("left out: address space cannot be limited under a sanitizer");
 #else
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("claims.exr");
+  const TemporaryFile path("claims.exr");
   const std::vector<char> sound = tiled_exr(path);
   const auto check = [&](const std::function<void(std::vector<char>&)>& damage) {
     std::vector<char> bytes = sound;
@@ -340,8 +318,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
 }
 
 TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("claims.ktx2");
+  const TemporaryFile path("claims.ktx2");
   const auto refusal_of = [&](const std::vector<char>& sound, const std::vector<std::uint8_t>& begin,
                               std::size_t payload) {
     std::vector<char> bytes(sound.begin(), sound.begin() + 104);  // the header, and a level index of one level
@@ -381,28 +358,25 @@ TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
   refusal_of(zlib, {0x78, 0x9C}, 400000);
 }
 
-TEST_CASE("a streamed picture needs a few blocks of memory", "[codec][slow]") {
-#ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
-  WARN("left out: address space cannot be limited under a sanitizer");
-#else
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("long.exr");
-  const int width = 4096;
-  const int height = 2048;  // 96 MiB as floats
-  ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
-  write_exr(path, recipe, std::vector<float>(std::size_t{3} * width * height, 0.5F));
-  ReadOptions options{.memory_limit_bytes = 8 * kMebibyte};
-  const auto stream = [&] {
-    bool success = false;
-    run_with_threads(1, [&] {  // a pool's threads do not live on in a child process
-      success = measure_environment(path, options).texels == std::uint64_t{width} * height &&
-                project_file(path, options).radiance.bands() == 3;
-    });
-    return success;
-  };
-  CHECK(succeeds_within(24 * kMebibyte, stream));
-#endif
+TEST_CASE("sizes that multiply past 64 bits are refused", "[codec]") {
+  const TemporaryFile path("product.exr");
+  for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
+    for (const std::uint32_t corner : {0x3ffffffeU, 0x7ffffffeU, 0x7fffffffU}) {
+      std::vector<char> bytes = tiled_exr(path, mode);
+      for (const std::string& window : {kDataWindow, "displayWindow\0box2i\0"s}) {
+        for (const std::size_t offset : {4U, 8U}) {
+          patch_attribute(bytes, window, offset, 0U - corner);
+          patch_attribute(bytes, window, offset + 8, corner);
+        }
+      }
+      for (const std::uint32_t edge : {1U, 0x7fffffffU, 0xffffffffU}) {
+        patch_attribute(bytes, kTiles, 4, edge);
+        patch_attribute(bytes, kTiles, 8, edge);
+        write_bytes(path, bytes);
+        CHECK(thrown_by([&] { (void)inspect_environment(path); }).says(path.string()));
+      }
+    }
+  }
 }
 
 TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming][slow]") {
@@ -446,18 +420,20 @@ TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread
 #else
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("wide.exr");
-  ExrRecipe recipe{16384, 512, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
-  write_exr(path, recipe, std::vector<float>(std::size_t{3} * 16384 * 512, 0.5F));
+  write_exr(path, {.width = 16384, .height = 512}, std::vector<float>(std::size_t{3} * 16384 * 512, 0.5F));
   ReadOptions options{.layout = Layout::lat_long};
   const auto stream = [&] { return project_file(path, options).diagnostics.texels == 16384 * 512; };
-  const auto stream_alone = [&] {
-    bool success = false;
-    run_with_threads(1, [&] { success = stream(); });
-    return success;
+  const auto measure = [&] { return measure_environment(path, options).texels == 16384 * 512; };
+  const auto alone = [](const std::function<bool()>& work) {
+    return [work] {
+      bool success = false;
+      run_with_threads(1, [&] { success = work(); });  // a pool's threads do not live on in a child process
+      return success;
+    };
   };
   call_once_before(directory);
-  CHECK(succeeds_within(10 * kMebibyte, stream_alone));
+  CHECK(succeeds_within(10 * kMebibyte, alone(stream)));
+  CHECK(succeeds_within(24 * kMebibyte, alone(measure)));
   for (const int threads : {2, 4}) {
     std::optional<std::uint64_t> growth;
     run_with_threads(threads, [&] { growth = peak_growth([&] { CHECK(stream()); }); });

@@ -25,8 +25,7 @@ namespace {
 std::filesystem::path write_picture(const TemporaryDirectory& directory, int width, int height,
                                     std::optional<Imf::Envmap> envmap = std::nullopt) {
   std::filesystem::path path = directory.file("sky.exr");
-  ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, envmap, {}};
-  recipe.channels = rgb_channels(Imf::HALF);
+  ExrRecipe recipe{.width = width, .height = height, .envmap = envmap};
   write_exr(path, recipe, some_pixels(width, height));
   return path;
 }
@@ -150,8 +149,7 @@ bool holds(const Environment& environment, std::span<const float> faces) {
 }  // namespace
 
 TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.pfm");
+  const TemporaryFile path("cube.pfm");
   for (const Layout layout : one_file_cube_layouts()) {
     for (const int size : {1, 2, 3, 7, 64, 130}) {
       CAPTURE(name(layout), size);
@@ -172,8 +170,7 @@ TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
 }
 
 TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.pfm");
+  const TemporaryFile path("cube.pfm");
   const int size = 24;
   const std::vector<float> faces = some_pixels(size, 6 * size);
   write_pfm(path, cube_picture(Layout::vertical_strip, size, faces, 0.0F));
@@ -201,8 +198,7 @@ TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][
 }
 
 TEST_CASE("the brightest texel is told by its place in the picture and its direction", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cube.pfm");
+  const TemporaryFile path("cube.pfm");
   const int size = 8;
   const std::vector<float> dark(std::size_t{18} * size * size, 0.25F);
   for (std::size_t face = 0; face < 6; ++face) {
@@ -224,8 +220,7 @@ TEST_CASE("the brightest texel is told by its place in the picture and its direc
 }
 
 TEST_CASE("a cross is held as its faces alone and refused by what they take", "[codec][layout]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("cross.pfm");
+  const TemporaryFile path("cross.pfm");
   const int size = 64;
   write_pfm(path, cube_picture(Layout::horizontal_cross, size, unlike_texels(size), kNaN));
   ReadOptions options{.memory_limit_bytes = 6 * size * size * 12 - 1};

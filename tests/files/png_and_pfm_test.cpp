@@ -74,8 +74,7 @@ Environment read_grey(const TemporaryDirectory& directory, const PngRecipe& reci
 }  // namespace
 
 TEST_CASE("every colour type and depth of PNG is read", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   for (const Kind& kind : kKinds) {
     for (const bool interlaced : {false, true}) {
       for (const auto& [width, height] : {std::tuple{1, 1}, {2, 1}, {3, 5}, {7, 2}, {64, 32}, {257, 3}}) {
@@ -97,8 +96,7 @@ TEST_CASE("every colour type and depth of PNG is read", "[codec][png]") {
 }
 
 TEST_CASE("colours that a PNG's palette does not have are black", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   PngRecipe recipe{4, 2, 2, SPNG_COLOR_TYPE_INDEXED};
   recipe.palette = {{255, 255, 255, 0}, {255, 255, 255, 0}};
   write_bytes(path, png_bytes(recipe, {0, 1, 2, 3, 3, 2, 1, 0}));
@@ -110,8 +108,7 @@ TEST_CASE("colours that a PNG's palette does not have are black", "[codec][png]"
 }
 
 TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   for (const bool interlaced : {false, true}) {
     const PngRecipe recipe = recipe_of({SPNG_COLOR_TYPE_TRUECOLOR, 16}, 46, 23, interlaced);
     write_bytes(path, png_bytes(recipe, some_samples(recipe)));
@@ -169,8 +166,7 @@ TEST_CASE("samples are sRGB unless the file's gamma is 1 or the caller knows bet
 }
 
 TEST_CASE("a PNG's primaries become Rec. 709, or stay as stored", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   const spng_chrm_int rec2020{31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600};
   const spng_chrm_int rec709{31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000};
   PngRecipe recipe{2, 1};
@@ -198,8 +194,7 @@ TEST_CASE("a PNG's primaries become Rec. 709, or stay as stored", "[codec][png]"
 }
 
 TEST_CASE("chunks that are not wanted cost nothing and spoil nothing", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   const PngRecipe recipe{4, 2};
   const std::vector<std::uint16_t> samples = some_samples(recipe);
   const std::vector<char> sound = png_bytes(recipe, samples);
@@ -236,8 +231,7 @@ std::vector<char> sound_png(int width = 8, int height = 4, bool interlaced = fal
 }
 
 void check_refusal(const std::vector<char>& file, ErrorCode code, const std::string& found, const std::string& remedy) {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   write_bytes(path, file);
   const ThrownError error = thrown_by([&] { (void)read_environment(path, {Layout::lat_long}); });
   INFO(error.message);
@@ -283,8 +277,7 @@ TEST_CASE("what a PNG's header claims costs no memory", "[codec][png]") {
 }
 
 TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much", "[codec][png]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.png");
+  const TemporaryFile path("sky.png");
   ReadOptions options{.memory_limit_bytes = std::uint64_t{512} << 10U};
   write_bytes(path, sound_png(640, 320, true));
   CHECK(inspect_environment(path, options).width == 640);
@@ -301,8 +294,7 @@ TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much",
 // Promises: PFM is read in colour and grey, in both byte orders, in any pieces.
 
 TEST_CASE("a colour PFM is read in both byte orders, whatever its scale's size", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   std::vector<float> pixels = some_pixels(34, 17);
   pixels[5] = -1.5F;
   pixels[7] = std::numeric_limits<float>::infinity();
@@ -324,8 +316,7 @@ TEST_CASE("a colour PFM is read in both byte orders, whatever its scale's size",
 }
 
 TEST_CASE("a grey PFM gives three equal channels", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("grey.pfm");
+  const TemporaryFile path("grey.pfm");
   for (const int height : {1, 2, 9}) {
     const std::vector<float> colours = some_pixels(2 * height, height);
     const std::vector<float> values(colours.begin(), colours.begin() + 2 * height * height);
@@ -339,8 +330,7 @@ TEST_CASE("a grey PFM gives three equal channels", "[codec]") {
 }
 
 TEST_CASE("a PFM's header may end with two bytes, as lines do on Windows", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.pfm");
+  const TemporaryFile path("sky.pfm");
   std::vector<float> pixels = some_pixels(4, 2);
   std::vector<char> bytes = pfm_bytes(4, 2, false, "-1\r", pixels);
   write_bytes(path, bytes);

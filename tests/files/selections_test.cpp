@@ -146,8 +146,7 @@ ExrRecipe recipe_of(const Kind& kind, bool tiled) {
 }  // namespace
 
 TEST_CASE("an OpenEXR block that unpacks to too little is refused by its place", "[codec][damage]") {
-  const TemporaryDirectory folder;
-  const std::filesystem::path path = folder.file("short.exr");
+  const TemporaryFile path("short.exr");
   std::vector<float> rgb(std::size_t{64} * 32 * 3);
   for (std::size_t i = 0; i < rgb.size(); ++i)
     rgb[i] = static_cast<float>(i * 7919 % 1009);  // packs, but not to nothing

@@ -29,8 +29,7 @@ void write_face(const std::filesystem::path& path, int size, std::span<const flo
   const auto first = faces.begin() + static_cast<std::ptrdiff_t>(face) * count;
   const std::vector<float> pixels(first, first + count);
   if (path.extension() == ".exr") {
-    ExrRecipe recipe{size, size, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-    recipe.channels = rgb_channels(Imf::FLOAT);
+    ExrRecipe recipe{.width = size, .height = size, .channels = rgb_channels(Imf::FLOAT)};
     write_exr(path, recipe, pixels);
   } else {
     write_bytes(path, pfm_bytes(size, size, false, "-1", pixels));

@@ -2,6 +2,7 @@
 #include "files/environment.h"
 #include "files/row_source.h"
 #include "support/catch.h"
+#include "support/coefficients.h"
 #include "support/exr_files.h"
 #include "support/jobs.h"
 #include "support/pfm_files.h"
@@ -276,18 +277,11 @@ ExrRecipe lat_long_recipe(int width, int height, Imf::Compression compression,
   return recipe;
 }
 
-bool same_coefficients(const Projection& a, const Projection& b) {
-  const auto left = a.radiance.coefficients();
-  const auto right = b.radiance.coefficients();
-  return std::equal(left.begin(), left.end(), right.begin(), right.end());
-}
-
 }  // namespace
 
 TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec][slow]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.exr");
-  for (const auto& [width, height] : {std::pair{640, 320}, {514, 257}, {30, 15}}) {
+  const TemporaryFile path("sky.exr");
+  for (const auto& [width, height] : {std::pair{514, 257}, {30, 15}}) {
     const std::vector<float> pixels = some_pixels(width, height);
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::DWAB_COMPRESSION}) {
       for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(48, 40)},
@@ -296,8 +290,8 @@ TEST_CASE("a streamed lat-long has the bits of one that is read whole", "[codec]
         write_exr(path, lat_long_recipe(width, height, compression, tiles), pixels);
         const Environment whole = read_environment(path);
         const Projection wanted = project(whole.lat_long());
-        for (const int threads : {1, 2, 5}) {
-          run_with_threads(threads, [&] { CHECK(same_coefficients(project_file(path), wanted)); });
+        for (const int threads : {1, 5}) {
+          run_with_threads(threads, [&] { CHECK(same_bits(project_file(path).radiance, wanted.radiance)); });
         }
       }
     }
@@ -332,8 +326,7 @@ TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
 }
 
 TEST_CASE("damage in the middle of a file is an error, not a half result", "[codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("damaged.exr");
+  const TemporaryFile path("damaged.exr");
   write_exr(path, lat_long_recipe(640, 320, Imf::ZIP_COMPRESSION, std::nullopt), some_pixels(640, 320));
   std::vector<char> bytes = read_bytes(path);
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), 5000, '\x55');

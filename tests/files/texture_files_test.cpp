@@ -25,10 +25,6 @@ ReadOptions at_level(int level) {
   return options;
 }
 
-std::span<const float> level_pixels(const Cubemap& chain, int level) {
-  return {chain.face(level, 0), 6 * face_values(chain, level)};
-}
-
 std::span<const float> pixels_of(const Environment& environment) {
   const auto width = static_cast<std::size_t>(environment.info.width);
   return {environment.pixels.get(), 18 * width * width};
@@ -63,7 +59,7 @@ TEST_CASE("a texture is an environment at each of its levels", "[codec][textures
         CHECK(info.width == texture.cubemap.level_size(level));
         CHECK(info.height == 6 * info.width);
         const Environment read = read_environment(path, at_level(level));
-        CHECK(same_bytes<float>(pixels_of(read), level_pixels(texture.cubemap, level)));
+        CHECK(same_bytes<float>(pixels_of(read), level_values(texture.cubemap, level)));
         CHECK(same_bits(project_file(path, at_level(level)).radiance, project(texture.cubemap.view(level)).radiance));
       }
       CHECK(measure_environment(path).texels == 6U * static_cast<unsigned>(size) * static_cast<unsigned>(size));
@@ -75,8 +71,7 @@ TEST_CASE("a texture is an environment at each of its levels", "[codec][textures
 }
 
 TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was asked for", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.dds");
+  const TemporaryFile path("sky.dds");
   const Cubemap chain = noisy_chain(1, 1);
   write_texture(path, chain.views(), {TexelFormat::e5b9g9r9, Supercompression::none, {}});
   std::vector<char> bytes = read_bytes(path);
@@ -127,14 +122,13 @@ TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[
 }
 
 TEST_CASE("an .env is an environment in Welkin's axes, with the light that it stores", "[codec][env]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.env");
+  const TemporaryFile path("sky.env");
   const Cubemap chain = noisy_chain(8, 4);
   const SphericalHarmonics radiance = RandomLight(5).harmonics(3);
   write_babylon_environment(path, to_babylon(chain, radiance));
   const Cubemap stored = mirrored_x(read_babylon_environment(path).specular);
   for (int level = 0; level < 4; ++level) {
-    CHECK(same_bytes<float>(pixels_of(read_environment(path, at_level(level))), level_pixels(stored, level)));
+    CHECK(same_bytes<float>(pixels_of(read_environment(path, at_level(level))), level_values(stored, level)));
   }
   const Projection reused = project_file(path);
   CHECK(relative_error(reused.radiance, radiance) < 1e-14);
@@ -318,8 +312,7 @@ TEST_CASE("a texture that takes more memory than it may is refused before it is 
 }
 
 TEST_CASE("packed sizes that overflow together are above the limit", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.ktx2");
+  const TemporaryFile path("sky.ktx2");
   write_texture(path, noisy_chain(8, 4).views(), {TexelFormat::rgba16f, Supercompression::zstd, {}});
   std::vector<char> bytes = read_bytes(path);
   for (std::size_t level = 0; level < 4; ++level) put(bytes, 80 + 24 * level + 12, 1U << 30U);  // 2^62 bytes each
@@ -334,8 +327,7 @@ TEST_CASE("packed sizes that overflow together are above the limit", "[codec][te
 }
 
 TEST_CASE("DDS mips are counted by their number, whether or not the flag beside it is set", "[codec][textures]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.dds");
+  const TemporaryFile path("sky.dds");
   write_texture(path, noisy_chain(4, 3).views(), {});
   const CubemapTexture flagged = read_texture(path);
   std::vector<char> bytes = read_bytes(path);

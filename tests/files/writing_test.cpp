@@ -125,8 +125,7 @@ TEST_CASE("OpenEXR's own library reads what is written: float bit for bit, half 
 }
 
 TEST_CASE("Halves clamp what is finite, and keep NaN and infinities", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.exr");
+  const TemporaryFile path("sky.exr");
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const LatLongImage map{2, 1, {65505.0F, -1e9F, kInfinity, -kInfinity, NAN, 65504.0F}};
   CHECK(write_environment(path, map.view()).values_clamped == 2);
@@ -138,8 +137,7 @@ TEST_CASE("Halves clamp what is finite, and keep NaN and infinities", "[writers]
 }
 
 TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("cube.exr");
+  const TemporaryFile path("cube.exr");
   const int size = 5;
   const Cubemap map{size, some_pixels(size, 6 * size)};
   write_environment(path, map.view(), {Layout::automatic, SampleType::float32});
@@ -171,8 +169,7 @@ TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
 }
 
 TEST_CASE("Radiance pictures hold values to half a step of the largest component", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.hdr");
+  const TemporaryFile path("sky.hdr");
   for (const auto& [width, height] : {std::pair{1, 2}, {7, 3}, {8, 4}, {257, 5}, {32767, 1}, {32768, 1}}) {
     LatLongImage map = some_lat_long(width, height);
     // Runs of every length among noise, and dark texels.
@@ -219,8 +216,7 @@ TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]")
 }
 
 TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[writers]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("ramp.png");
+  const TemporaryFile path("ramp.png");
   const int width = 3000;
   LatLongImage ramp{width, 2, std::vector<float>(std::size_t{6} * width)};
   for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
@@ -469,8 +465,7 @@ TEST_CASE("texts of files, plans and errors are the same to a host with a decima
 }
 
 TEST_CASE("stored roughness that is not used is noted", "[codec][locale]") {
-  const TemporaryDirectory folder;
-  const std::filesystem::path path = folder.file("specular.ktx2");
+  const TemporaryFile path("specular.ktx2");
   const auto stored_as = [&](const std::string& text, LevelContent content = LevelContent::automatic) {
     TextureOptions options{.metadata = {{"welkin.roughness", text}}};
     write_texture(path, Cubemap(8, 4).views(), options);

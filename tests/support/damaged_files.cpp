@@ -7,6 +7,7 @@
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
+#include "support/trials.h"
 
 namespace welkin::test {
 namespace {
@@ -103,6 +104,16 @@ void hand_out(const SoundFile& file, Bytes bytes, const Use& use) {
   use(bytes);
 }
 
+/// The places of `sample` from which `bytes` lie within the header.
+std::vector<std::size_t> places(const SoundFile& file, const SoundFile::Sample& sample, std::size_t bytes) {
+  const auto step = static_cast<std::size_t>(stride(static_cast<int>(sample.step)));
+  std::vector<std::size_t> all;
+  for (std::size_t i = step == 1 && sample.step != 1 ? 0 : sample.first; i + bytes <= file.header_bytes; i += step) {
+    all.push_back(i);
+  }
+  return all;
+}
+
 struct Number {
   std::size_t first;
   std::size_t end;
@@ -152,7 +163,16 @@ std::vector<SoundFile> sound_files(const std::filesystem::path& directory) {
       {"eight-bits.png", png(8, false), kWhole, true, repair_png},
       {"interlaced.png", png(16, true), kWhole, true, repair_png},
   };
-  for (SoundFile& file : files) file.header_bytes = std::min(file.header_bytes, file.bytes.size());
+  // Headers of OpenEXR begin alike: each file has another third of them damaged. Of a JPEG's fields, which are short,
+  // each one has a part of every extreme in it.
+  std::size_t number = 0;
+  for (SoundFile& file : files) {
+    file.header_bytes = std::min(file.header_bytes, file.bytes.size());
+    const bool is_jpeg = file.name.ends_with(".jpg");
+    if (!is_jpeg && !file.name.ends_with(".exr")) continue;
+    file.bytes_changed = {number++ % 3, 3};
+    file.fields_changed = is_jpeg ? SoundFile::Sample{0, 4} : file.bytes_changed;
+  }
   return files;
 }
 
@@ -163,7 +183,7 @@ void for_each_truncation(const SoundFile& file, const Use& use) {
 }
 
 void for_each_changed_byte(const SoundFile& file, const Use& use) {
-  for (std::size_t index = 0; index < file.header_bytes; ++index) {
+  for (const std::size_t index : places(file, file.bytes_changed, 1)) {
     for (const int value : {~file.bytes[index] & 0xff, 0x00, 0x01, 0xff}) {
       Bytes damaged = file.bytes;
       damaged[index] = static_cast<char>(value);
@@ -173,7 +193,7 @@ void for_each_changed_byte(const SoundFile& file, const Use& use) {
 }
 
 void for_each_extreme_field(const SoundFile& file, const Use& use) {
-  for (std::size_t index = 0; index + 4 <= file.header_bytes; ++index) {
+  for (const std::size_t index : places(file, file.fields_changed, 4)) {
     for (const std::uint32_t value : kExtremes) {
       Bytes damaged = file.bytes;
       put(damaged, index, value, file.big_endian);

@@ -23,6 +23,9 @@ struct ExrChannel {
   int component = 0;  ///< of the pixels that it is made from: 0 red, 1 green, 2 blue
 };
 
+/// R, G and B of one type.
+std::vector<ExrChannel> rgb_channels(Imf::PixelType type);
+
 struct ExrRecipe {
   int width = 0;
   int height = 0;
@@ -32,7 +35,7 @@ struct ExrRecipe {
   Imf::LineOrder line_order = Imf::INCREASING_Y;
   std::optional<Imf::TileDescription> tiles{};
   std::optional<Imf::Envmap> envmap{};
-  std::vector<ExrChannel> channels{};
+  std::vector<ExrChannel> channels = rgb_channels(Imf::HALF);
   std::function<void(Imf::Header&)> adjust{};  ///< does what is left to do to the header
 };
 
@@ -43,9 +46,6 @@ struct ExrPartRecipe {
   std::vector<float> rgb;
   bool deep = false;
 };
-
-/// R, G and B of one type.
-std::vector<ExrChannel> rgb_channels(Imf::PixelType type);
 
 /// Writes `rgb` (width x height x 3, row 0 on top). Smaller levels of mip and rip maps are filled with -99.
 void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb);

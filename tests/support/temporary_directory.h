@@ -33,6 +33,12 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
+/// The path of a file that a test will write, in a directory of its own.
+class TemporaryFile : private TemporaryDirectory, public std::filesystem::path {
+ public:
+  explicit TemporaryFile(const std::string& name) : std::filesystem::path(file(name)) {}
+};
+
 /// All that is in a folder, in any order.
 inline std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
