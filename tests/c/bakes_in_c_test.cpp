@@ -196,26 +196,6 @@ TEST_CASE("C: chains by a schedule have its roughness and its number of mips", "
   }
 }
 
-TEST_CASE("C: handles to a chain share its pixels", "[c_interface]") {
-  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_environment view = c_view(cube.view());
-  auto options = c_struct<welkin_prefilter_options>();
-  options.size = 8;
-  welkin_chain* chain = nullptr;
-  REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
-  welkin_chain* another = nullptr;
-  REQUIRE(welkin_chain_share(chain, &another) == WELKIN_OK);
-  auto first = c_struct<welkin_environment>();
-  auto second = c_struct<welkin_environment>();
-  REQUIRE(welkin_chain_get_level(chain, 1, &first) == WELKIN_OK);
-  REQUIRE(welkin_chain_get_level(another, 1, &second) == WELKIN_OK);
-  REQUIRE(first.faces[5] == second.faces[5]);
-  const auto before = texels_of(chain, 1);
-  welkin_chain_destroy(chain);
-  REQUIRE(same_texels(texels_of(another, 1), before));
-  welkin_chain_destroy(another);
-}
-
 // Bakes.
 
 namespace {
@@ -391,7 +371,13 @@ TEST_CASE("C: a part that is kept outlives its bake, and a bake beyond its memor
   welkin_bake_result* result = nullptr;
   REQUIRE(welkin_bake(&view, &options, nullptr, &result) == WELKIN_OK);
   welkin_chain* kept = nullptr;
-  REQUIRE(welkin_chain_share(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), &kept) == WELKIN_OK);
+  const welkin_chain* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
+  REQUIRE(welkin_chain_share(chain, &kept) == WELKIN_OK);
+  auto first = c_struct<welkin_environment>();
+  auto second = c_struct<welkin_environment>();
+  REQUIRE(welkin_chain_get_level(chain, 1, &first) == WELKIN_OK);
+  REQUIRE(welkin_chain_get_level(kept, 1, &second) == WELKIN_OK);
+  REQUIRE(first.faces[5] == second.faces[5]);  // shared, not copied
   const auto before = texels_of(kept, 0);
   welkin_bake_result_destroy(result);
   REQUIRE(same_texels(texels_of(kept, 0), before));
@@ -460,9 +446,7 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
   const auto irradiance = irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance);
   const Cubemap expected = irradiance_cubemap(irradiance, 12);
   std::vector<float> texels(expected.pixels().size());
-  auto target = c_struct<welkin_target>();
-  target.size = 12;
-  for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 12 * 12 * 3;
+  const welkin_target target = c_target(texels, 12);
   REQUIRE(welkin_irradiance_cubemap(4, plain(irradiance).data(), nullptr, &target, nullptr) == WELKIN_OK);
   REQUIRE(same_texels(texels, expected.pixels()));
 }
@@ -488,13 +472,8 @@ TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") 
   for (std::size_t k = 0; k < 2; ++k) {
     for (const CubemapTarget& target : upload_targets(layout, std::span(wanted).subspan(k * bytes, bytes)))
       targets.push_back(target);
-    for (const CubemapTarget& target : upload_targets(layout, std::span(found).subspan(k * bytes, bytes))) {
-      auto& c_target = c_targets.emplace_back(c_struct<welkin_target>());
-      c_target.format = WELKIN_FORMAT_RGBA_F32;
-      c_target.row_stride_bytes = target.row_stride_bytes;
-      c_target.size = target.size;
-      std::copy(target.faces.begin(), target.faces.end(), c_target.faces);
-    }
+    for (const CubemapTarget& target : upload_targets(layout, std::span(found).subspan(k * bytes, bytes)))
+      c_targets.push_back(c_target(target, WELKIN_FORMAT_RGBA_F32));
   }
   std::vector<dvec3> light(8);
   const BakeResult baked = bake_many(views, targets, light, options, 2);

@@ -41,6 +41,38 @@ Struct c_struct() {
   return made;
 }
 
+/// The same memory as C callers describe it.
+inline welkin_target c_target(const CubemapTarget& target, welkin_format format) {
+  auto made = c_struct<welkin_target>();
+  made.format = format;
+  made.row_stride_bytes = target.row_stride_bytes;
+  made.size = target.size;
+  std::copy(target.faces.begin(), target.faces.end(), made.faces);
+  return made;
+}
+
+/// Six faces of packed texels in one block of floats.
+inline welkin_target c_target(std::vector<float>& texels, int size, welkin_format format = WELKIN_FORMAT_RGB_F32) {
+  auto made = c_struct<welkin_target>();
+  made.format = format;
+  made.size = size;
+  for (std::size_t face = 0; face < 6; ++face) made.faces[face] = texels.data() + face * texels.size() / 6;
+  return made;
+}
+
+/// Handles of one kind, destroyed with their scope.
+template <class Handle, void (*destroy)(Handle*)>
+struct Destroyed {
+  Handle* handle = nullptr;
+
+  Destroyed() = default;
+  explicit Destroyed(Handle* its_handle) : handle(its_handle) {}
+  ~Destroyed() { destroy(handle); }
+  Destroyed(const Destroyed&) = delete;
+  Destroyed& operator=(const Destroyed&) = delete;
+};
+using CChain = Destroyed<welkin_chain, welkin_chain_destroy>;
+
 /// A worker of `threads`, destroyed with its scope.
 class CWorker {
  public:

@@ -5,7 +5,6 @@
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
-#include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
@@ -216,10 +215,8 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   sound_specular.size = 4;
   auto sound_tables = c_struct<welkin_sky_table_options>();
   sound_tables.memory_limit_bytes = 1 << 16;
-  auto sound_target = c_struct<welkin_target>();
   std::vector<float> texels(6 * 4 * 4 * 4);
-  sound_target.size = 4;
-  for (std::size_t face = 0; face < 6; ++face) sound_target.faces[face] = texels.data() + face * 4 * 4 * 4;
+  const welkin_target sound_target = c_target(texels, 4);
   const auto air = c_struct<welkin_atmosphere>();  // Earth's
   welkin_chain* chain = nullptr;
   REQUIRE(welkin_prefilter(&view, &sound_specular, nullptr, &chain) == WELKIN_OK);
@@ -490,49 +487,6 @@ TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
                     [&](const auto* options, auto** job) {
                       return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr, job);
                     });
-}
-
-TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interface]") {
-  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
-  for (const int bands : {1, 2, 3, 5}) {
-    const Projection light = project(picture.view(), {.bands = bands});
-    std::vector<double> radiance;
-    for (const glm::dvec3& rgb : light.radiance.coefficients()) radiance.insert(radiance.end(), {rgb.x, rgb.y, rgb.z});
-
-    const SphericalHarmonics expected = irradiance_from_radiance(light.radiance);
-    std::vector<double> irradiance(radiance.size());
-    REQUIRE(welkin_irradiance_from_radiance(bands, radiance.data(), irradiance.data()) == WELKIN_OK);
-    for (std::size_t i = 0; i < expected.coefficients().size(); ++i) {
-      REQUIRE(same_triple(irradiance.data() + 3 * i, expected.coefficients()[i]));
-    }
-
-    const double direction[3] = {0.6, 0.0, -0.8};
-    double value[3];
-    REQUIRE(welkin_evaluate(bands, irradiance.data(), direction, value) == WELKIN_OK);
-    REQUIRE(same_triple(value, evaluate(expected, {0.6, 0.0, -0.8})));
-
-    for (const Convention& convention : conventions()) {
-      auto form = c_struct<welkin_engine_light>();
-      const auto number = static_cast<welkin_engine>(convention.engine);
-      for (const bool rotated : {false, true}) {
-        const welkin_status status =
-            welkin_engine_light_from_radiance(bands, radiance.data(), number, rotated ? 0 : 1, &form);
-        INFO(convention.name);
-        REQUIRE((status == WELKIN_OK) == has_engine_light(convention.engine));
-        if (status != WELKIN_OK) continue;
-        const EngineLight engine = rotated ? engine_light(light.radiance, convention.engine)
-                                           : engine_light_unrotated(light.radiance, convention.engine);
-        REQUIRE(form.engine == number);
-        REQUIRE(static_cast<std::size_t>(form.term_count) == engine.terms.size());
-        REQUIRE(static_cast<std::size_t>(form.vector_count) == engine.vectors.size());
-        for (std::size_t i = 0; i < engine.terms.size(); ++i) REQUIRE(same_triple(form.terms[i], engine.terms[i].rgb));
-        for (std::size_t i = 0; i < engine.vectors.size(); ++i) {
-          REQUIRE(same_triple(form.vectors[i], glm::dvec3(engine.vectors[i].value)));
-          REQUIRE(same_bits(form.vectors[i][3], engine.vectors[i].value.w));
-        }
-      }
-    }
-  }
 }
 
 }  // namespace welkin::test

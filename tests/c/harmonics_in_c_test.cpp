@@ -56,6 +56,45 @@ TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_inter
   }
 }
 
+TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interface]") {
+  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
+  for (const int bands : {1, 2, 3, 5}) {
+    const Projection light = project(picture.view(), {.bands = bands});
+    const std::vector<double> radiance = plain(light.radiance);
+    const SphericalHarmonics expected = irradiance_from_radiance(light.radiance);
+    std::vector<double> irradiance(radiance.size());
+    REQUIRE(welkin_irradiance_from_radiance(bands, radiance.data(), irradiance.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(irradiance.data(), expected));
+
+    const double direction[3] = {0.6, 0.0, -0.8};
+    double value[3];
+    REQUIRE(welkin_evaluate(bands, irradiance.data(), direction, value) == WELKIN_OK);
+    REQUIRE(same_triple(value, evaluate(expected, {0.6, 0.0, -0.8})));
+
+    for (const Convention& convention : conventions()) {
+      auto form = c_struct<welkin_engine_light>();
+      const auto number = static_cast<welkin_engine>(convention.engine);
+      for (const bool rotated : {false, true}) {
+        const welkin_status status =
+            welkin_engine_light_from_radiance(bands, radiance.data(), number, rotated ? 0 : 1, &form);
+        INFO(convention.name);
+        REQUIRE((status == WELKIN_OK) == has_engine_light(convention.engine));
+        if (status != WELKIN_OK) continue;
+        const EngineLight engine = rotated ? engine_light(light.radiance, convention.engine)
+                                           : engine_light_unrotated(light.radiance, convention.engine);
+        REQUIRE(form.engine == number);
+        REQUIRE(static_cast<std::size_t>(form.term_count) == engine.terms.size());
+        REQUIRE(static_cast<std::size_t>(form.vector_count) == engine.vectors.size());
+        for (std::size_t i = 0; i < engine.terms.size(); ++i) REQUIRE(same_triple(form.terms[i], engine.terms[i].rgb));
+        for (std::size_t i = 0; i < engine.vectors.size(); ++i) {
+          REQUIRE(same_triple(form.vectors[i], glm::dvec3(engine.vectors[i].value)));
+          REQUIRE(same_bits(form.vectors[i][3], engine.vectors[i].value.w));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("C: engines' axes are the C++ calls'", "[c_interface]") {
   for (const Convention& expected : conventions()) {
     double from_welkin[9];

@@ -12,13 +12,7 @@
 namespace welkin::test {
 namespace {
 
-struct GridOfC {
-  GridOfC() = default;
-  GridOfC(const GridOfC&) = delete;
-  GridOfC& operator=(const GridOfC&) = delete;
-  ~GridOfC() { welkin_probes_destroy(handle); }
-  welkin_probes* handle = nullptr;
-};
+using GridOfC = Destroyed<welkin_probes, welkin_probes_destroy>;
 
 constexpr int kFace = 4;
 
@@ -55,14 +49,10 @@ TEST_CASE("C: probes have the C++ calls' bits", "[c_interface][probes]") {
   options.distance_size = 4;
   options.environment_bands = 2;
   options.near_share = 0.2;
-  std::vector<welkin_environment> cubes(6);
+  std::vector<welkin_environment> cubes;
+  for (const CubemapView& cube : captures.cubes) cubes.push_back(c_view(cube));
   std::vector<const float*> depths;
-  for (std::size_t k = 0; k < cubes.size(); ++k) {
-    WELKIN_INIT(cubes[k]);
-    cubes[k].size = kFace;
-    for (std::size_t f = 0; f < 6; ++f) cubes[k].faces[f] = captures.cubes[k].faces[f];
-    depths.push_back(captures.distances[k].data());
-  }
+  for (const std::vector<float>& distances : captures.distances) depths.push_back(distances.data());
   GridOfC probes;
   REQUIRE(welkin_probes_bake(&c_grid, cubes.data(), depths.data(), kFace, &options, nullptr, &probes.handle) ==
           WELKIN_OK);

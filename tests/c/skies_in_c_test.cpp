@@ -32,22 +32,10 @@ welkin_sky_table_options c_options(const SkyTableOptions& options) {
   return values;
 }
 
-/// Handles of one kind, destroyed with their scope.
-template <class Handle, void (*destroy)(Handle*)>
-struct Destroyed {
-  Handle* handle = nullptr;
-
-  Destroyed() = default;
-  explicit Destroyed(Handle* its_handle) : handle(its_handle) {}
-  ~Destroyed() { destroy(handle); }
-  Destroyed(const Destroyed&) = delete;
-  Destroyed& operator=(const Destroyed&) = delete;
-};
 using CTables = Destroyed<welkin_sky_tables, welkin_sky_tables_destroy>;
 using CView = Destroyed<welkin_sky_view, welkin_sky_view_destroy>;
 using CCurve = Destroyed<welkin_sky_curve, welkin_sky_curve_destroy>;
 using CSkyLight = Destroyed<welkin_sky_light, welkin_sky_light_destroy>;
-using CChain = Destroyed<welkin_chain, welkin_chain_destroy>;
 
 void require_same(const welkin_sky_tables* made, const SkyTables& expected) {
   REQUIRE(made->tables->atmosphere == expected.atmosphere);
@@ -241,9 +229,7 @@ TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
       const std::int32_t sun_disc = disc ? 1 : 0;
       const Cubemap cubemap = sky_cubemap(expected, sun, 8, {disc});
       std::vector<float> texels(cubemap.pixels().size());
-      auto target = c_struct<welkin_target>();
-      target.size = 8;
-      for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 8 * 8 * 3;
+      const welkin_target target = c_target(texels, 8);
       REQUIRE(welkin_sky_view_picture(view.handle, c_sun.data(), sun_disc, nullptr, &target, nullptr) == WELKIN_OK);
       REQUIRE(same_texels(texels, cubemap.pixels()));
 

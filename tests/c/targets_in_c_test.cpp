@@ -111,57 +111,38 @@ TEST_CASE("C: targets that nothing can be written to are refused before anything
   welkin_bake_result* result = bright_bake(view);
   const auto* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
   std::vector<float> block(6 * 8 * 8 * 4, 7.0F);
-  auto sound = c_struct<welkin_target>();
-  sound.format = WELKIN_FORMAT_RGBA_F32;
-  sound.size = 8;
-  for (std::size_t face = 0; face < 6; ++face) sound.faces[face] = block.data() + face * 8 * 8 * 4;
-  const auto refused = [&](const welkin_target& target, const char* word) {
+  const welkin_target sound = c_target(block, 8, WELKIN_FORMAT_RGBA_F32);
+  using Target = welkin_target;
+  const std::pair<const char*, std::function<void(Target&)>> refused[] = {
+      {"texels", [](Target& target) { target.size = 4; }},
+      {"size", [](Target& target) { target.size = 0; }},
+      {"size", [](Target& target) { target.size = 1 << 20; }},
+      {"format", [](Target& target) { target.format = WELKIN_FORMAT_RGBA_U8; }},
+      {"format", [](Target& target) { target.format = 10; }},
+      {"format", [](Target& target) { target.format = -1; }},
+      {"row_stride_bytes", [](Target& target) { target.row_stride_bytes = 8 * 16 - 4; }},
+      {"row_stride_bytes", [](Target& target) { target.row_stride_bytes = -(8 * 16 - 4); }},
+      {"row_stride_bytes", [](Target& target) { target.row_stride_bytes = 8 * 16 + 2; }},
+      {"row_stride_bytes", [](Target& target) { target.row_stride_bytes = std::numeric_limits<std::int64_t>::min(); }},
+      {"null", [](Target& target) { target.faces[3] = nullptr; }},
+      {"width", [](Target& target) { target.width = 8; }},
+      {"flat",
+       [](Target& target) {
+         target.size = 0;
+         target.width = target.height = 8;
+       }},
+      {"aligned", [&](Target& target) { target.faces[3] = reinterpret_cast<std::byte*>(block.data()) + 2; }},
+      {"size", [](Target& target) { target.struct_size = 8; }},  // it ends before the faces
+      {"struct_size", [](Target& target) { target.struct_size = 12; }}};
+  for (const auto& [word, spoil] : refused) {
     INFO(word);
+    Target target = sound;
+    spoil(target);
     std::uint64_t clamped = 99;
     REQUIRE(welkin_chain_copy(chain, 0, &target, &clamped) == WELKIN_INVALID_ARGUMENT);
     REQUIRE(std::string(welkin_last_error()).find(word) != std::string::npos);
     REQUIRE(clamped == 99);
-  };
-  auto target = sound;
-  target.size = 4;
-  refused(target, "texels");
-  target.size = 0;
-  refused(target, "size");
-  target.size = 1 << 20;
-  refused(target, "size");
-  target = sound;
-  target.format = WELKIN_FORMAT_RGBA_U8;
-  refused(target, "format");
-  target.format = 10;
-  refused(target, "format");
-  target.format = -1;
-  refused(target, "format");
-  target = sound;
-  target.row_stride_bytes = 8 * 16 - 4;
-  refused(target, "row_stride_bytes");
-  target.row_stride_bytes = -(8 * 16 - 4);
-  refused(target, "row_stride_bytes");
-  target.row_stride_bytes = 8 * 16 + 2;
-  refused(target, "row_stride_bytes");
-  target.row_stride_bytes = std::numeric_limits<std::int64_t>::min();
-  refused(target, "row_stride_bytes");
-  target = sound;
-  target.faces[3] = nullptr;
-  refused(target, "null");
-  target = sound;
-  target.width = 8;
-  refused(target, "width");
-  target.size = 0;
-  target.height = 8;
-  refused(target, "flat");
-  target = sound;
-  target.faces[3] = reinterpret_cast<std::byte*>(block.data()) + 2;
-  refused(target, "aligned");
-  target = sound;
-  target.struct_size = 8;  // it ends before the faces
-  refused(target, "size");
-  target.struct_size = 12;
-  refused(target, "struct_size");
+  }
   for (const float value : block) REQUIRE(value == 7.0F);
   REQUIRE(welkin_chain_copy(chain, 0, &sound, nullptr) == WELKIN_OK);
   REQUIRE(block.back() == 1.0F);
@@ -173,13 +154,7 @@ namespace {
 /// A chain in memory, with targets for either interface.
 struct BothTargets {
   BothTargets(int size, int levels) : layout{.size = size, .levels = levels, .row_alignment_bytes = 256} {
-    for (const CubemapTarget& target : cpp) {
-      auto& same = c.emplace_back(c_struct<welkin_target>());
-      same.format = WELKIN_FORMAT_RGBA_F16;
-      same.row_stride_bytes = target.row_stride_bytes;
-      same.size = target.size;
-      std::copy(target.faces.begin(), target.faces.end(), same.faces);
-    }
+    for (const CubemapTarget& target : cpp) c.push_back(c_target(target, WELKIN_FORMAT_RGBA_F16));
   }
 
   UploadLayout layout;

@@ -1,9 +1,9 @@
-# cmake -D part=PART -D compiler=CXX -D c_compiler=C -D include=FOLDER -D folders=FOLDER... -D work=FOLDER
-#       -P compile.cmake
+# cmake -D part=PART -D compiler=CXX -D c_compiler=C -D include=FOLDER -D folders=FOLDER... -D xyzw_only=BOOL
+#       -D work=FOLDER -P compile.cmake
 #
 # Looks at the public headers with a compiler, which makes no code. "with GLM's macros": all of them with GLM's common macros,
-# in two sets, because XYZW_ONLY and SWIZZLE exclude each other. (GLM 0.9.9.8, Debian's, compiles with all of these by
-# itself, with GCC 12 and clang 14; so none is left out.) "as C": welkin.h as C.
+# in two sets, because XYZW_ONLY and SWIZZLE exclude each other; the former where xyzw_only is on. (GLM 0.9.9.8, Debian's,
+# compiles with all of these by itself, with GCC 12 and clang 14; so none is left out.) "as C": welkin.h as C.
 cmake_minimum_required(VERSION 3.22)
 
 set(strict -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I${include})
@@ -34,7 +34,9 @@ if(part STREQUAL "with GLM's macros")
     string(APPEND several "#define GLM_FORCE_${macro}\n")
   endforeach()
   check(several.cpp "${several}${all}" ${cpp})
-  check(xyzw_only.cpp "#define GLM_FORCE_XYZW_ONLY\n${all}" ${cpp})
+  if(xyzw_only)
+    check(xyzw_only.cpp "#define GLM_FORCE_XYZW_ONLY\n${all}" ${cpp})
+  endif()
 elseif(part STREQUAL "as C")
   foreach(standard IN ITEMS c99 c11)
     check(${standard}.c "#include <welkin/welkin.h>" ${c_compiler} -std=${standard} ${strict})

@@ -46,7 +46,9 @@ class KeptInstructionSet {
 /// Computes the result in the other ways that must give the same bits, and fails by name where one does not.
 void check_everywhere(const std::string& full_name, const NamedResult& result, const std::string& expected) {
   const std::vector<InstructionSet> sets = available_instruction_sets();
-  const std::pair<InstructionSet, int> ways[] = {{sets.front(), 1}, {sets.back(), 2}, {sets.back(), 5}};
+  std::vector<std::pair<InstructionSet, int>> ways{{sets.front(), 1}, {sets.back(), 5}};
+  // With memory filled with NaN what counts is who reads it: no more with 2 threads than with all and with 5.
+  if (std::getenv("WELKIN_TEST_FILL_MEMORY") == nullptr) ways.emplace_back(sets.back(), 2);
   const KeptInstructionSet kept;
   for (const auto& [set, threads] : ways) {
     force_instruction_set(set);

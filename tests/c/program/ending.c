@@ -9,11 +9,7 @@ static void terminating_with_jobs_in_flight(void) {
   welkin_worker* worker = make_worker();
   welkin_environment cubemap = uniform_cubemap(256, 1.0F, 1.0F, 1.0F);
   counter released = {0}, completed = {0};
-  const welkin_post_options post = {.struct_size = sizeof post,
-                                    .release = count_up,
-                                    .release_user = &released,
-                                    .completed = count_completed,
-                                    .completed_user = &completed};
+  const welkin_post_options post = counting(&released, &completed);
   welkin_job* jobs[jobs_in_flight];
   for (int i = 0; i < jobs_in_flight; ++i) {
     CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, &post, &jobs[i]));
@@ -48,11 +44,7 @@ static void destroying_without_draining(void) {
   welkin_worker* worker = make_worker();
   gate closed = {0, 0};
   counter released = {0}, completed = {0};
-  const welkin_post_options post = {.struct_size = sizeof post,
-                                    .release = count_up,
-                                    .release_user = &released,
-                                    .completed = count_completed,
-                                    .completed_user = &completed};
+  const welkin_post_options post = counting(&released, &completed);
   welkin_job *running = NULL, *waiting = NULL;
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, &post, &running));
   wait_until_entered(&closed);

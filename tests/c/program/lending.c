@@ -66,11 +66,7 @@ void lending(void) {
 
   welkin_environment cubemap = uniform_cubemap(32, 1.0F, 1.0F, 1.0F);
   counter released = {0}, completed = {0};
-  const welkin_post_options post = {.struct_size = sizeof post,
-                                    .release = count_up,
-                                    .release_user = &released,
-                                    .completed = count_completed,
-                                    .completed_user = &completed};
+  const welkin_post_options post = counting(&released, &completed);
   welkin_job* last = NULL;
   for (int i = 0; i < jobs; ++i) {
     welkin_job_release(last);

@@ -11,12 +11,6 @@ static void refused(welkin_status status, const char* word, int line) {
 }
 #define REFUSED(word, call) refused((call), (word), __LINE__)
 
-static welkin_status do_nothing(void* user, const welkin_control* control) {
-  (void)user;
-  (void)control;
-  return WELKIN_OK;
-}
-
 static void null_pointers(void) {
   welkin_environment cubemap = uniform_cubemap(2, 1.0F, 1.0F, 1.0F);
   welkin_projection light = {.struct_size = sizeof light};

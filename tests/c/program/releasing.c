@@ -3,12 +3,6 @@
 
 #include "support.h"
 
-static welkin_status do_nothing(void* user, const welkin_control* control) {
-  (void)user;
-  (void)control;
-  return WELKIN_OK;
-}
-
 /* Several counters: one a case. A job's release may come shortly after it is ready; a worker's end waits for it. */
 static counter released[16];
 

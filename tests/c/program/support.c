@@ -71,6 +71,21 @@ int counted(const counter* its_counter) {
   return value;
 }
 
+welkin_post_options counting(counter* released, counter* completed) {
+  const welkin_post_options post = {.struct_size = sizeof post,
+                                    .release = count_up,
+                                    .release_user = released,
+                                    .completed = count_completed,
+                                    .completed_user = completed};
+  return post;
+}
+
+welkin_status do_nothing(void* user, const welkin_control* control) {
+  (void)user;
+  (void)control;
+  return WELKIN_OK;
+}
+
 static int flag_of(const int* flag) {
   pthread_mutex_lock(&mutex);
   const int value = *flag;

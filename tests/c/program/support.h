@@ -24,6 +24,9 @@ typedef struct counter {
 void count_up(void* its_counter);
 void count_completed(welkin_job* job, void* its_counter);
 int counted(const counter* its_counter);
+welkin_post_options counting(counter* released, counter* completed);
+
+welkin_status do_nothing(void* user, const welkin_control* control);
 
 /* A function to post: waits until the gate is opened or the job is given up. */
 typedef struct gate {
