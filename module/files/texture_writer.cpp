@@ -222,10 +222,10 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
                              const Control& control) {
   const platform::FloatingPointScope floating_point;
   check_map(output.path(), map);
-  files::check_options(output.path(), files::container_of(output.path()), options);
-  const std::string extension = platform::utf8(output.path().extension());
-  if (extension == ".exr" || extension == ".EXR") return write_pictures(output, map, options, control);
-  if (extension == ".dds" || extension == ".DDS") {
+  const files::Container& container = files::container_of(output.path());
+  files::check_options(output.path(), container, options);
+  if (container.write == files::write_exr_cube) return write_pictures(output, map, options, control);
+  if (container.write != files::write_ktx2) {
     throw platform::file_error(ErrorCode::invalid_argument, output.path(),
                                "is not written as an octahedral map; use .ktx2 or .exr");
   }

@@ -43,7 +43,7 @@ std::atomic<const char*> called{"no public function"};
 void trap(int /*signal*/) {
   const char* const name = called.load();
   for (const char* const text : {"a floating-point operation ran with the caller's environment in ", name, "\n"}) {
-    static_cast<void>(!write(STDERR_FILENO, text, std::strlen(text)));
+    static_cast<void>(!write(STDERR_FILENO, text, static_cast<unsigned>(std::strlen(text))));
   }
   _exit(1);
 }

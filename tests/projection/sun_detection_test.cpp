@@ -3,6 +3,7 @@
 
 #include "image/geometry.h"
 #include "places.h"
+#include "platform/text.h"
 #include "support/catch.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
@@ -483,7 +484,7 @@ TEST_CASE("The table of suns in docs/notes/measurements.md", "[.sun-table]") {
         image = halved(image);
       }
     } catch (const Error& error) {
-      std::printf("| %s | %s |\n", file.stem().c_str(), error.what());
+      std::printf("| %s | %s |\n", platform::utf8(file.stem()).c_str(), error.what());
     }
   }
 }

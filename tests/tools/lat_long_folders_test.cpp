@@ -1,6 +1,7 @@
 // `welkin bake --for unity, unreal, blender, godot, usd`: the lat-long is the source's own, and nothing is baked that
 // no file of the folder holds.
 #include "places.h"
+#include "platform/text.h"
 #include "support/pictures.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -141,7 +142,7 @@ TEST_CASE("The table of sharpness in docs/notes/measurements.md", "[.sharpness]"
     const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
     if (!std::filesystem::exists(path)) continue;
     const Environment source = read_environment(path);
-    std::printf("| %s | %.4f |", path.stem().c_str(), sharpness(source.lat_long()));
+    std::printf("| %s | %.4f |", platform::utf8(path.stem()).c_str(), sharpness(source.lat_long()));
     for (const std::string& engine : engines()) {
       const auto out = scratch.path() / "out";
       bake_into(out, quoted(path) + " --no-previews --for " + engine);
