@@ -3,7 +3,7 @@
 //   scripts/engine-loop                                     # ten seconds of each, a table and a plot
 //   scripts/engine-loop --setup own-idle,own-normal,lent    # ways to set the worker up
 //
-// Worth reading for an engine of one's own: bakers.h. The rest is a stage for it: the engine's work (frame_work.h), its
+// Worth reading for your own engine: bakers.h. The rest is a stage for it: the engine's work (frame_work.h), its
 // requests (schedule.h), its frames (loop.h).
 #include <tbb/info.h>
 
