@@ -254,7 +254,7 @@ class HandedOver {
 template <class Double>
 [[nodiscard]] auto triples(Double* values, std::size_t count) noexcept {
   using Triple = std::conditional_t<std::is_const_v<Double>, const glm::dvec3, glm::dvec3>;
-  static_assert(sizeof(Triple) == 3 * sizeof(double) && alignof(Triple) == alignof(double));
+  static_assert(sizeof(Triple) == 3 * sizeof(double));
   return std::span<Triple>(reinterpret_cast<Triple*>(values), count);
 }
 /// The same. Throws `Error` (invalid_argument) for null.

@@ -229,8 +229,8 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
     throw platform::file_error(ErrorCode::invalid_argument, output.path(),
                                "is not written as an octahedral map; use .ktx2 or .exr");
   }
-  std::vector<std::vector<LatLongView>> levels;
-  for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) levels.push_back({map.view(level)});
+  std::vector<std::vector<LatLongView>> levels(map.levels.size());
+  for (std::size_t level = 0; level < levels.size(); ++level) levels[level] = {map.view(static_cast<int>(level))};
   TextureOptions with_border = options;
   with_border.metadata["welkin.octahedral_border"] = std::to_string(map.border);
   files::OutputFiles written;

@@ -18,6 +18,7 @@ constexpr std::size_t kMaxTiles = 1024;
 struct Scratch {
   explicit Scratch(std::size_t columns)
       : texels(columns),
+        spread(columns),
         values(columns),
         variances(columns),
         cut(columns),

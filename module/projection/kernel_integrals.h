@@ -66,6 +66,8 @@ struct TexelSpread {
   std::vector<double> length;  ///< of the mean direction
   std::vector<double> ax, ay, az;
   std::vector<double> bx, by, bz;
+
+  explicit TexelSpread(std::size_t columns);
 };
 
 /// Points of Gauss rules on a row's texels, `count` of each, texel after texel.

@@ -173,13 +173,6 @@ void fill_points(const Mapping& mapping, int row, int columns, int order, TexelP
   }
 }
 
-void resize(TexelSpread& spread, std::size_t columns) {
-  for (std::vector<double>* const list :
-       {&spread.length, &spread.ax, &spread.ay, &spread.az, &spread.bx, &spread.by, &spread.bz}) {
-    list->resize(columns);
-  }
-}
-
 /// The horizon in longitude and latitude. With h(longitude) = n.x sin + n.z cos = r cos(longitude - that of n), the
 /// cosine is n.y sin(latitude) + h cos(latitude): at each longitude the horizon is crossed once, where tan(latitude) =
 /// -h / n.y.
@@ -334,7 +327,6 @@ class LatLongTexels final : public TexelIntegrals {
   /// variances are the means of their squares, dw = cos v du dv: of sin^2(u - u0) over u0 +- a (1 - sin 2a / 2a) / 2,
   /// and over v by a Gauss rule, since a row next to a pole is a triangle.
   void fill(int row, const TexelRow& texels, TexelSpread& spread) const override {
-    resize(spread, longitudes_.size());
     const double width = 2.0 * kPi / width_;  // 2a
     const math::GaussRule rule = math::gauss_legendre(4);
     const double sine = texels.y.front();
@@ -546,7 +538,6 @@ class CubemapTexels final : public TexelIntegrals {
   /// d = (u, v, 1) / r gives dd/du = (U - d (d.U)) / r, U the axis along u, and the same with v. Over +-h about the
   /// middle u has the variance h^2 / 3, and so has v. 1 / r is d.normal.
   void fill(int row, const TexelRow& texels, TexelSpread& spread) const override {
-    resize(spread, static_cast<std::size_t>(size_));
     const image::Frame& frame = image::face_frame(row / size_);
     const double scale = 1.0 / (size_ * std::numbers::sqrt3);
     for (std::size_t i = 0; i < spread.length.size(); ++i) {
@@ -603,6 +594,9 @@ class CubemapTexels final : public TexelIntegrals {
 }  // namespace
 
 TexelRow::TexelRow(std::size_t columns) : x(columns), y(columns), z(columns), solid_angle(columns), moment(columns) {}
+
+TexelSpread::TexelSpread(std::size_t columns)
+    : length(columns), ax(columns), ay(columns), az(columns), bx(columns), by(columns), bz(columns) {}
 
 std::unique_ptr<TexelIntegrals> texels_of_lat_long(int width, int height) {
   return std::make_unique<LatLongTexels>(width, height);
