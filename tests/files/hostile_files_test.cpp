@@ -141,10 +141,10 @@ std::vector<char> env_bytes() {
 }
 
 std::vector<SoundFile> sound_textures() {
-  return {texture("sky.ktx2", 320, {}),
-          texture("zlib.ktx2", 420, {TexelFormat::b10g11r11, Supercompression::zlib, {{"key", "value"}}}),
-          texture("zstd.ktx2", 420, {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
-          texture("sky.dds", 160, {}),
+  return {texture("sky.ktx2", 500, {}),
+          texture("zlib.ktx2", 500, {TexelFormat::b10g11r11, Supercompression::zlib, {{"key", "value"}}}),
+          texture("zstd.ktx2", 500, {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
+          texture("sky.dds", 500, {}),
           env_of("sky.env", env_bytes()),
           env_of("webp.env", with_webp_pictures(env_bytes()))};
 }

@@ -150,7 +150,7 @@ TEST_CASE("files run out of memory cleanly", "[worker][slow]") {
     if (kAddressSanitized && std::string(extension) == ".exr") continue;
     const auto path = directory.file(std::string("sky") + extension);
     write_environment(path, make_lat_long(Content::smooth, 90, 45, 1).view());
-    // They open the file alike: each takes others of those allocations, every tenth.
+    // They open the file alike: each takes others of those allocations, every tenth (all by --all).
     fail_everywhere([&] { return ProjectFile{path}; }, project_file(path), {0, 10});
     fail_everywhere([&] { return ReadFile{path}; }, read_environment(path), {3, 10});
     fail_everywhere([&] { return MeasureFile{path}; }, measure_environment(path), {6, 10});
