@@ -115,8 +115,10 @@ TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular 
 
 TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest says so", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
+  const auto in = scratch.path() / "in.pfm";
+  write_pfm(in, 32, 16, some_pixels(32, 16));
   const std::string options =
-      "--sky --size 8 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
+      quoted(in) + " --size 8 --irradiance 6 --no-brdf --no-previews --formats ktx2 --ktx2-format rgba32f ";
   const auto said = [&](const std::string& more) {
     return bake_into(scratch.path() / "out", options + more).at("options");
   };
@@ -144,8 +146,11 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
 
 TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a formula", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
+  const auto in = scratch.path() / "in.pfm";
+  write_pfm(in, 128, 64, some_pixels(128, 64));
   const auto manifest = [&](const std::string& more) {
-    return bake_into(scratch.path() / "out", "--sky --size 32 --mips 4 --irradiance 4 --no-brdf --no-previews " + more);
+    return bake_into(scratch.path() / "out",
+                     quoted(in) + " --size 32 --mips 4 --irradiance 4 --no-brdf --no-previews " + more);
   };
   const auto of_mips = [](const nlohmann::json& said, const char* what) {
     std::vector<double> numbers;
