@@ -47,8 +47,8 @@ glm::dvec3 with_z(const glm::dvec2& xy) noexcept { return {xy.x, xy.y, 1.0 - xy.
 
 // Coordinates of no colour, real or made up, are that large.
 bool is_sound(const glm::dvec2& xy) noexcept {
-  constexpr double kLargest = 100.0;
-  return std::abs(xy.x) <= kLargest && std::abs(xy.y) <= kLargest;  // false for NaN
+  constexpr double kLargestCoordinate = 100.0;
+  return std::abs(xy.x) <= kLargestCoordinate && std::abs(xy.y) <= kLargestCoordinate;  // false for NaN
 }
 
 // The matrix that takes `from` to `to` by scaling the three Bradford responses.
