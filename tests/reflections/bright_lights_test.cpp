@@ -112,7 +112,7 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
         return reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
       };
       for (const int size : {16, 64, 201}) {
-        const Off off = off_of(texels, shape, lights, {ggx}, lobe, size, size < 64 ? 3 : (size < 200 ? 29 : 401),
+        const Off off = off_of(texels, shape, lights, {ggx}, lobe, size, size < 64 ? 7 : (size < 200 ? 61 : 809),
                                size < 200 ? 1e-3 : 1e-2);
         CAPTURE(shape.cubemap, alpha, size);
         CHECK(off.rms < (size == 201 ? 7e-4 : 5e-4));

@@ -175,7 +175,7 @@ TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
 
 TEST_CASE("Narrow lobes keep the bounds beside lamps a million times as bright",
           "[specular][prefilter][narrow][truth]") {
-  check_bounds(studio(512).view(), {0.01, 0.048, 0.0548}, 32, 13);
+  check_bounds(studio(512).view(), {0.01, 0.048, 0.0548}, 32, 37);
 }
 
 TEST_CASE("Narrow lobes keep the bounds near the poles and where texels are not square",
@@ -286,7 +286,7 @@ TEST_CASE("Small mips beside a lamp in the dark keep the bounds, and say what th
       for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * 257 + column) + c)] = 1e6F;
     }
   }
-  check_bounds(image.view(), {0.02, 0.05}, 16, 1);
+  check_bounds(image.view(), {0.02, 0.05}, 16, 5);
   for (const int size : some_of(2, {7, 3})) {
     check_bounds(lit_pole(100).view(), {0.02, 0.05}, size, 1);
     check_bounds(lit_pole(256).view(), {0.02}, size, 1);
