@@ -22,13 +22,6 @@ constexpr double kWorth = 0.0005;
 constexpr int kReach = 3;
 constexpr int kChoices = 2 * kReach + 1;
 
-/// The texels that a block should hold.
-struct Wanted {
-  std::array<float, 48> values;         ///< clamped to what halves hold
-  std::array<std::int32_t, 48> halves;  ///< as numbers, negative ones negative
-  std::array<bool, kBlockTexels> inside;
-};
-
 std::int32_t number_of(std::uint16_t half) noexcept { return (half & 0x8000) != 0 ? -(half & 0x7FFF) : half; }
 
 /// Errors of one channel of a block.
@@ -46,16 +39,16 @@ struct Candidate {
 
 class Balancer {
  public:
-  Balancer(const std::vector<LatLongView>& pictures, bool is_signed, const std::vector<BlockLight>& lights,
-           double squares, std::uint8_t* blocks)
+  Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
       : pictures_(pictures),
-        total_(total_light(lights)),
-        brightest_(brightest_blocks(lights, total_)),
-        range_(is_signed ? Bc6hRange::signed_values : Bc6hRange::positive),
-        worth_(kWorth * squares / (kMeanTolerance * kMeanTolerance)),
-        blocks_(blocks),
-        across_(blocks_across(pictures.front().width)),
-        down_(blocks_across(pictures.front().height)) {}
+        format_(format),
+        total_(total_light(level.lights)),
+        brightest_(brightest_blocks(level.lights, total_)),
+        range_(format.is_signed ? Bc6hRange::signed_values : Bc6hRange::positive),
+        worth_(kWorth * level.squares / (kMeanTolerance * kMeanTolerance)),
+        blocks_(level.blocks.data()) {}
+
+  /// Returns by how much the level's sum of squared errors grows.
 
   double run() {
     for (const auto& [share, block] : brightest_) {
@@ -81,24 +74,8 @@ class Balancer {
   [[nodiscard]] std::uint8_t* bytes_of(std::size_t block) const { return blocks_ + kBlockBytes * block; }
 
   void read(std::size_t block) {
-    const auto number = static_cast<int>(block);
-    const LatLongView& view = pictures_[static_cast<std::size_t>(number / (across_ * down_))];
-    const int top = number / across_ % down_ * kBlockEdge;
-    const int left = number % across_ * kBlockEdge;
-    for (int row = 0; row < kBlockEdge; ++row) {
-      read_block_row(view, std::min(top + row, view.height - 1), left,
-                     wanted_.values.data() + std::ptrdiff_t{12} * row);
-    }
-    for (std::size_t k = 0; k < kBlockTexels; ++k) {
-      const auto place = static_cast<int>(k);
-      wanted_.inside[k] = top + place / kBlockEdge < view.height && left + place % kBlockEdge < view.width;
-    }
-    const float least = range_ == Bc6hRange::signed_values ? -kLargestHalf : 0.0F;
-    for (std::size_t k = 0; k < wanted_.values.size(); ++k) {
-      float& value = wanted_.values[k];
-      value = value >= least ? std::min(value, kLargestHalf) : value < least ? least : 0.0F;
-      wanted_.halves[k] = number_of(half_from_float(value));
-    }
+    wanted_ = block_texels(pictures_, block, format_.least());
+    for (std::size_t k = 0; k < halves_.size(); ++k) halves_[k] = number_of(half_from_float(wanted_.values[k]));
   }
 
   /// The channels of the block that was read last.
@@ -108,7 +85,7 @@ class Balancer {
     std::array<ChannelError, 3> errors;
     for (std::size_t k = 0; k < halves.size(); ++k) {
       if (!wanted_.inside[k / 3]) continue;
-      const double off = number_of(halves[k]) - wanted_.halves[k];
+      const double off = number_of(halves[k]) - halves_[k];
       errors[k % 3].squares += off * off;
       errors[k % 3].light += static_cast<double>(float_from_half(halves[k])) - static_cast<double>(wanted_.values[k]);
     }
@@ -131,7 +108,7 @@ class Balancer {
       if ((second >> k & 1U) != line || !wanted_.inside[k]) continue;
       const auto at = static_cast<std::size_t>(trials_.texels++);
       trials_.along[at] = static_cast<float>(bc6h_weight(fields.indices[k], fields.mode)) / 64.0F;
-      trials_.wanted[at] = static_cast<float>(wanted_.halves[3 * k + c]);
+      trials_.wanted[at] = static_cast<float>(halves_[3 * k + c]);
       light += static_cast<double>(wanted_.values[3 * k + c]);
     }
     return light;
@@ -141,7 +118,7 @@ class Balancer {
     return static_cast<float>(bc6h_end(number, mode, range_));
   }
 
-  void try_ends() { bc6h_kernels().try_ends(trials_, range_ == Bc6hRange::signed_values); }
+  void try_ends() { bc6h_kernels().try_ends(trials_, format_.is_signed); }
 
   [[nodiscard]] ChannelError tried(int lane, double wanted_light) const {
     return {static_cast<double>(trials_.squares[lane]), static_cast<double>(trials_.light[lane]) - wanted_light};
@@ -211,18 +188,13 @@ class Balancer {
 
   /// The block as the kernels encode it, with one line and with two.
   [[nodiscard]] std::array<Bc6hFields, 2> encoded() {
-    std::array<const float*, std::size_t{4} * simd::kLanes> rows{};
-    for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = wanted_.values.data() + 12 * (k % 4);
     const Bc6hKernels& kernels = bc6h_kernels();
-    const bool is_signed = range_ == Bc6hRange::signed_values;
-    kernels.load(rows.data(), group_);
-    for (std::size_t k = 0; k < kBlockTexels; ++k)
-      std::fill_n(group_.weights[k], simd::kLanes, wanted_.inside[k] ? 1.0F : kPaddingWeight);
+    fill_group(wanted_, group_);
     std::array<std::int32_t, simd::kLanes> clamped{};
     alignas(64) float light[3][simd::kLanes];
-    kernels.prepare(group_, is_signed, clamped.data(), light);
-    kernels.single_lines(group_, is_signed, true, single_);
-    kernels.two_lines(group_, is_signed, 1, pair_);
+    kernels.prepare(group_, format_.is_signed, clamped.data(), light);
+    kernels.single_lines(group_, format_.is_signed, true, single_);
+    kernels.two_lines(group_, format_.is_signed, 1, pair_);
     return {unpack_bc6h(block_of(single_, 0).data()), fields_of(pair_, 0)};
   }
 
@@ -254,15 +226,15 @@ class Balancer {
   }
 
   const std::vector<LatLongView>& pictures_;
+  const BlockFormat& format_;
   ChannelSums total_;
   std::vector<BlockShare> brightest_;
   Bc6hRange range_;
   double worth_;
   std::uint8_t* blocks_;
-  int across_;
-  int down_;
-  ChannelSums off_{};  ///< what the level has too much of
-  Wanted wanted_{};
+  ChannelSums off_{};                                    ///< what the level has too much of
+  BlockTexels wanted_{};                                 ///< that the block should hold which was read last
+  std::array<std::int32_t, 3 * kBlockTexels> halves_{};  ///< of those, as numbers, negative ones negative
   BlockGroup group_{};
   EncodedBlocks single_{};
   TwoLineBlocks pair_{};
@@ -288,18 +260,8 @@ Bc6hFields fields_of(const TwoLineBlocks& pair, std::size_t lane) noexcept {
   return fields;
 }
 
-void read_block_row(const LatLongView& view, int row, int column, float* rgb) noexcept {
-  const int columns = std::min(kBlockEdge, view.width - column);
-  const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view.format));
-  decode_texels(view.format, static_cast<const std::byte*>(row_of(view, row)) + column * texel, columns, rgb);
-  for (int k = columns; k < kBlockEdge; ++k) {
-    std::copy_n(rgb + std::ptrdiff_t{3} * (columns - 1), 3, rgb + std::ptrdiff_t{3} * k);
-  }
-}
-
-double balance_bc6h(const std::vector<LatLongView>& pictures, bool is_signed, const std::vector<BlockLight>& lights,
-                    double squares, std::uint8_t* blocks) {
-  return Balancer(pictures, is_signed, lights, squares, blocks).run();
+void balance_bc6h(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level) {
+  level.squares += Balancer(pictures, format, level).run();
 }
 
 }  // namespace welkin::image

@@ -93,15 +93,8 @@ namespace image {
 
 Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
                                        const Control& control) {
-  const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines};
-  EncodedLevels encoded = encode_pictures(levels, format, jobs::part_of(control, 0.0, 0.98));
-  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
-  jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
-                  [&](std::size_t level, std::size_t /*worker*/) {
-                    EncodedLevels::Level& here = encoded.levels[level];
-                    here.squares +=
-                        balance_bc6h(levels[level], options.is_signed, here.lights, here.squares, here.blocks.data());
-                  });
+  const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines, balance_bc6h};
+  EncodedLevels encoded = encode_pictures(levels, format, control);
   Bc6hPictureLevels result{{}, encoded.values_clamped};
   for (std::size_t level = 0; level < levels.size(); ++level) {
     EncodedLevels::Level& here = encoded.levels[level];

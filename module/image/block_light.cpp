@@ -33,4 +33,10 @@ double excess_of_mean(double off, double total) noexcept {
   return total > 0.0 ? std::max(0.0, std::abs(off) / total - kMeanTolerance) : 0.0;
 }
 
+double excess_of_means(const ChannelSums& off, const ChannelSums& total) noexcept {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) sum += excess_of_mean(off[c], total[c]);
+  return sum;
+}
+
 }  // namespace welkin::image

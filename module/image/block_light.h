@@ -35,5 +35,12 @@ inline constexpr double kMeanTolerance = 0.002;
 /// Returns by how much the relative error of a channel's mean exceeds the tolerance: its sum of values is off by `off`,
 /// of `total`.
 [[nodiscard]] double excess_of_mean(double off, double total) noexcept;
+/// Returns the sum of that over the channels.
+[[nodiscard]] double excess_of_means(const ChannelSums& off, const ChannelSums& total) noexcept;
+
+/// a + sign b
+[[nodiscard]] inline ChannelSums sum(const ChannelSums& a, const ChannelSums& b, double sign = 1.0) noexcept {
+  return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
+}
 
 }  // namespace welkin::image

@@ -11,6 +11,7 @@
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
 #include "image/block_light.h"
+#include "image/pixels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -36,19 +37,6 @@ inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_
   return block;
 }
 
-/// A format, and how its blocks are encoded.
-struct BlockFormat {
-  Bc6hEffort effort;
-  bool is_signed;
-  /// One line for each block. Called with what `PrepareBlocks` makes; may change the values of the group.
-  void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
-  /// Two lines, for blocks that one was not enough for: the group as the function above left it.
-  void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
-
-  /// How many partitions of a block are encoded.
-  [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
-};
-
 /// Levels in blocks, and what was measured on the way.
 struct EncodedLevels {
   struct Level {
@@ -60,10 +48,42 @@ struct EncodedLevels {
   std::uint64_t values_clamped = 0;
 };
 
-/// Encodes the pictures of each level, which have the same size within a level. Throws `Error`: invalid_argument (the
-/// effort), cancelled; `std::bad_alloc`.
+/// A format, and how its blocks are encoded.
+struct BlockFormat {
+  Bc6hEffort effort;
+  bool is_signed;
+  /// One line for each block. Called with what `PrepareBlocks` makes; may change the values of the group.
+  void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
+  /// Two lines, for blocks that one was not enough for: the group as the function above left it.
+  void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
+  /// Changes a level's brightest blocks to keep each channel's mean (block_light.h), once all are encoded.
+  void (*balance)(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level);
+
+  /// How many partitions of a block are encoded.
+  [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
+  /// What blocks hold.
+  [[nodiscard]] float least() const noexcept { return is_signed ? -kLargestHalf : 0.0F; }
+};
+
+/// Encodes the pictures of each level, which have the same size within a level, and balances them. Throws `Error`:
+/// invalid_argument (the effort), cancelled; `std::bad_alloc`.
 [[nodiscard]] EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
                                             const Control& control);
+
+/// The weight of texels beyond a picture's edge.
+inline constexpr float kPaddingWeight = 1.0F / 1024.0F;
+
+/// A block's texels as halves hold them, from `least` on; those beyond its picture's edge repeat the last ones.
+struct BlockTexels {
+  std::array<float, 3 * kBlockTexels> values;
+  std::array<bool, kBlockTexels> inside;
+};
+/// `block`: counted over all pictures of a level.
+[[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block,
+                                       float least) noexcept;
+
+/// The same texels in all lanes, with those weights that are given to `PrepareBlocks`.
+void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept;
 
 /// A cubemap's faces, each as a picture.
 [[nodiscard]] std::vector<LatLongView> pictures_of(const CubemapView& view);
