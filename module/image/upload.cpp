@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -89,6 +90,11 @@ float power_of_two(int exponent) noexcept {
 }
 
 }  // namespace
+
+std::uint16_t half_from_float(float value) noexcept {
+  const std::uint32_t sign = platform::bit_cast<std::uint32_t>(value) >> 16U & 0x8000U;
+  return static_cast<std::uint16_t>(sign | small_float(std::min(std::abs(value), kLargestHalf), kHalfMantissaBits));
+}
 
 std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept {
   return small_float(rgb[0], 6) | small_float(rgb[1], 6) << 11U | small_float(rgb[2], 5) << 22U;
