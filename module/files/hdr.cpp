@@ -69,12 +69,10 @@ class ColumnReader final : public RowReader {
 
 class HdrSource final : public RowSource {
  public:
-  HdrSource(EnvironmentInfo info, const FileInput& input, const HdrHeader& header, const HdrTexels& texels,
-            std::uint64_t memory_limit_bytes)
+  HdrSource(EnvironmentInfo info, const FileInput& input, const HdrHeader& header, const HdrTexels& texels)
       : RowSource(std::move(info), input),
         header_(header),
         texels_(texels),
-        memory_limit_bytes_(memory_limit_bytes),
         index_(input, header.scanline_length(), header.scanlines(), header.first_byte),
         columns_(input, header) {}
 
@@ -93,22 +91,13 @@ class HdrSource final : public RowSource {
   }
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    if (!header_.columns) {
-      return std::make_unique<ScanlineReader>(input(), header_, texels_, index_);
-    }
-    if (reader_bytes() > memory_limit_bytes_) {
-      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "its scanlines are columns, so it must be decoded whole, which takes " +
-                                     std::to_string(reader_bytes()) + " bytes, above the limit of " +
-                                     std::to_string(memory_limit_bytes_) + "; raise the limit, or save it as -Y +X");
-    }
+    if (!header_.columns) return std::make_unique<ScanlineReader>(input(), header_, texels_, index_);
     return std::make_unique<ColumnReader>(header_.width, texels_, columns_);
   }
 
  private:
   HdrHeader header_;
   HdrTexels texels_;
-  std::uint64_t memory_limit_bytes_;
   // What readers share. Both lock for themselves.
   mutable HdrScanlineIndex index_;
   mutable HdrColumns columns_;
@@ -165,7 +154,7 @@ std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions&
   add_channels(info, header.xyz ? "XYZ" : "RGB", header.xyz ? ChannelType::xyze : ChannelType::rgbe);
   const HdrTexels texels(header.divisor, matrix_of(header, options.primaries, info));
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels, options.memory_limit_bytes);
+  return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels);
 }
 
 namespace {
