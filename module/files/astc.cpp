@@ -125,13 +125,6 @@ std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels, int
   return tiles;
 }
 
-/// NaN becomes 0.
-float held(float value, std::uint64_t& clamped) {
-  if (value >= 0.0F && value <= image::kLargestHalf) return value;
-  ++clamped;
-  return value > image::kLargestHalf ? image::kLargestHalf : 0.0F;
-}
-
 /// The texels of some blocks.
 struct Area {
   int left, top, width, height;
@@ -154,7 +147,9 @@ std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& pict
                                static_cast<std::ptrdiff_t>(bytes_per_texel(view.format)) * left;
     image::decode_texels(view.format, texels, width, rgb.data());
     for (std::size_t k = 0; k < rgb.size(); k += 3, rgba += 4) {
-      for (std::size_t channel = 0; channel < 3; ++channel) rgba[channel] = held(rgb[k + channel], clamped);
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        rgba[channel] = image::bounded(rgb[k + channel], image::kLargestHalf, clamped);
+      }
       rgba[3] = 1.0F;
     }
   }

@@ -12,6 +12,7 @@
 #include "files/layout.h"
 #include "files/primaries.h"
 #include "files/write_environment.h"
+#include "image/pixels.h"
 
 namespace welkin::files {
 namespace {
@@ -170,18 +171,12 @@ using Rgbe = std::array<std::uint8_t, 4>;
 /// The largest value: mantissa 255 at the largest exponent.
 constexpr float kLargest = 0xFFp119F;
 
-float held(float value, std::uint64_t& clamped) {
-  if (value >= 0.0F && value <= kLargest) return value;
-  ++clamped;
-  return value > 0.0F ? kLargest : 0.0F;  // NaN: 0
-}
-
 /// Mantissas of 8 bits with a common exponent, value = mantissa 2^(exponent - 136) (Ward, "Real Pixels", Graphics Gems
 /// II). Radiance itself cuts mantissas off and puts half a step back when it reads; most other readers do not put it
 /// back, so mantissas are rounded to the nearest here, which is off by half a step at most for them.
 Rgbe encode(const float* rgb, std::uint64_t& clamped) {
   std::array<float, 3> values{};
-  for (std::size_t c = 0; c < 3; ++c) values[c] = held(rgb[c], clamped);
+  for (std::size_t c = 0; c < 3; ++c) values[c] = image::bounded(rgb[c], kLargest, clamped);
   const float largest = *std::max_element(values.begin(), values.end());
   int exponent = 0;
   std::frexp(largest, &exponent);  // largest = f 2^exponent, f in [0.5, 1)

@@ -62,6 +62,13 @@ inline constexpr float kLargestFloat11 = 65024.0F;      ///< 6 bits of mantissa
 inline constexpr float kLargestFloat10 = 64512.0F;      ///< 5 bits of mantissa
 inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
 
+/// `value` if it is from 0 to `largest`; else the nearer of these, and 0 for NaN, and one more is counted.
+[[nodiscard]] inline float bounded(float value, float largest, std::uint64_t& clamped) noexcept {
+  if (value >= 0.0F && value <= largest) return value;
+  ++clamped;
+  return value > largest ? largest : 0.0F;
+}
+
 /// VK_FORMAT_B10G11R11_UFLOAT_PACK32: red in bits 0 to 10, green 11 to 21, blue 22 to 31, ties to even.
 /// Finite values from 0 to the largest of each.
 [[nodiscard]] std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept;
