@@ -9,7 +9,7 @@
 #include <new>
 #include <string>
 
-#include "image/block_light.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"

@@ -10,7 +10,6 @@
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
-#include "image/block_light.h"
 #include "image/pixels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -37,6 +36,45 @@ inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_
   return block;
 }
 
+// The light of blocks of texels: which of a level's have so much that their errors show in its mean.
+//
+// The error of a channel's mean over a level comes from few blocks: if a sun lies in two of them, one step of an end, 3
+// % of a value in BC6H, is 1 % of all light. The errors of all other blocks cancel.
+
+/// A block's sums of the magnitudes of its values, by channels.
+using BlockLight = std::array<float, 3>;
+using ChannelSums = std::array<double, 3>;
+
+[[nodiscard]] ChannelSums total_light(std::span<const BlockLight> lights) noexcept;
+
+/// A block and its share of a level's light, in the channel in which that share is largest.
+struct BlockShare {
+  double share;
+  std::size_t block;
+};
+
+/// The share from which on a block is tried several times.
+inline constexpr double kLargeShare = 0.15;
+
+/// The relative error of a mean below which nothing is changed.
+inline constexpr double kMeanTolerance = 0.002;
+
+/// Returns the blocks with a hundredth or more of the light, in descending order.
+[[nodiscard]] std::vector<BlockShare> brightest_blocks(std::span<const BlockLight> lights, const ChannelSums& total);
+
+/// Returns by how much the relative error of a channel's mean exceeds the tolerance: its sum of values is off by `off`,
+/// of `total`.
+[[nodiscard]] double excess_of_mean(double off, double total) noexcept;
+/// Returns the sum of that over the channels.
+[[nodiscard]] double excess_of_means(const ChannelSums& off, const ChannelSums& total) noexcept;
+
+/// a + sign b
+[[nodiscard]] inline ChannelSums sum(const ChannelSums& a, const ChannelSums& b, double sign = 1.0) noexcept {
+  return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
+}
+
+// How pictures are encoded.
+
 /// Levels in blocks, and what was measured on the way.
 struct EncodedLevels {
   struct Level {
@@ -56,7 +94,7 @@ struct BlockFormat {
   void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
   /// Two lines, for blocks that one was not enough for: the group as the function above left it.
   void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
-  /// Changes a level's brightest blocks to keep each channel's mean (block_light.h), once all are encoded.
+  /// Changes a level's brightest blocks to keep each channel's mean, once all are encoded.
   void (*balance)(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level);
 
   /// How many partitions of a block are encoded.
@@ -69,6 +107,14 @@ struct BlockFormat {
 /// invalid_argument (the effort), cancelled; `std::bad_alloc`.
 [[nodiscard]] EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
                                             const Control& control);
+
+/// Encodes them in BC6H; as `encode_bc6h` otherwise.
+[[nodiscard]] EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels,
+                                                 const Bc6hOptions& options, const Control& control);
+
+/// Encodes them in blocks of `uastc_hdr.h`.
+[[nodiscard]] EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> levels,
+                                                      Bc6hEffort effort, const Control& control);
 
 /// The weight of texels beyond a picture's edge.
 inline constexpr float kPaddingWeight = 1.0F / 1024.0F;

@@ -54,6 +54,11 @@ void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
 /// Equal texels: exactly these halves ("void extent").
 void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept;
 
+/// Rows of a picture of blocks, of all of the format's 24 kinds and not only of those that are written here. `blocks`:
+/// the row of blocks that holds `first_row`, those below it follow. rgb: [rows][width][3]. A block that the format does
+/// not have gives NaN.
+void decode_uastc_hdr_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) noexcept;
+
 /// Returns the bits of the half that a logarithm of 16 bits stands for.
 [[nodiscard]] std::uint16_t half_of_logarithm(std::int32_t logarithm) noexcept;
 

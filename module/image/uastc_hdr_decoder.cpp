@@ -1,7 +1,5 @@
-// After "ASTC Compressed Texture Image Formats" of the Khronos Data Format Specification 1.3, whose headings are in
-// quotation marks below.
-#include "image/uastc_hdr_decoder.h"
-
+// Reads blocks of UASTC HDR, after "ASTC Compressed Texture Image Formats" of the Khronos Data Format
+// Specification 1.3, whose headings are in quotation marks below.
 #include <algorithm>
 #include <array>
 #include <cstddef>

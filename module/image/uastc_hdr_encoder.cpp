@@ -1,11 +1,11 @@
-#include "image/uastc_hdr_encoder.h"
-
+// UASTC HDR of pictures, the faces of cubemaps among them.
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "image/bc6h.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "image/uastc_hdr.h"
 #include "image/uastc_hdr_kernels.h"
@@ -154,7 +154,7 @@ void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to,
 
 /// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: 16 times at once, with
 /// their texels scaled by a little. Of those that leave the means better it takes the one of the least cost, the means'
-/// excess (block_light.h) and the squared error.
+/// excess and the squared error.
 class Balancer {
  public:
   Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
