@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "files/codecs.h"
-#include "files/env_manifest.h"
 #include "files/layout.h"
 #include "harmonics/babylon.h"
 #include "image/pixels.h"
