@@ -1,7 +1,6 @@
-// To the cube: each texel is a weighted mean of the lat-long's.
-#include "image/area_resampling.h"
-
+// Light moved from a lat-long's texels to a cube's, and back, by the area that they have in common.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -29,6 +28,8 @@ constexpr int kTileTexels = 16384;
 constexpr std::int64_t kInlineTexels = 8192;
 constexpr double kShareOfCopy = 0.2;
 constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
+
+// To the cube: each texel is a weighted mean of the lat-long's.
 
 /// Draws all images of a run of tiles.
 class CubeMeans final : public RunSink {
@@ -107,10 +108,9 @@ class CubeMeans final : public RunSink {
   float* patch_;
 };
 
-}  // namespace
-
-void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<float*, 6>& faces,
-                          const Control& control) {
+/// The first call for sizes costs a few times as much as those that follow, for which weights are kept
+/// (TileWeightTable).
+void fill_by_area(const LatLongView& source, int size, const std::array<float*, 6>& faces, const Control& control) {
   const TileWeightKey key{source.width, source.height, size};
   const std::shared_ptr<const TileWeightTable> kept = TileWeightTable::find(key);
   const auto made = kept ? nullptr : std::make_shared<TileWeightTable>(key);
@@ -145,8 +145,6 @@ void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<
                   });
   if (made) TileWeightTable::keep(key, made);
 }
-
-namespace {
 
 // To the lat-long: each of the cube's texels gives every texel that it overlaps its share.
 
@@ -280,7 +278,7 @@ void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, Resamp
                   const Control& control) {
   const int size = cubemap.level_size(level);
   const std::array<float*, 6> faces = faces_of(cubemap, level);
-  if (filter == ResampleFilter::area) return fill_cubemap_by_area(source, size, faces, control);
+  if (filter == ResampleFilter::area) return fill_by_area(source, size, faces, control);
   constexpr double kShareOfGrid = 0.3;
   const SphereGrid grid = grid_of(source, jobs::part_of(control, 0.0, kShareOfGrid));
   sample_faces(grid, size, faces, {}, jobs::part_of(control, kShareOfGrid, 1.0));

@@ -146,6 +146,13 @@ decltype(auto) with_view(const EnvironmentView& environment, const Work& work) {
 void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, ResampleFilter filter,
                   const Control& control);
 
+/// Writes width x height RGB floats, packed: each texel is the mean of the cube's texels, taken as areas of one value
+/// each, over its own area (edges in steps as CubeTiling has them). Every texel of the cube keeps its total radiance to
+/// rounding, and so does a uniform cube its value to 2e-7: what the prefilter's transform wants, and not smooth where
+/// the lat-long is finer than the cube. Takes 24 bytes a texel of the result. The view and the sizes are checked
+/// already. The same bits on any number of threads. Throws `Error` (cancelled).
+void fill_lat_long_by_area(const CubemapView& source, int width, int height, float* rgb, const Control& control);
+
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
 

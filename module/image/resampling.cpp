@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "image/area_resampling.h"
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
 #include "image/moved_row.h"

@@ -1,6 +1,6 @@
 // UASTC HDR 4x4: blocks of 4 x 4 texels in 16 bytes that are HDR ASTC as they stand, and of those only what can be
 // restated as BC6H (Basis Universal, "UASTC HDR 4x4 Texture Specification" 1.1; Khronos Data Format Specification 1.3,
-// "ASTC Compressed Texture Image Formats"). Here is how a block's numbers are chosen and stored; uastc_hdr_kernels.h
+// "ASTC Compressed Texture Image Formats"). Here is how a block's numbers are chosen and stored; bc6h_kernels.h
 // fits the lines.
 //
 // As in BC6H, a block has one or two lines in colour space. All is computed in ASTC's logarithms: numbers l of 16 bits,

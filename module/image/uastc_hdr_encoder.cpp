@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "image/bc6h.h"
+#include "image/bc6h_kernels.h"
 #include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "image/uastc_hdr.h"
-#include "image/uastc_hdr_kernels.h"
 
 namespace welkin::image {
 namespace {

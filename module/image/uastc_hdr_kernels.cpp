@@ -1,6 +1,5 @@
 // UASTC HDR's encoder, one block a lane: lines through the texels' logarithms, and the texels' indices along them.
-#include "image/uastc_hdr_kernels.h"
-
+#include "image/bc6h_kernels.h"
 #include "image/bc6h_lines.h"
 #include "image/bc6h_pairs.h"
 
