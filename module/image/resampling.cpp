@@ -11,7 +11,6 @@
 
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
-#include "image/moved_row.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"

@@ -23,27 +23,13 @@ constexpr int bits_of(Levels levels, int numbers) {
   return levels.bits * numbers + digits;
 }
 
-/// Numbers of endpoints, with 6 values and more. A block uses the finest that fits its bits.
-constexpr std::array<Levels, 17> kEndLevels{{{1, 3},
-                                             {3, 1},
-                                             {1, 5},
-                                             {2, 3},
-                                             {4, 1},
-                                             {2, 5},
-                                             {3, 3},
-                                             {5, 1},
-                                             {3, 5},
-                                             {4, 3},
-                                             {6, 1},
-                                             {4, 5},
-                                             {5, 3},
-                                             {7, 1},
-                                             {5, 5},
-                                             {6, 3},
-                                             {8, 1}}};
-/// Weights, by the six codes of low and of high precision.
-constexpr std::array<Levels, 12> kStepLevels{
-    {{1, 1}, {0, 3}, {2, 1}, {0, 5}, {1, 3}, {3, 1}, {1, 5}, {2, 3}, {4, 1}, {2, 5}, {3, 3}, {5, 1}}};
+/// All kinds of numbers, in rising order of their values. Weights are of the first twelve, by the six codes of low and
+/// of high precision; endpoints of those with 6 values and more, and a block uses the finest that fits its bits.
+constexpr std::array kLevels{Levels{1, 1}, Levels{0, 3}, Levels{2, 1}, Levels{0, 5}, Levels{1, 3}, Levels{3, 1},
+                             Levels{1, 5}, Levels{2, 3}, Levels{4, 1}, Levels{2, 5}, Levels{3, 3}, Levels{5, 1},
+                             Levels{3, 5}, Levels{4, 3}, Levels{6, 1}, Levels{4, 5}, Levels{5, 3}, Levels{7, 1},
+                             Levels{5, 5}, Levels{6, 3}, Levels{8, 1}};
+constexpr std::size_t kFirstOfEnds = 4;
 
 /// A number's plain bits, and its digit above them. Digits' bits lie between the plain ones, shared by a group.
 template <std::size_t most>
@@ -188,7 +174,7 @@ bool decode_block(const std::uint8_t* block, std::uint16_t* halves) {
   const int step_code = bits.at(4, 1) | bits.at(0, 2) << 1;
   if (bits.at(0, 2) == 0 || step_code < 2 || bits.at(2, 2) != 0 || bits.at(5, 4) != 2 || bits.at(10, 1) != 0)
     return false;
-  const Levels steps = kStepLevels[static_cast<std::size_t>(step_code - 2 + 6 * bits.at(9, 1))];
+  const Levels steps = kLevels[static_cast<std::size_t>(step_code - 2 + 6 * bits.at(9, 1))];
   constexpr int kMinStepBits = 24;
   const int parts = bits.at(11, 2) + 1;
   if (parts > 2 || bits_of(steps, kBlockTexels) < kMinStepBits) return false;
@@ -198,10 +184,10 @@ bool decode_block(const std::uint8_t* block, std::uint16_t* halves) {
   if (format != 7 && format != 11) return false;
   const int per_part = format == 7 ? 4 : 6;
   const int room = kBitsOfBlock - (format_place + 4) - bits_of(steps, kBlockTexels);
-  std::size_t fine = kEndLevels.size();
-  while (fine > 0 && bits_of(kEndLevels[fine - 1], parts * per_part) > room) --fine;
-  if (fine == 0) return false;
-  const Levels levels = kEndLevels[fine - 1];
+  std::size_t fine = kLevels.size();
+  while (fine > kFirstOfEnds && bits_of(kLevels[fine - 1], parts * per_part) > room) --fine;
+  if (fine == kFirstOfEnds) return false;
+  const Levels levels = kLevels[fine - 1];
 
   std::array<std::uint8_t, 12> numbers{};
   read_numbers(bits, format_place + 4, levels, parts * per_part, numbers);
