@@ -203,7 +203,7 @@ class Balancer {
     BlockGroup group;
     fill_group(texels, group);
     for (std::size_t lane = 1; lane < kLanes; ++lane) {
-      std::array<float, 3> factors;
+      std::array<float, 3> factors{};
       for (std::size_t c = 0; c < 3; ++c) {
         // A linear congruential generator modulo 2^32; the lower bits repeat soon, so the upper 16 are taken.
         state_ = 1664525U * state_ + 1013904223U;
