@@ -310,8 +310,7 @@ welkin_status welkin_post_prefilter(welkin_worker* worker, const welkin_environm
   return guarded_post(worker, post, job, [&](Posting& posting) {
     const auto view = environment_view(environment);
     auto wanted = prefilter_options(options, kDefaultReflections, true);
-    PrefilterRequest request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+    return PrefilterRequest{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
   });
 }
 
@@ -381,16 +380,19 @@ welkin_status welkin_bake(const welkin_environment* environment, const welkin_ba
 welkin_status welkin_post_bake(welkin_worker* worker, const welkin_environment* environment,
                                const welkin_bake_options* options, const welkin_bake_targets* targets,
                                const welkin_post_options* post, welkin_job** job) {
+  if (targets == nullptr) {
+    return guarded_post(worker, post, job, [&](Posting& posting) {
+      const auto view = environment_view(environment);
+      auto wanted = bake_options(options);
+      return welkin::Bake{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
+    });
+  }
   return guarded_post(worker, post, job, [&](Posting& posting) {
     const auto view = environment_view(environment);
     auto wanted = bake_options(options);
-    if (targets == nullptr) {
-      welkin::Bake request{{view, make_owner(std::move(posting.handed_over))}, std::move(wanted)};
-      return welkin::c_interface::post(worker, std::move(request), posting, job);
-    }
     welkin::BakeTo request{{view, nullptr}, bake_targets(targets), std::move(wanted)};
     request.owner = make_owner(std::move(posting.handed_over));
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+    return request;
   });
 }
 

@@ -57,7 +57,7 @@ welkin_status welkin_post_project(welkin_worker* worker, const welkin_environmen
     auto owner = make_owner(std::move(posting.handed_over));
     auto source = views.empty() ? welkin::EnvironmentSource(whole, std::move(owner))
                                 : welkin::EnvironmentSource(std::move(views), std::move(owner));
-    welkin::c_interface::post(worker, welkin::Project{std::move(source), wanted}, posting, job);
+    return welkin::Project{std::move(source), wanted};
   });
 }
 

@@ -199,9 +199,8 @@ void welkin_sky_tables_destroy(welkin_sky_tables* tables) { destroy(tables); }
 welkin_status welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,
                                      const welkin_sky_table_options* options, const welkin_post_options* post,
                                      welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    welkin::PrecomputeSky request{atmosphere_of(atmosphere), table_options(options)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+  return guarded_post(worker, post, job, [&](Posting& /*posting*/) {
+    return welkin::PrecomputeSky{atmosphere_of(atmosphere), table_options(options)};
   });
 }
 
@@ -277,9 +276,8 @@ welkin_status welkin_sky_view_specular(const welkin_sky_view* view, const double
 welkin_status welkin_post_sky_specular(welkin_worker* worker, const welkin_sky_tables* tables, double altitude_m,
                                        const double* sun, const welkin_prefilter_options* options,
                                        const welkin_post_options* post, welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    welkin::SkySpecular request{tables_of(tables), altitude_m, read_sun(sun),
-                                prefilter_options(options, kSkyReflections, false)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+  return guarded_post(worker, post, job, [&](Posting& /*posting*/) {
+    return welkin::SkySpecular{tables_of(tables), altitude_m, read_sun(sun),
+                               prefilter_options(options, kSkyReflections, false)};
   });
 }

@@ -82,9 +82,8 @@ welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* s
 welkin_status welkin_post_sky_curve(welkin_worker* worker, const welkin_sky_tables* tables, double altitude_m,
                                     const welkin_sky_harmonics_options* options, const welkin_post_options* post,
                                     welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    welkin::BakeSkyCurve request{tables_of(tables), altitude_m, curve_options(options)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+  return guarded_post(worker, post, job, [&](Posting& /*posting*/) {
+    return welkin::BakeSkyCurve{tables_of(tables), altitude_m, curve_options(options)};
   });
 }
 

@@ -266,18 +266,14 @@ void write_matrix(const glm::dmat3& matrix, double* target) noexcept {
 SphericalHarmonics read_harmonics(std::int32_t bands, const double* coefficients, const char* name) {
   require(coefficients, name);
   SphericalHarmonics harmonics(bands);
-  for (glm::dvec3& rgb : harmonics.coefficients()) {
-    rgb = {coefficients[0], coefficients[1], coefficients[2]};
-    coefficients += 3;
-  }
+  const auto given = triples(coefficients, harmonics.coefficients().size());
+  std::copy(given.begin(), given.end(), harmonics.coefficients().begin());
   return harmonics;
 }
 
 void write_harmonics(const SphericalHarmonics& harmonics, double* target) noexcept {
-  for (const glm::dvec3& rgb : harmonics.coefficients()) {
-    write_triple(rgb, target);
-    target += 3;
-  }
+  const auto from = harmonics.coefficients();
+  std::copy(from.begin(), from.end(), triples(target, from.size()).begin());
 }
 
 void require_room(const welkin_projection* projection, int bands) {

@@ -109,8 +109,7 @@ welkin_status welkin_post_function(welkin_worker* worker,
                                    const welkin_post_options* post, welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
     if (run == nullptr) refuse("run is null");
-    FunctionRequest request(run, run_user, std::move(posting.handed_over));
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+    return FunctionRequest(run, run_user, std::move(posting.handed_over));
   });
 }
 

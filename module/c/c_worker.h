@@ -247,7 +247,7 @@ void post(welkin_worker* worker, Request request, const Posting& posting, welkin
   *job = reference.get();
 }
 
-/// Around every post: `body` gets the posting and makes the request.
+/// Around every post: `body` gets the posting and returns the request.
 template <class Body>
 [[nodiscard]] welkin_status guarded_post(welkin_worker* worker, const welkin_post_options* options, welkin_job** job,
                                          const Body& body) noexcept {
@@ -255,7 +255,8 @@ template <class Body>
     if (job != nullptr) *job = nullptr;
     Posting posting(options);
     require(worker, "worker");
-    body(posting);
+    auto request = body(posting);
+    c_interface::post(worker, std::move(request), posting, job);
   });
 }
 

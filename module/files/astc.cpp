@@ -9,7 +9,7 @@
 #include <new>
 #include <string>
 
-#include "image/block_light.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
@@ -125,13 +125,6 @@ std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels, int
   return tiles;
 }
 
-/// NaN becomes 0.
-float held(float value, std::uint64_t& clamped) {
-  if (value >= 0.0F && value <= image::kLargestHalf) return value;
-  ++clamped;
-  return value > image::kLargestHalf ? image::kLargestHalf : 0.0F;
-}
-
 /// The texels of some blocks.
 struct Area {
   int left, top, width, height;
@@ -154,7 +147,9 @@ std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& pict
                                static_cast<std::ptrdiff_t>(bytes_per_texel(view.format)) * left;
     image::decode_texels(view.format, texels, width, rgb.data());
     for (std::size_t k = 0; k < rgb.size(); k += 3, rgba += 4) {
-      for (std::size_t channel = 0; channel < 3; ++channel) rgba[channel] = held(rgb[k + channel], clamped);
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        rgba[channel] = image::bounded(rgb[k + channel], image::kLargestHalf, clamped);
+      }
       rgba[3] = 1.0F;
     }
   }
@@ -196,7 +191,7 @@ class Balancer {
       const Area area = area_of(block);
       Picture given(area.width, area.height);
       read_area(picture_of(block), area, given);
-      off_ = sum(off_, error_of(area, given, bytes_of(block)).light);
+      off_ = image::sum(off_, error_of(area, given, bytes_of(block)).light);
     }
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (const auto& [share, block] : brightest_) {
@@ -229,8 +224,6 @@ class Balancer {
     Sums light{};          ///< too much
   };
 
-  [[nodiscard]] static Sums sum(const Sums& a, const Sums& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
   [[nodiscard]] Error error_of(const Area& area, Picture& given, const std::uint8_t* bytes) const {
     Picture decoded(area.width, area.height);
     constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
@@ -247,16 +240,12 @@ class Balancer {
     return error;
   }
 
-  [[nodiscard]] double excess(const Sums& off) const {
-    double sum = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) sum += image::excess_of_mean(off[c], total_[c]);
-    return sum;
-  }
+  [[nodiscard]] double excess(const Sums& off) const { return image::excess_of_means(off, total_); }
 
   [[nodiscard]] double cost_of(const Sums& rest, const Error& error) const {
     const double values =
         3.0 * pictures_.front().width * pictures_.front().height * static_cast<double>(pictures_.size());
-    return excess(sum(rest, error.light)) + error.squares / (kWorth * values);
+    return excess(image::sum(rest, error.light)) + error.squares / (kWorth * values);
   }
 
   /// Texels times a number for each channel, as far as halves hold them.
@@ -279,8 +268,7 @@ class Balancer {
       if (k % 4 != 3) light[static_cast<std::size_t>(k % 4)] += static_cast<double>(given.values()[k]);
     }
     Error error = error_of(area, given, bytes_of(block));
-    Sums rest{};
-    for (std::size_t c = 0; c < 3; ++c) rest[c] = off_[c] - error.light[c];
+    const Sums rest = image::sum(off_, error.light, -1.0);
     double least = cost_of(rest, error);
     Sums scale{1.0, 1.0, 1.0};
     Sums best_scale = scale;
@@ -304,10 +292,10 @@ class Balancer {
       encode(changed, 1, context_, bytes.data());
       error = error_of(area, given, bytes.data());
       const double cost = cost_of(rest, error);
-      if (cost >= least || excess(sum(rest, error.light)) >= excess(off_)) continue;
+      if (cost >= least || excess(image::sum(rest, error.light)) >= excess(off_)) continue;
       least = cost;
       best_scale = scale;
-      off_ = sum(rest, error.light);
+      off_ = image::sum(rest, error.light);
       std::copy_n(bytes.data(), kBlockBytes, bytes_of(block));
     }
   }

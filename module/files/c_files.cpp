@@ -77,9 +77,8 @@ welkin_status welkin_project_file(const char* path, const welkin_read_options* r
 welkin_status welkin_post_project_file(welkin_worker* worker, const char* path, const welkin_read_options* read_options,
                                        const welkin_projection_options* options, const welkin_post_options* post,
                                        welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    welkin::ProjectFile request{file_path(path), file_options(read_options), projection_options(options)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+  return guarded_post(worker, post, job, [&](Posting& /*posting*/) {
+    return welkin::ProjectFile{file_path(path), file_options(read_options), projection_options(options)};
   });
 }
 
@@ -95,9 +94,8 @@ welkin_status welkin_bake_file(const char* path, const welkin_read_options* read
 welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path, const welkin_read_options* read_options,
                                     const welkin_bake_options* options, const welkin_post_options* post,
                                     welkin_job** job) {
-  return guarded_post(worker, post, job, [&](Posting& posting) {
-    welkin::BakeFile request{file_path(path), file_options(read_options), bake_options(options)};
-    welkin::c_interface::post(worker, std::move(request), posting, job);
+  return guarded_post(worker, post, job, [&](Posting& /*posting*/) {
+    return welkin::BakeFile{file_path(path), file_options(read_options), bake_options(options)};
   });
 }
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "files/codecs.h"
-#include "files/env_manifest.h"
 #include "files/layout.h"
 #include "harmonics/babylon.h"
 #include "image/pixels.h"
@@ -23,15 +22,6 @@
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::files {
-namespace {
-
-float bounded(float value, std::uint64_t& clamped) noexcept {
-  if (value >= 0.0F && value <= kLargestRgbd) return value;
-  ++clamped;
-  return value > kLargestRgbd ? kLargestRgbd : 0.0F;
-}
-
-}  // namespace
 
 void EnvPictureBytes::refuse(ErrorCode code, const std::string& message) const {
   throw platform::file_error(code, path, what + " " + message);
@@ -71,7 +61,7 @@ std::uint64_t RgbdEncoder::encode(const float* rgb, std::size_t count, std::uint
   std::uint64_t clamped = 0;
   for (std::size_t i = 0; i < count; ++i, rgb += 3, rgbd += 4) {
     std::array<double, 3> texel{};
-    for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<double>(bounded(rgb[c], clamped));
+    for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<double>(image::bounded(rgb[c], kLargestRgbd, clamped));
     const double largest = std::max({texel[0], texel[1], texel[2], 1e-7});
     const int divisor = largest <= 1.0 ? 255 : static_cast<int>(255.0 / largest);
     for (std::size_t c = 0; c < 3; ++c) rgbd[c] = gamma(texel[c] * (divisor / 255.0));

@@ -1,5 +1,3 @@
-#include "files/env_manifest.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "files/env.h"
 #include "files/row_source.h"
 #include "image/pixels.h"
 

@@ -7,7 +7,6 @@
 
 #include "files/codecs.h"
 #include "files/env.h"
-#include "files/env_manifest.h"
 #include "files/layout.h"
 #include "files/write_environment.h"
 #include "harmonics/babylon.h"
@@ -24,7 +23,7 @@
 namespace welkin::files {
 namespace {
 
-// Babylon.js's .env, version 2, with PNG pictures: see env_manifest.h.
+// Babylon.js's .env, version 2, with PNG pictures.
 
 /// A face to be encoded, and what became of it.
 struct Picture {

@@ -10,6 +10,7 @@
 #include "files/layout.h"
 #include "files/row_source.h"
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "platform/memory.h"
@@ -262,12 +263,7 @@ LatLongView Environment::lat_long() const {
 CubemapView Environment::cubemap() const {
   const int size = face_size();
   if (size == 0) refuse_view(info, "cubemap");
-  const std::size_t face_floats = static_cast<std::size_t>(files::rgb_bytes(size, size)) / sizeof(float);
-  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
-  for (std::size_t face = 0; face < view.faces.size(); ++face) {
-    view.faces[face] = pixels.get() + face * face_floats;
-  }
-  return view;
+  return image::packed_cubemap(pixels.get(), size);
 }
 
 EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "files/env_manifest.h"
+#include "files/env.h"
 #include "files/environment.h"
 #include "files/row_source.h"
 #include "platform/file.h"

@@ -1,10 +1,9 @@
-#include "files/gain_map.h"
-
 #include <cmath>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "files/jpeg.h"
 #include "math/elementary.h"
 #include "platform/file.h"
 #include "platform/text.h"

@@ -12,6 +12,7 @@
 #include "files/layout.h"
 #include "files/primaries.h"
 #include "files/write_environment.h"
+#include "image/pixels.h"
 
 namespace welkin::files {
 namespace {
@@ -69,12 +70,10 @@ class ColumnReader final : public RowReader {
 
 class HdrSource final : public RowSource {
  public:
-  HdrSource(EnvironmentInfo info, const FileInput& input, const HdrHeader& header, const HdrTexels& texels,
-            std::uint64_t memory_limit_bytes)
+  HdrSource(EnvironmentInfo info, const FileInput& input, const HdrHeader& header, const HdrTexels& texels)
       : RowSource(std::move(info), input),
         header_(header),
         texels_(texels),
-        memory_limit_bytes_(memory_limit_bytes),
         index_(input, header.scanline_length(), header.scanlines(), header.first_byte),
         columns_(input, header) {}
 
@@ -93,22 +92,13 @@ class HdrSource final : public RowSource {
   }
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    if (!header_.columns) {
-      return std::make_unique<ScanlineReader>(input(), header_, texels_, index_);
-    }
-    if (reader_bytes() > memory_limit_bytes_) {
-      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "its scanlines are columns, so it must be decoded whole, which takes " +
-                                     std::to_string(reader_bytes()) + " bytes, above the limit of " +
-                                     std::to_string(memory_limit_bytes_) + "; raise the limit, or save it as -Y +X");
-    }
+    if (!header_.columns) return std::make_unique<ScanlineReader>(input(), header_, texels_, index_);
     return std::make_unique<ColumnReader>(header_.width, texels_, columns_);
   }
 
  private:
   HdrHeader header_;
   HdrTexels texels_;
-  std::uint64_t memory_limit_bytes_;
   // What readers share. Both lock for themselves.
   mutable HdrScanlineIndex index_;
   mutable HdrColumns columns_;
@@ -165,7 +155,7 @@ std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions&
   add_channels(info, header.xyz ? "XYZ" : "RGB", header.xyz ? ChannelType::xyze : ChannelType::rgbe);
   const HdrTexels texels(header.divisor, matrix_of(header, options.primaries, info));
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels, options.memory_limit_bytes);
+  return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels);
 }
 
 namespace {
@@ -181,18 +171,12 @@ using Rgbe = std::array<std::uint8_t, 4>;
 /// The largest value: mantissa 255 at the largest exponent.
 constexpr float kLargest = 0xFFp119F;
 
-float held(float value, std::uint64_t& clamped) {
-  if (value >= 0.0F && value <= kLargest) return value;
-  ++clamped;
-  return value > 0.0F ? kLargest : 0.0F;  // NaN: 0
-}
-
 /// Mantissas of 8 bits with a common exponent, value = mantissa 2^(exponent - 136) (Ward, "Real Pixels", Graphics Gems
 /// II). Radiance itself cuts mantissas off and puts half a step back when it reads; most other readers do not put it
 /// back, so mantissas are rounded to the nearest here, which is off by half a step at most for them.
 Rgbe encode(const float* rgb, std::uint64_t& clamped) {
   std::array<float, 3> values{};
-  for (std::size_t c = 0; c < 3; ++c) values[c] = held(rgb[c], clamped);
+  for (std::size_t c = 0; c < 3; ++c) values[c] = image::bounded(rgb[c], kLargest, clamped);
   const float largest = *std::max_element(values.begin(), values.end());
   int exponent = 0;
   std::frexp(largest, &exponent);  // largest = f 2^exponent, f in [0.5, 1)

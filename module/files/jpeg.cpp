@@ -135,8 +135,8 @@ class JpegReader final : public SequentialReader {
 
 class JpegSource final : public RowSource {
  public:
-  JpegSource(EnvironmentInfo info, FileInput input, const Pair& pair, std::uint64_t memory_limit_bytes)
-      : RowSource(std::move(info), std::move(input)), pair_(pair), memory_limit_bytes_(memory_limit_bytes) {}
+  JpegSource(EnvironmentInfo info, FileInput input, const Pair& pair)
+      : RowSource(std::move(info), std::move(input)), pair_(pair) {}
 
   [[nodiscard]] int natural_rows() const override { return 1; }
   [[nodiscard]] bool sequential() const override { return true; }
@@ -152,17 +152,11 @@ class JpegSource final : public RowSource {
   }
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    if (reader_bytes() > memory_limit_bytes_) {
-      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "takes " + std::to_string(reader_bytes()) + " bytes to decode, above the limit of " +
-                                     std::to_string(memory_limit_bytes_) + "; raise the limit, or " + smaller_reader());
-    }
     return std::make_unique<JpegReader>(input(), pair_);
   }
 
  private:
   Pair pair_;
-  std::uint64_t memory_limit_bytes_;
 };
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
@@ -229,7 +223,7 @@ std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions
   }
   pair.matrix = matrix_of(pair.base, options.primaries, info);
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<JpegSource>(std::move(info), input_of(file), pair, options.memory_limit_bytes);
+  return std::make_unique<JpegSource>(std::move(info), input_of(file), pair);
 }
 
 }  // namespace welkin::files

@@ -101,12 +101,7 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
     const auto level = static_cast<int>(number);
     const std::uint64_t whole = layout.whole_bytes(level);
     const std::uint64_t wanted = counts_a_face ? layout.face_bytes(level) : whole;
-    if (slot + 4 > file.size() || whole > file.size() - slot - 4) {
-      refuse_texture(file, ErrorCode::corrupt_file,
-                     "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) +
-                         " bytes at " + std::to_string(slot + 4) + ", the file " + std::to_string(file.size()) +
-                         "; fetch or export it again");
-    }
+    require_inside(file, "level " + std::to_string(level), slot + 4, whole);
     std::uint32_t stated = 0;
     file.seek(slot);
     file.read(&stated, sizeof stated);

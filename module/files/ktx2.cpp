@@ -28,50 +28,32 @@ struct Sample {
   std::uint32_t upper;    ///< the number that stands for 1; of an exponent the largest one
 };
 
-std::vector<Sample> float_samples(std::uint32_t bits) {
-  const auto lower = platform::bit_cast<std::uint32_t>(-1.0F);
-  const auto upper = platform::bit_cast<std::uint32_t>(1.0F);
-  std::vector<Sample> samples;
-  for (const std::uint32_t channel : {kRed, kGreen, kBlue, kAlpha}) {
-    const auto place = static_cast<std::uint32_t>(samples.size()) * bits;
-    samples.push_back({place, bits, channel | kFloat | kSigned, lower, upper});
-  }
-  return samples;
-}
-
-std::vector<Sample> packed_float_samples() {
-  const auto upper = platform::bit_cast<std::uint32_t>(1.0F);
-  return {{0, 11, kRed | kFloat, 0, upper}, {11, 11, kGreen | kFloat, 0, upper}, {22, 10, kBlue | kFloat, 0, upper}};
-}
-
-std::vector<Sample> shared_exponent_samples() {
-  constexpr std::uint32_t one = 16U << 9U | 256U;  // 1 as exponent and mantissa
-  std::vector<Sample> samples;
-  for (const std::uint32_t channel : {kRed, kGreen, kBlue}) {
-    samples.push_back({9 * channel, 9, channel, 0, one});
-    samples.push_back({27, 5, channel | kExponent, 15, 31});
-  }
-  return samples;
-}
-
-/// One sample of a whole block.
-std::vector<Sample> block_samples(bool is_signed) {
-  constexpr std::uint32_t colour = 0, bits = 128;
-  const auto lower = is_signed ? platform::bit_cast<std::uint32_t>(-1.0F) : 0U;
-  return {{0, bits, colour | kFloat | (is_signed ? kSigned : 0U), lower, platform::bit_cast<std::uint32_t>(1.0F)}};
-}
-
 std::vector<Sample> samples_of(TexelFormat format) {
+  constexpr auto one = platform::bit_cast<std::uint32_t>(1.0F);
+  constexpr auto minus_one = platform::bit_cast<std::uint32_t>(-1.0F);
+  constexpr std::uint32_t whole_block = 128;
+  constexpr std::uint32_t shared_one = 16U << 9U | 256U;  // 1 as exponent and mantissa
+  const auto signed_floats = [](std::uint32_t bits) -> std::vector<Sample> {
+    constexpr std::uint32_t sort = kFloat | kSigned;
+    return {{0, bits, kRed | sort, minus_one, one},
+            {bits, bits, kGreen | sort, minus_one, one},
+            {2 * bits, bits, kBlue | sort, minus_one, one},
+            {3 * bits, bits, kAlpha | sort, minus_one, one}};
+  };
   switch (format) {
-    case TexelFormat::rgba16f: return float_samples(16);
-    case TexelFormat::rgba32f: return float_samples(32);
-    case TexelFormat::b10g11r11: return packed_float_samples();
-    case TexelFormat::e5b9g9r9: return shared_exponent_samples();
+    case TexelFormat::rgba16f: return signed_floats(16);
+    case TexelFormat::rgba32f: return signed_floats(32);
+    case TexelFormat::b10g11r11:
+      return {{0, 11, kRed | kFloat, 0, one}, {11, 11, kGreen | kFloat, 0, one}, {22, 10, kBlue | kFloat, 0, one}};
+    case TexelFormat::e5b9g9r9:
+      return {{0, 9, kRed, 0, shared_one},   {27, 5, kRed | kExponent, 15, 31},
+              {9, 9, kGreen, 0, shared_one}, {27, 5, kGreen | kExponent, 15, 31},
+              {18, 9, kBlue, 0, shared_one}, {27, 5, kBlue | kExponent, 15, 31}};
     case TexelFormat::bc6h_ufloat:
-    case TexelFormat::uastc_hdr_4x4: return block_samples(false);
+    case TexelFormat::uastc_hdr_4x4: return {{0, whole_block, kFloat, 0, one}};
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr: return block_samples(true);
+    case TexelFormat::astc_6x6_hdr: return {{0, whole_block, kFloat | kSigned, minus_one, one}};
   }
   return {};
 }
@@ -177,22 +159,13 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   }
 }
 
-void require_inside(const platform::ByteFile& file, const char* what, std::uint64_t offset, std::uint64_t bytes) {
-  if (offset > file.size() || bytes > file.size() - offset) {
-    refuse_texture(file, ErrorCode::corrupt_file,
-                   std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
-                       std::to_string(offset) + ", the file " + std::to_string(file.size()) +
-                       "; fetch or export it again");
-  }
-}
-
 TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& layout, int level,
                                 const std::uint8_t* index) {
   const auto offset = platform::read_little_endian<std::uint64_t>(index);
   const auto bytes = platform::read_little_endian<std::uint64_t>(index + 8);
   const auto unpacked = platform::read_little_endian<std::uint64_t>(index + 16);
   const std::string what = "level " + std::to_string(level);
-  require_inside(file, what.c_str(), offset, bytes);
+  require_inside(file, what, offset, bytes);
   const bool packed = layout.supercompression != Supercompression::none;
   const std::uint64_t wanted = layout.whole_bytes(level);
   if (unpacked != wanted || (!packed && bytes != wanted)) {
@@ -220,6 +193,15 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
 }
 
 }  // namespace
+
+void require_inside(const platform::ByteFile& file, const std::string& what, std::uint64_t offset,
+                    std::uint64_t bytes) {
+  if (offset <= file.size() && bytes <= file.size() - offset) return;
+  refuse_texture(file, ErrorCode::corrupt_file,
+                 "ends too early: its " + what + " has " + std::to_string(bytes) + " bytes at " +
+                     std::to_string(offset) + ", the file " + std::to_string(file.size()) +
+                     "; fetch or export it again");
+}
 
 std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
                                                    std::uint64_t bytes_there) {

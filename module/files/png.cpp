@@ -75,12 +75,8 @@ class PngReader final : public SequentialReader {
 
 class PngSource final : public RowSource {
  public:
-  PngSource(EnvironmentInfo info, FileInput input, const PngHeader& header, PngSamples samples,
-            std::uint64_t memory_limit_bytes)
-      : RowSource(std::move(info), std::move(input)),
-        header_(header),
-        samples_(std::move(samples)),
-        memory_limit_bytes_(memory_limit_bytes) {}
+  PngSource(EnvironmentInfo info, FileInput input, const PngHeader& header, PngSamples samples)
+      : RowSource(std::move(info), std::move(input)), header_(header), samples_(std::move(samples)) {}
 
   [[nodiscard]] int natural_rows() const override { return 1; }
   [[nodiscard]] bool sequential() const override { return true; }
@@ -97,20 +93,12 @@ class PngSource final : public RowSource {
   }
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    if (header_.interlaced && reader_bytes() > memory_limit_bytes_) {
-      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
-                                 "is interlaced, so it must be decoded whole, which takes " +
-                                     std::to_string(reader_bytes()) + " bytes, above the limit of " +
-                                     std::to_string(memory_limit_bytes_) +
-                                     "; raise the limit, or save it without interlacing");
-    }
     return std::make_unique<PngReader>(input(), header_, samples_);
   }
 
  private:
   PngHeader header_;
   PngSamples samples_;
-  std::uint64_t memory_limit_bytes_;
 };
 
 ChannelType type_of_samples(const PngHeader& header) {
@@ -201,7 +189,7 @@ std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions&
           : std::nullopt;
   decide_layout(info, options.layout, std::nullopt);
   return std::make_unique<PngSource>(std::move(info), input_of(file), header,
-                                     PngSamples(header.bits == 16, transfer, matrix), options.memory_limit_bytes);
+                                     PngSamples(header.bits == 16, transfer, matrix));
 }
 
 namespace {

@@ -11,7 +11,6 @@
 
 #include "files/codecs.h"
 #include "files/env.h"
-#include "files/env_manifest.h"
 #include "files/hdr.h"
 #include "files/layout.h"
 #include "files/pfm.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bake/bake_plan.h"
-#include "files/env_manifest.h"
+#include "files/env.h"
 #include "files/file_source.h"
 #include "files/textures.h"
 #include "platform/file.h"

@@ -10,7 +10,7 @@
 #include "files/textures.h"
 #include "image/bc6h.h"
 #include "image/pixels.h"
-#include "image/uastc_hdr_decoder.h"
+#include "image/uastc_hdr.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"

@@ -226,6 +226,9 @@ struct TextureLayout {
 /// Throws `Error` naming the file.
 [[noreturn]] void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message);
 
+/// Throws `Error` (corrupt_file) unless the file has these bytes; `what`: they are.
+void require_inside(const platform::ByteFile& file, const std::string& what, std::uint64_t offset, std::uint64_t bytes);
+
 /// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
 /// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,

@@ -1,7 +1,6 @@
-// To the cube: each texel is a weighted mean of the lat-long's.
-#include "image/area_resampling.h"
-
+// Light moved from a lat-long's texels to a cube's, and back, by the area that they have in common.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +13,7 @@
 #include "image/geometry.h"
 #include "image/image_kernels.h"
 #include "image/pixels.h"
+#include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
 #include "platform/standard_library.h"
@@ -28,6 +28,8 @@ constexpr int kTileTexels = 16384;
 constexpr std::int64_t kInlineTexels = 8192;
 constexpr double kShareOfCopy = 0.2;
 constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
+
+// To the cube: each texel is a weighted mean of the lat-long's.
 
 /// Draws all images of a run of tiles.
 class CubeMeans final : public RunSink {
@@ -106,10 +108,9 @@ class CubeMeans final : public RunSink {
   float* patch_;
 };
 
-}  // namespace
-
-void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<float*, 6>& faces,
-                          const Control& control) {
+/// The first call for sizes costs a few times as much as those that follow, for which weights are kept
+/// (TileWeightTable).
+void fill_by_area(const LatLongView& source, int size, const std::array<float*, 6>& faces, const Control& control) {
   const TileWeightKey key{source.width, source.height, size};
   const std::shared_ptr<const TileWeightTable> kept = TileWeightTable::find(key);
   const auto made = kept ? nullptr : std::make_shared<TileWeightTable>(key);
@@ -144,8 +145,6 @@ void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<
                   });
   if (made) TileWeightTable::keep(key, made);
 }
-
-namespace {
 
 // To the lat-long: each of the cube's texels gives every texel that it overlaps its share.
 
@@ -240,6 +239,49 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
       rgb[i] = static_cast<float>(sums.data()[i] / area);
     }
   }
+}
+
+namespace {
+
+// The faces of a cubemap from a lat-long: by area, or by samples of a grid on the sphere.
+
+constexpr int kGridTileTexels = 32768;
+constexpr int kBlock = 256;  ///< texels that are decoded at a time
+
+SphereGrid grid_of(const LatLongView& source, const Control& control) {
+  SphereGrid grid(source.height, source.width, GridContent::samples);
+  const std::size_t texel_bytes = bytes_per_texel(source.format);
+  const int tile_rows = std::max(1, kGridTileTexels / source.width);
+  const jobs::Placement placement = jobs::placement_for(std::int64_t{source.width} * source.height);
+  jobs::run_rows(source.height, tile_rows, placement, jobs::worker_count(placement), control,
+                 [&](int row, std::size_t) {
+                   const auto* const from = static_cast<const std::byte*>(row_of(source, row));
+                   float rgb[3 * kBlock];
+                   for (int first = 0; first < source.width; first += kBlock) {
+                     const int count = std::min(kBlock, source.width - first);
+                     decode_texels(source.format, from + static_cast<std::size_t>(first) * texel_bytes, count, rgb);
+                     float* texel = grid.texel(first, row);
+                     for (int i = 0; i < count; ++i, texel += 4) {
+                       std::copy_n(rgb + 3 * i, 3, texel);
+                       texel[3] = 0.0F;
+                     }
+                   }
+                   grid.fill_sides(row, 1);
+                 });
+  grid.fill_poles();
+  return grid;
+}
+
+}  // namespace
+
+void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, ResampleFilter filter,
+                  const Control& control) {
+  const int size = cubemap.level_size(level);
+  const std::array<float*, 6> faces = faces_of(cubemap, level);
+  if (filter == ResampleFilter::area) return fill_by_area(source, size, faces, control);
+  constexpr double kShareOfGrid = 0.3;
+  const SphereGrid grid = grid_of(source, jobs::part_of(control, 0.0, kShareOfGrid));
+  sample_faces(grid, size, faces, {}, jobs::part_of(control, kShareOfGrid, 1.0));
 }
 
 }  // namespace welkin::image

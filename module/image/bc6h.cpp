@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "image/bc6h_partitions.h"
-#include "image/pixels.h"
+#include "image/block_bits.h"
 
 namespace welkin::image {
 namespace {
@@ -123,50 +123,6 @@ static_assert(all_covered());
 
 constexpr int kPartitionBits = 5;
 
-/// The 128 bits of a block, from the lowest on.
-class BitReader {
- public:
-  explicit BitReader(const std::uint8_t* block) {
-    for (unsigned k = 0; k < 16; ++k) words_[k / 8] |= std::uint64_t{block[k]} << (8 * (k % 8));
-  }
-
-  /// 1 to 16 bits.
-  std::uint32_t next(int bits) noexcept {
-    const auto count = static_cast<unsigned>(bits);
-    const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
-    const std::uint64_t value = words_[0] & mask;
-    words_[0] = words_[0] >> count | words_[1] << (64 - count);
-    words_[1] >>= count;
-    return static_cast<std::uint32_t>(value);
-  }
-
- private:
-  std::array<std::uint64_t, 2> words_{};
-};
-
-class BitWriter {
- public:
-  void append(std::uint32_t value, int bits) noexcept {
-    const auto count = static_cast<unsigned>(bits);
-    const std::uint64_t masked = value & ((std::uint64_t{1} << count) - 1);
-    if (place_ < 64) {
-      words_[0] |= masked << place_;
-      if (place_ + count > 64) words_[1] |= masked >> (64 - place_);
-    } else {
-      words_[1] |= masked << (place_ - 64);
-    }
-    place_ += count;
-  }
-
-  void store(std::uint8_t* block) const noexcept {
-    for (unsigned k = 0; k < 16; ++k) block[k] = static_cast<std::uint8_t>(words_[k / 8] >> (8 * (k % 8)));
-  }
-
- private:
-  std::array<std::uint64_t, 2> words_{};
-  unsigned place_ = 0;
-};
-
 /// Calls `visit(texel, bits)` for the indices as they follow each other: an anchor's has a bit less.
 /// A line's ends can be exchanged if its indices are counted from the other end, with the same decoded texels. So a
 /// block may always be written with the upper bit 0 in the index of one texel of each line, its anchor.
@@ -230,23 +186,26 @@ Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept {
   }
   if (fields.mode == 0) return fields;
   const Bc6hMode& mode = bc6h_mode(fields.mode);
-  BitReader bits(block);
-  (void)bits.next(prefix_bits);
+  const BlockBits bits(block);
+  int place = prefix_bits;
+  const auto next = [&](int count) {
+    place += count;
+    return static_cast<std::uint32_t>(bits.at(place - count, count));
+  };
   const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
   for (std::size_t k = 0; k < layout.count; ++k) {
     const Run& run = layout.runs[k];
-    fields.ends[run.end][run.channel] |= bits.next(run.bits) << run.first_bit;
+    fields.ends[run.end][run.channel] |= next(run.bits) << run.first_bit;
   }
-  if (mode.two_lines) fields.partition = static_cast<int>(bits.next(kPartitionBits));
-  for_each_index(mode, fields.partition, [&](std::size_t texel, int count) {
-    fields.indices[texel] = static_cast<std::uint8_t>(bits.next(count));
-  });
+  if (mode.two_lines) fields.partition = static_cast<int>(next(kPartitionBits));
+  for_each_index(mode, fields.partition,
+                 [&](std::size_t texel, int count) { fields.indices[texel] = static_cast<std::uint8_t>(next(count)); });
   return fields;
 }
 
 void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept {
   const Bc6hMode& mode = bc6h_mode(fields.mode);
-  BitWriter bits;
+  BlockBits bits;
   bits.append(static_cast<std::uint32_t>(mode.prefix), mode.prefix_bits);
   const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
   for (std::size_t k = 0; k < layout.count; ++k) {
@@ -333,21 +292,8 @@ void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, s
 
 void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
                       float* rgb) noexcept {
-  const int across = blocks_across(width);
-  const int last_row = first_row + rows;
-  for (int top = first_row / kBlockEdge * kBlockEdge; top < last_row; top += kBlockEdge) {
-    for (int column = 0; column < across; ++column, blocks += kBlockBytes) {
-      std::array<std::uint16_t, 3 * kBlockTexels> halves{};
-      decode_bc6h(blocks, range, halves.data());
-      const int left = column * kBlockEdge;
-      const auto values = static_cast<std::size_t>(3 * std::min(kBlockEdge, width - left));
-      for (int row = std::max(top, first_row); row < std::min(top + kBlockEdge, last_row); ++row) {
-        const auto* const from = halves.data() + std::ptrdiff_t{3} * kBlockEdge * (row - top);
-        float* const to = rgb + std::ptrdiff_t{3} * (std::ptrdiff_t{width} * (row - first_row) + left);
-        std::transform(from, from + values, to, float_from_half);
-      }
-    }
-  }
+  decode_block_rows(blocks, width, first_row, rows, rgb,
+                    [range](const std::uint8_t* block, std::uint16_t* halves) { decode_bc6h(block, range, halves); });
 }
 
 }  // namespace welkin::image

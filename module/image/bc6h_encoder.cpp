@@ -1,14 +1,12 @@
 // Cubemaps and pictures to BC6H and back.
-#include "image/bc6h_encoder.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 
 #include "image/bc6h.h"
-#include "image/bc6h_balance.h"
 #include "image/bc6h_kernels.h"
 #include "image/block_pictures.h"
 #include "image/pixels.h"
@@ -16,26 +14,292 @@
 #include "platform/float_environment.h"
 #include "welkin/image.h"
 
+namespace welkin::image {
+namespace {
+
+// ---- The light of a level: the ends of its brightest blocks are changed until each channel's mean is within 0.2 %, as
+// far as possible
+
+/// A lane's block with two lines.
+Bc6hFields fields_of(const TwoLineBlocks& pair, std::size_t lane) noexcept {
+  Bc6hFields fields;
+  fields.mode = pair.modes[lane];
+  fields.partition = pair.partitions[lane];
+  const bool differences = bc6h_mode(fields.mode).differences;
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t first = differences && end > 0 ? pair.ends[c][lane] : 0;
+      fields.ends[end][c] = static_cast<std::uint32_t>(pair.ends[3 * end + c][lane] - first);
+    }
+  }
+  for (std::size_t k = 0; k < fields.indices.size(); ++k) {
+    fields.indices[k] = static_cast<std::uint8_t>(pair.indices[k][lane]);
+  }
+  return fields;
+}
+
+/// Passes over the blocks with a large share: a change of one block changes what is best for the next.
+constexpr int kSweeps = 3;
+
+/// Beyond the tolerance, an error of 0.2 % of a mean costs as much as this share of the level's squared error.
+constexpr double kWorth = 0.0005;
+
+/// Steps that an end is moved either way.
+constexpr int kReach = 3;
+constexpr int kChoices = 2 * kReach + 1;
+
+std::int32_t number_of(std::uint16_t half) noexcept { return (half & 0x8000) != 0 ? -(half & 0x7FFF) : half; }
+
+/// Errors of one channel of a block.
+struct ChannelError {
+  double squares = 0.0;
+  double light = 0.0;  ///< too much
+};
+
+/// A way to store a block.
+struct Candidate {
+  Bc6hFields fields;
+  std::array<ChannelError, 3> errors;
+  double cost = 0.0;
+};
+
+class Balancer {
+ public:
+  Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
+      : pictures_(pictures),
+        format_(format),
+        total_(total_light(level.lights)),
+        brightest_(brightest_blocks(level.lights, total_)),
+        range_(format.is_signed ? Bc6hRange::signed_values : Bc6hRange::positive),
+        worth_(kWorth * level.squares / (kMeanTolerance * kMeanTolerance)),
+        blocks_(level.blocks.data()) {}
+
+  /// Returns by how much the level's sum of squared errors grows.
+  double run() {
+    for (const auto& [share, block] : brightest_) {
+      read(block);
+      const std::array<ChannelError, 3> errors = errors_of(block);
+      for (std::size_t c = 0; c < 3; ++c) off_[c] += errors[c].light;
+    }
+    double growth = 0.0;
+    if (is_balanced()) return growth;
+    const auto large =
+        std::find_if(brightest_.begin(), brightest_.end(), [](const BlockShare& s) { return s.share < kLargeShare; });
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (auto each = brightest_.begin(); each != large; ++each) growth += improve(each->block, sweep == 0);
+    }
+    for (auto each = large; each != brightest_.end() && !is_balanced(); ++each) growth += improve(each->block, false);
+    return growth;
+  }
+
+ private:
+  [[nodiscard]] bool is_balanced(std::size_t c) const { return excess_of_mean(off_[c], total_[c]) <= 0.0; }
+  [[nodiscard]] bool is_balanced() const { return is_balanced(0) && is_balanced(1) && is_balanced(2); }
+
+  [[nodiscard]] std::uint8_t* bytes_of(std::size_t block) const { return blocks_ + kBlockBytes * block; }
+
+  void read(std::size_t block) {
+    wanted_ = block_texels(pictures_, block, format_.least());
+    for (std::size_t k = 0; k < halves_.size(); ++k) halves_[k] = number_of(half_from_float(wanted_.values[k]));
+  }
+
+  /// The channels of the block that was read last.
+  [[nodiscard]] std::array<ChannelError, 3> errors_of(std::size_t block) const {
+    std::array<std::uint16_t, 3 * kBlockTexels> halves{};
+    decode_bc6h(bytes_of(block), range_, halves.data());
+    std::array<ChannelError, 3> errors;
+    for (std::size_t k = 0; k < halves.size(); ++k) {
+      if (!wanted_.inside[k / 3]) continue;
+      const double off = number_of(halves[k]) - halves_[k];
+      errors[k % 3].squares += off * off;
+      errors[k % 3].light += static_cast<double>(float_from_half(halves[k])) - static_cast<double>(wanted_.values[k]);
+    }
+    return errors;
+  }
+
+  /// `rest`: what all other blocks have too much of.
+  [[nodiscard]] double cost_of(const ChannelError& error, double rest, std::size_t c) const {
+    const double excess = excess_of_mean(rest + error.light, total_[c]);
+    // worth_ kMeanTolerance^2 = kWorth times the level's squared error: see kWorth.
+    return error.squares + worth_ * excess * excess;
+  }
+
+  /// Makes a line's texels those of the trials, and returns the light that they should have.
+  double set_texels(const Bc6hFields& fields, std::size_t line, std::size_t c) {
+    const unsigned second = bc6h_mode(fields.mode).two_lines ? bc6h_second_line(fields.partition) : 0U;
+    double light = 0.0;
+    trials_.texels = 0;
+    for (std::size_t k = 0; k < kBlockTexels; ++k) {
+      if ((second >> k & 1U) != line || !wanted_.inside[k]) continue;
+      const auto at = static_cast<std::size_t>(trials_.texels++);
+      trials_.along[at] = static_cast<float>(bc6h_weight(fields.indices[k], fields.mode)) / 64.0F;
+      trials_.wanted[at] = static_cast<float>(halves_[3 * k + c]);
+      light += static_cast<double>(wanted_.values[3 * k + c]);
+    }
+    return light;
+  }
+
+  [[nodiscard]] float end_of(std::int32_t number, int mode) const {
+    return static_cast<float>(bc6h_end(number, mode, range_));
+  }
+
+  void try_ends() { bc6h_kernels().try_ends(trials_, format_.is_signed); }
+
+  [[nodiscard]] ChannelError tried(int lane, double wanted_light) const {
+    return {static_cast<double>(trials_.squares[lane]), static_cast<double>(trials_.light[lane]) - wanted_light};
+  }
+
+  [[nodiscard]] ChannelError line_error(const Bc6hFields& fields, std::size_t line, std::size_t c) {
+    const double wanted_light = set_texels(fields, line, c);
+    const Bc6hNumbers numbers = bc6h_numbers(fields, range_);
+    std::fill_n(trials_.low, simd::kLanes, end_of(numbers[2 * line][c], fields.mode));
+    std::fill_n(trials_.high, simd::kLanes, end_of(numbers[2 * line + 1][c], fields.mode));
+    try_ends();
+    return tried(0, wanted_light);
+  }
+
+  /// Moves a line's ends of one channel to where the cost is least. `rest`: what all else has too much of.
+  /// Indices stay, so that the decoded values of a channel depend on that channel's two ends of the line alone:
+  /// (2 kReach + 1)^2 = 49 pairs of numbers are all there is to try, 16 at a time.
+  void move_ends(std::size_t line, std::size_t c, double rest, Bc6hFields& fields, ChannelError& error) {
+    const double wanted_light = set_texels(fields, line, c);
+    const Bc6hNumbers first = bc6h_numbers(fields, range_);
+    std::array<float, kChoices> lows{};
+    std::array<float, kChoices> highs{};
+    for (int k = 0; k < kChoices; ++k) {
+      lows[static_cast<std::size_t>(k)] = end_of(first[2 * line][c] + k - kReach, fields.mode);
+      highs[static_cast<std::size_t>(k)] = end_of(first[2 * line + 1][c] + k - kReach, fields.mode);
+    }
+    double least = cost_of(error, rest, c);
+    for (int choice = 0; choice < kChoices * kChoices; ++choice) {
+      const int lane = choice % simd::kLanes;
+      if (lane == 0) {
+        for (int k = 0; k < simd::kLanes; ++k) {
+          const int other = std::min(choice + k, kChoices * kChoices - 1);
+          trials_.low[k] = lows[static_cast<std::size_t>(other % kChoices)];
+          trials_.high[k] = highs[static_cast<std::size_t>(other / kChoices)];
+        }
+        try_ends();
+      }
+      const ChannelError other = tried(lane, wanted_light);
+      const double cost = cost_of(other, rest, c);
+      if (cost >= least) continue;
+      Bc6hNumbers numbers = first;
+      numbers[2 * line][c] += choice % kChoices - kReach;
+      numbers[2 * line + 1][c] += choice / kChoices - kReach;
+      if (!store_bc6h_numbers(numbers, c, range_, fields)) continue;
+      least = cost;
+      error = other;
+    }
+  }
+
+  [[nodiscard]] Candidate improved(const Bc6hFields& fields, const ChannelSums& rest) {
+    Candidate candidate{fields, {}, 0.0};
+    const std::size_t lines = bc6h_mode(fields.mode).two_lines ? 2 : 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::array<ChannelError, 2> errors{};
+      for (std::size_t line = 0; line < lines; ++line) errors[line] = line_error(fields, line, c);
+      for (std::size_t line = 0; line < lines; ++line) {
+        // Nothing is changed as soon as the mean is within the tolerance: each step away from the fitted ends costs
+        // squared error.
+        if (excess_of_mean(rest[c] + errors[0].light + errors[1].light, total_[c]) <= 0.0) break;
+        move_ends(line, c, rest[c] + errors[1 - line].light, candidate.fields, errors[line]);
+      }
+      candidate.errors[c] = {errors[0].squares + errors[1].squares, errors[0].light + errors[1].light};
+      candidate.cost += cost_of(candidate.errors[c], rest[c], c);
+    }
+    return candidate;
+  }
+
+  /// The block as the kernels encode it, with one line and with two.
+  [[nodiscard]] std::array<Bc6hFields, 2> encoded() {
+    const Bc6hKernels& kernels = bc6h_kernels();
+    fill_group(wanted_, group_);
+    std::array<std::int32_t, simd::kLanes> clamped{};
+    alignas(64) float light[3][simd::kLanes];
+    kernels.prepare(group_, format_.is_signed, clamped.data(), light);
+    kernels.single_lines(group_, format_.is_signed, true, single_);
+    kernels.two_lines(group_, format_.is_signed, 1, pair_);
+    return {unpack_bc6h(block_of(single_, 0).data()), fields_of(pair_, 0)};
+  }
+
+  /// `anew`: the block may also be encoded again in another way.
+  double improve(std::size_t block, bool anew) {
+    read(block);
+    double growth = 0.0;
+    const std::array<ChannelError, 3> errors = errors_of(block);
+    for (std::size_t c = 0; c < 3; ++c) {
+      off_[c] -= errors[c].light;
+      growth -= errors[c].squares;
+    }
+    // Descent along one block at a time: with all others as they are, the level's cost depends on this block's squared
+    // error and on `rest` plus its light.
+    const ChannelSums rest = off_;
+    Candidate best = improved(unpack_bc6h(bytes_of(block)), rest);
+    if (anew) {
+      for (const Bc6hFields& fields : encoded()) {
+        const Candidate other = improved(fields, rest);
+        if (other.cost < best.cost) best = other;
+      }
+    }
+    pack_bc6h(best.fields, bytes_of(block));
+    for (std::size_t c = 0; c < 3; ++c) {
+      off_[c] += best.errors[c].light;
+      growth += best.errors[c].squares;
+    }
+    return growth;
+  }
+
+  const std::vector<LatLongView>& pictures_;
+  const BlockFormat& format_;
+  ChannelSums total_;
+  std::vector<BlockShare> brightest_;
+  Bc6hRange range_;
+  double worth_;
+  std::uint8_t* blocks_;
+  ChannelSums off_{};                                    ///< what the level has too much of
+  BlockTexels wanted_{};                                 ///< that the block should hold which was read last
+  std::array<std::int32_t, 3 * kBlockTexels> halves_{};  ///< of those, as numbers, negative ones negative
+  BlockGroup group_{};
+  EncodedBlocks single_{};
+  TwoLineBlocks pair_{};
+  EndTrials trials_{};
+};
+
+// ---- Blocks
+
+void encode_single_lines(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
+  bc6h_kernels().single_lines(group, format.is_signed, format.effort != Bc6hEffort::fast, to);
+}
+
+void encode_two_lines(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
+  TwoLineBlocks pair;
+  bc6h_kernels().two_lines(group, format.is_signed, format.partitions_tried(), pair);
+  for (std::size_t lane = 0; lane < simd::kLanes; ++lane) {
+    std::array<std::uint8_t, kBlockBytes> block;
+    pack_bc6h(fields_of(pair, lane), block.data());
+    set_block(to, lane, block.data(), pair.errors[lane]);
+  }
+}
+
+}  // namespace
+
+EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
+                                   const Control& control) {
+  const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines,
+                           [](const std::vector<LatLongView>& pictures, const BlockFormat& own,
+                              EncodedLevels::Level& level) { level.squares += Balancer(pictures, own, level).run(); }};
+  return encode_pictures(levels, format, control);
+}
+
+}  // namespace welkin::image
+
 namespace welkin {
 namespace {
 
 /// A unit in a half's last place is 2^-10 / m of a value, with m from 1 to 2. This is the mean of 1 / m^2 over the
 /// texels of seven pictures' chains, by what the errors came to. (Of evenly spread logarithms it would be 0.54.)
 constexpr double kMeanSquareOfUnits = 0.51;
-
-void encode_single_lines(image::BlockGroup& group, const image::BlockFormat& format, image::EncodedBlocks& to) {
-  image::bc6h_kernels().single_lines(group, format.is_signed, format.effort != Bc6hEffort::fast, to);
-}
-
-void encode_two_lines(const image::BlockGroup& group, const image::BlockFormat& format, image::EncodedBlocks& to) {
-  image::TwoLineBlocks pair;
-  image::bc6h_kernels().two_lines(group, format.is_signed, format.partitions_tried(), pair);
-  for (std::size_t lane = 0; lane < simd::kLanes; ++lane) {
-    std::array<std::uint8_t, image::kBlockBytes> block;
-    image::pack_bc6h(image::fields_of(pair, lane), block.data());
-    image::set_block(to, lane, block.data(), pair.errors[lane]);
-  }
-}
 
 /// Of six faces.
 std::size_t block_bytes(int size) { return 6 * image::block_bytes(size, size); }
@@ -89,45 +353,23 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
 
 }  // namespace
 
-namespace image {
-
-Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
-                                       const Control& control) {
-  const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines};
-  EncodedLevels encoded = encode_pictures(levels, format, jobs::part_of(control, 0.0, 0.98));
-  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
-  jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
-                  [&](std::size_t level, std::size_t /*worker*/) {
-                    EncodedLevels::Level& here = encoded.levels[level];
-                    here.squares +=
-                        balance_bc6h(levels[level], options.is_signed, here.lights, here.squares, here.blocks.data());
-                  });
-  Bc6hPictureLevels result{{}, encoded.values_clamped};
-  for (std::size_t level = 0; level < levels.size(); ++level) {
-    EncodedLevels::Level& here = encoded.levels[level];
-    const double values = 3.0 * static_cast<double>(texels_of(levels[level]));
-    // An error of n units is n 2^-10 / m of a value: mean square n^2 times mean 1 / m^2, taken as independent.
-    result.levels.push_back({std::move(here.blocks), std::sqrt(here.squares * kMeanSquareOfUnits / values) / 1024.0});
-  }
-  return result;
-}
-
-}  // namespace image
-
 Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_chain(mips);
   std::vector<std::vector<LatLongView>> levels;
   levels.reserve(mips.size());
   for (const CubemapView& view : mips) levels.push_back(image::pictures_of(view));
-  image::Bc6hPictureLevels encoded = image::encode_bc6h_pictures(levels, options, control);
+  image::EncodedLevels encoded = image::encode_bc6h_pictures(levels, options, control);
   Bc6hCubemap cubemap;
   cubemap.is_signed = options.is_signed;
   cubemap.values_clamped = encoded.values_clamped;
   cubemap.levels.reserve(mips.size());
   for (std::size_t level = 0; level < mips.size(); ++level) {
-    image::Bc6hPictures& here = encoded.levels[level];
-    cubemap.levels.push_back({mips[level].size, std::move(here.blocks), here.estimated_error});
+    image::EncodedLevels::Level& here = encoded.levels[level];
+    const double values = 3.0 * static_cast<double>(texels_of(mips[level].size));
+    // An error of n units is n 2^-10 / m of a value: mean square n^2 times mean 1 / m^2, taken as independent.
+    const double error = std::sqrt(here.squares * kMeanSquareOfUnits / values) / 1024.0;
+    cubemap.levels.push_back({mips[level].size, std::move(here.blocks), error});
   }
   return cubemap;
 }

@@ -225,10 +225,9 @@ template <bool is_signed>
 WELKIN_INLINE void single_lanes(const BlockLanes& block, bool refine, std::int32_t* words, float* errors) {
   const AllTexels texels;
   const Lanes largest(kLargestHalfBits);
-  const Centre centre = centre_of(block, texels);
-  Lanes axis[3];
-  principal_axis(block, texels, centre, axis);
-  const Projection projection = along_axis(block, texels, axis);
+  Centre centre;
+  Projection projection;
+  first_projection(block, texels, centre, projection);
   SingleLine best = stored_line<is_signed>(block, least_squares(block, texels, centre, projection, largest, is_signed));
   if (refine) {
     keep_better(

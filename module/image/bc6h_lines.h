@@ -152,6 +152,16 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
   return {{axis[0] * scale, axis[1] * scale, axis[2] * scale}, Lanes(0.5F) - first * scale};
 }
 
+/// The projection that a fit begins with, along the direction in which the texels spread most.
+template <class Texels>
+WELKIN_INLINE void first_projection(const BlockLanes& block, const Texels& texels, Centre& centre,
+                                    Projection& projection) {
+  centre = centre_of(block, texels);
+  Lanes axis[3];
+  principal_axis(block, texels, centre, axis);
+  projection = along_axis(block, texels, axis);
+}
+
 template <class Texels>
 WELKIN_INLINE Lanes index_at(const BlockLanes& block, const Texels& texels, const Projection& projection, int texel) {
   return truncated(clamped(projection.at(block, texel), Lanes(0.0F), texels.largest_index(texel) + Lanes(0.5F)));

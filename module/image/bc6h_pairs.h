@@ -301,15 +301,6 @@ WELKIN_INLINE void keep_better(const LinePair& other, Lanes partition, int lane,
   for (int k = 0; k < kTexels; ++k) keep(blocks.indices[k], other.indices[k]);
 }
 
-template <class Texels>
-WELKIN_INLINE void first_projection(const BlockLanes& block, const Texels& texels, Centre& centre,
-                                    Projection& projection) {
-  centre = centre_of(block, texels);
-  Lanes axis[3];
-  principal_axis(block, texels, centre, axis);
-  projection = along_axis(block, texels, axis);
-}
-
 template <bool is_signed>
 WELKIN_INLINE void encode_pair(const BlockLanes& block, int tried, int lane, TwoLineBlocks& blocks) {
   const Lanes largest(31743.0F);

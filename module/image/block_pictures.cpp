@@ -2,15 +2,50 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 
 #include "image/bc6h.h"
-#include "image/bc6h_balance.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/standard_library.h"
 
 namespace welkin::image {
+
+ChannelSums total_light(std::span<const BlockLight> lights) noexcept {
+  ChannelSums total{};
+  for (const BlockLight& light : lights) {
+    for (std::size_t c = 0; c < 3; ++c) total[c] += static_cast<double>(light[c]);
+  }
+  return total;
+}
+
+std::vector<BlockShare> brightest_blocks(std::span<const BlockLight> lights, const ChannelSums& total) {
+  constexpr double kMinShare = 0.01;
+  ChannelSums scale{};
+  for (std::size_t c = 0; c < 3; ++c) scale[c] = total[c] > 0.0 ? 1.0 / total[c] : 0.0;
+  std::vector<BlockShare> shares;
+  for (std::size_t block = 0; block < lights.size(); ++block) {
+    double share = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) share = std::max(share, static_cast<double>(lights[block][c]) * scale[c]);
+    if (share >= kMinShare) shares.push_back({share, block});
+  }
+  std::sort(shares.begin(), shares.end(), [](const BlockShare& a, const BlockShare& b) {
+    return a.share != b.share ? a.share > b.share : a.block < b.block;
+  });
+  return shares;
+}
+
+double excess_of_mean(double off, double total) noexcept {
+  return total > 0.0 ? std::max(0.0, std::abs(off) / total - kMeanTolerance) : 0.0;
+}
+
+double excess_of_means(const ChannelSums& off, const ChannelSums& total) noexcept {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) sum += excess_of_mean(off[c], total[c]);
+  return sum;
+}
+
 namespace {
 
 using simd::kLanes;
@@ -25,6 +60,8 @@ constexpr int kTileGroups = kTileBlocks / kLanes;
 /// (bc6h_encoder.cpp), is 0.0068.
 constexpr float kEnoughSquares = 4600.0F;
 
+constexpr double kShareOfEncoding = 0.98;  ///< the rest is for keeping means
+
 /// Blocks of one level that are encoded together.
 struct Tile {
   std::size_t level;
@@ -35,6 +72,23 @@ struct Tile {
 struct BlockPosition {
   int picture, row, column;  ///< the first texel's
 };
+
+/// `block`: counted over pictures of one size.
+BlockPosition position_of(const LatLongView& picture, int block) noexcept {
+  const int across = blocks_across(picture.width);
+  const int down = blocks_across(picture.height);
+  return {block / (across * down), block / across % down * kBlockEdge, block % across * kBlockEdge};
+}
+
+/// Four texels of a picture's row from `column` on; those beyond its edge repeat the last one.
+void read_block_row(const LatLongView& view, int row, int column, float* rgb) noexcept {
+  const int columns = std::min(kBlockEdge, view.width - column);
+  const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view.format));
+  decode_texels(view.format, static_cast<const std::byte*>(row_of(view, row)) + column * texel, columns, rgb);
+  for (int k = columns; k < kBlockEdge; ++k) {
+    std::copy_n(rgb + std::ptrdiff_t{3} * (columns - 1), 3, rgb + std::ptrdiff_t{3} * k);
+  }
+}
 
 /// The buffers of one worker.
 struct Scratch {
@@ -79,10 +133,7 @@ class TileEncoder {
 
  private:
   [[nodiscard]] BlockPosition place_of(int block) const {
-    const int number = tile_.first_block + block;
-    const int across = blocks_across(width_);
-    const int down = blocks_across(height_);
-    return {number / (across * down), number / across % down * kBlockEdge, number % across * kBlockEdge};
+    return position_of(pictures_.front(), tile_.first_block + block);
   }
 
   [[nodiscard]] bool reaches_beyond(const BlockPosition& position) const {
@@ -132,11 +183,10 @@ class TileEncoder {
       result_.clamped += static_cast<std::uint64_t>(of_block);
       return;
     }
-    const float least = format_.is_signed ? -kLargestHalf : 0.0F;
     for_each_inner(position, [&](std::size_t texel) {
       for (std::size_t c = 0; c < 3; ++c) {
         const float value = scratch_.texels[lane][3 * texel + c];
-        if (!(value >= least && value <= kLargestHalf)) ++result_.clamped;
+        if (!(value >= format_.least() && value <= kLargestHalf)) ++result_.clamped;
       }
     });
   }
@@ -236,17 +286,45 @@ EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, 
   const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
   const std::size_t workers = jobs::worker_count(placement);
   const auto scratch = platform::make_unique_for_overwrite<Scratch[]>(workers);
-  jobs::run_tiles(tiles.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+  const auto encode_tile = [&](std::size_t tile, std::size_t worker) {
     const std::size_t level = tiles[tile].level;
     EncodedLevels::Level& to = encoded.levels[level];
     results[tile] =
         TileEncoder(levels[level], tiles[tile], format, scratch[worker], to.blocks.data(), to.lights.data()).encode();
-  });
+  };
+  jobs::run_tiles(tiles.size(), placement, workers, jobs::part_of(control, 0.0, kShareOfEncoding), encode_tile);
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     encoded.levels[tiles[tile].level].squares += results[tile].squares;
     encoded.values_clamped += results[tile].clamped;
   }
+  jobs::run_tiles(
+      levels.size(), placement, workers, jobs::part_of(control, kShareOfEncoding, 1.0),
+      [&](std::size_t level, std::size_t /*worker*/) { format.balance(levels[level], format, encoded.levels[level]); });
   return encoded;
+}
+
+BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block, float least) noexcept {
+  const auto [picture, top, left] = position_of(pictures.front(), static_cast<int>(block));
+  const LatLongView& view = pictures[static_cast<std::size_t>(picture)];
+  BlockTexels texels;
+  for (int row = 0; row < kBlockEdge; ++row) {
+    read_block_row(view, std::min(top + row, view.height - 1), left, texels.values.data() + std::ptrdiff_t{12} * row);
+    for (int column = 0; column < kBlockEdge; ++column) {
+      texels.inside[static_cast<std::size_t>(kBlockEdge * row + column)] =
+          top + row < view.height && left + column < view.width;
+    }
+  }
+  for (float& value : texels.values) {  // NaN is 0
+    value = value >= least ? std::min(value, kLargestHalf) : value < least ? least : 0.0F;
+  }
+  return texels;
+}
+
+void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept {
+  for (std::size_t k = 0; k < texels.values.size(); ++k) std::fill_n(group.values[k], kLanes, texels.values[k]);
+  for (std::size_t k = 0; k < kBlockTexels; ++k) {
+    std::fill_n(group.weights[k], kLanes, texels.inside[k] ? 1.0F : kPaddingWeight);
+  }
 }
 
 std::vector<LatLongView> pictures_of(const CubemapView& view) {

@@ -185,7 +185,8 @@ TexelGrid::Neighbours TexelGrid::neighbours(std::int64_t texel) const noexcept {
       const bool off_row = face_row + down < 0 || face_row + down >= columns_;
       const bool off_column = column + right < 0 || column + right >= columns_;
       if (off_row && off_column) continue;  // three faces meet here: nothing lies across the corner
-      result.add(on_cubemap(face, face_row + down, column + right));
+      const CubeTexel beside{face, column + right, face_row + down};
+      result.add(on_cubemap(off_row || off_column ? across_edge(columns_, beside) : beside));
     }
   }
   return result;
@@ -200,28 +201,8 @@ std::int64_t TexelGrid::on_lat_long(int row, int column) const noexcept {
   return std::int64_t{row} * columns_ + (column + columns_) % columns_;
 }
 
-// A cube of edge 2N with its middle at the origin has texel centres at whole numbers. A place one step past an edge
-// is folded down: what it is beyond N along the face, it lies below N along the face's normal.
-std::int64_t TexelGrid::on_cubemap(int face, int row, int column) const noexcept {
-  const double edge = columns_;
-  double u = 2.0 * column + 1.0 - edge;
-  double v = 2.0 * row + 1.0 - edge;
-  double along_normal = edge;
-  for (double* coordinate : {&u, &v}) {
-    if (*coordinate >= -edge && *coordinate <= edge) continue;
-    along_normal = edge - (*coordinate < 0.0 ? -*coordinate - edge : *coordinate - edge);
-    *coordinate = *coordinate < 0.0 ? -edge : edge;
-  }
-  const Frame& from = face_frame(face);
-  const glm::dvec3 position = u * from.u + v * from.v + along_normal * from.normal;
-  int to = 0;
-  while (to < 5 && glm::dot(position, face_frame(to).normal) != edge) ++to;
-  const auto index = [&](const glm::dvec3& axis) {
-    return static_cast<int>((glm::dot(position, axis) + edge - 1.0) / 2.0);
-  };
-  const int new_row = index(face_frame(to).v);
-  const int new_column = index(face_frame(to).u);
-  return (std::int64_t{to} * columns_ + new_row) * columns_ + new_column;
+std::int64_t TexelGrid::on_cubemap(const CubeTexel& texel) const noexcept {
+  return (std::int64_t{texel.face} * columns_ + texel.row) * columns_ + texel.column;
 }
 
 int TexelGrid::row_classes() const noexcept { return kind_ == Kind::lat_long ? rows_ : (columns_ + 1) / 2; }

@@ -134,7 +134,7 @@ class TexelGrid {
   TexelGrid(Kind kind, int columns, int rows) noexcept : kind_(kind), columns_(columns), rows_(rows) {}
 
   [[nodiscard]] std::int64_t on_lat_long(int row, int column) const noexcept;
-  [[nodiscard]] std::int64_t on_cubemap(int face, int row, int column) const noexcept;
+  [[nodiscard]] std::int64_t on_cubemap(const CubeTexel& texel) const noexcept;
 
   Kind kind_;
   int columns_;

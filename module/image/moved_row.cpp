@@ -1,8 +1,8 @@
-#include "image/moved_row.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "image/resampling.h"
 
 namespace welkin::image {
 namespace {

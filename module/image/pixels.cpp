@@ -124,24 +124,6 @@ float float_from_half(std::uint16_t half) noexcept {
   return platform::bit_cast<float>(sign | platform::bit_cast<std::uint32_t>(scaled));
 }
 
-std::uint16_t half_from_float(float value) noexcept {
-  // In integers: the caller's rounding mode does not matter, and nothing is rounded twice.
-  const auto bits = platform::bit_cast<std::uint32_t>(value);
-  const std::uint32_t sign = (bits >> 16U) & 0x8000U;
-  const std::uint32_t magnitude = bits & 0x7FFFFFFFU;
-  constexpr std::uint32_t least_normal = 0x38800000U;  // 2^-14
-  constexpr std::uint32_t largest = 0x477FE000U;       // 65504
-  if (magnitude >= largest) return static_cast<std::uint16_t>(sign | 0x7BFFU);
-  const std::uint32_t exponent = magnitude >> 23U;
-  if (exponent < 102U) return static_cast<std::uint16_t>(sign);  // less than half of the least denormal
-  // What is below the last bit of the half, and the number from which that bit counts up.
-  const bool denormal = magnitude < least_normal;
-  const std::uint32_t shift = denormal ? 126U - exponent : 13U;
-  const std::uint32_t number = denormal ? (magnitude & 0x7FFFFFU) | 0x800000U : magnitude - 0x38000000U;
-  const std::uint32_t below_half = (1U << (shift - 1U)) - 1U;
-  return static_cast<std::uint16_t>(sign | ((number + below_half + ((number >> shift) & 1U)) >> shift));
-}
-
 namespace {
 
 template <int Channels, int Targets, class Channel>

@@ -62,6 +62,13 @@ inline constexpr float kLargestFloat11 = 65024.0F;      ///< 6 bits of mantissa
 inline constexpr float kLargestFloat10 = 64512.0F;      ///< 5 bits of mantissa
 inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
 
+/// `value` if it is from 0 to `largest`; else the nearer of these, and 0 for NaN, and one more is counted.
+[[nodiscard]] inline float bounded(float value, float largest, std::uint64_t& clamped) noexcept {
+  if (value >= 0.0F && value <= largest) return value;
+  ++clamped;
+  return value > largest ? largest : 0.0F;
+}
+
 /// VK_FORMAT_B10G11R11_UFLOAT_PACK32: red in bits 0 to 10, green 11 to 21, blue 22 to 31, ties to even.
 /// Finite values from 0 to the largest of each.
 [[nodiscard]] std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept;
@@ -138,6 +145,13 @@ decltype(auto) with_view(const EnvironmentView& environment, const Work& work) {
 /// Writes what `to_cubemap` without a turn returns to a level. The view is checked already. Throws `Error` (cancelled).
 void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, ResampleFilter filter,
                   const Control& control);
+
+/// Writes width x height RGB floats, packed: each texel is the mean of the cube's texels, taken as areas of one value
+/// each, over its own area (edges in steps as CubeTiling has them). Every texel of the cube keeps its total radiance to
+/// rounding, and so does a uniform cube its value to 2e-7: what the prefilter's transform wants, and not smooth where
+/// the lat-long is finer than the cube. Takes 24 bytes a texel of the result. The view and the sizes are checked
+/// already. The same bits on any number of threads. Throws `Error` (cancelled).
+void fill_lat_long_by_area(const CubemapView& source, int width, int height, float* rgb, const Control& control);
 
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;

@@ -9,10 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "image/area_resampling.h"
 #include "image/cube_symmetry.h"
 #include "image/geometry.h"
-#include "image/moved_row.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
@@ -298,7 +296,6 @@ LatLongImage lat_long_of(const CubemapView& source, int width, int height, const
 LatLongImage lat_long_of(const LatLongView& source, int width, int height, const glm::dmat3& rotation,
                          ResampleFilter /*filter*/, const Control& control) {
   if (width == source.width && height == source.height) {
-    if (auto exact = image::rotate_exactly(source, rotation, control)) return *std::move(exact);
     if (auto moved = image::moved_along_rows(source, rotation, control)) return *std::move(moved);
   }
   return resampled_lat_long<image::LatLongSampler>(source, width, height, rotation, control);
@@ -480,43 +477,41 @@ std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat
   return result;
 }
 
-std::optional<LatLongImage> rotate_exactly(const LatLongView& source, const glm::dmat3& rotation,
-                                           const Control& control) {
-  const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
-  if (!places || places->share > 0.0) return {};
-  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
-  LatLongImage result = empty_lat_long(source.width, source.height);
-  for_each_row(source.height, source.width, control, [&](int row) {
-    float* rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
-    const auto* from =
-        static_cast<const std::byte*>(row_of(source, places->rows_reversed ? source.height - 1 - row : row));
-    const std::size_t texel_bytes = bytes_per_texel(source.format);
-    for (int column = 0; column < source.width; ++column, rgb += 3) {
-      const auto at = static_cast<std::size_t>(places->source_column(column, source.width));
-      decode_texels(source.format, from + at * texel_bytes, 1, rgb);
-    }
-  });
-  return result;
+namespace {
+
+void copy_columns(const LatLongView& source, int row, const ColumnsAndRows& places, float* rgb) {
+  const auto* const from = static_cast<const std::byte*>(row_of(source, row));
+  const std::size_t texel_bytes = bytes_per_texel(source.format);
+  for (int column = 0; column < source.width; ++column, rgb += 3) {
+    const auto at = static_cast<std::size_t>(places.source_column(column, source.width));
+    decode_texels(source.format, from + at * texel_bytes, 1, rgb);
+  }
 }
+
+void move_columns(const FloatPlane& source, int width, int row, const ColumnsAndRows& places, float* rgb) {
+  MovedRow moved(width, places.share);
+  for (int channel = 0; channel < 3; ++channel) {
+    for (int column = 0; column < width; ++column) {
+      moved.texel(column) = static_cast<double>(source.texel(places.source_column(column, width), row)[channel]);
+    }
+    moved.write(rgb + channel, 3);
+  }
+}
+
+}  // namespace
 
 std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,
                                              const Control& control) {
   const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
   if (!places) return {};
-  const FloatPlane plane(source);
+  std::optional<FloatPlane> plane;
+  if (places->share > 0.0) plane.emplace(source);
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
   LatLongImage result = empty_lat_long(source.width, source.height);
   for_each_row(source.height, source.width, control, [&](int row) {
-    MovedRow moved(source.width, places->share);
     const int from = places->rows_reversed ? source.height - 1 - row : row;
     float* const rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
-    for (int channel = 0; channel < 3; ++channel) {
-      for (int column = 0; column < source.width; ++column) {
-        moved.texel(column) =
-            static_cast<double>(plane.texel(places->source_column(column, source.width), from)[channel]);
-      }
-      moved.write(rgb + channel, 3);
-    }
+    plane ? move_columns(*plane, source.width, from, *places, rgb) : copy_columns(source, from, *places, rgb);
   });
   return result;
 }

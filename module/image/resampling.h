@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <vector>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -57,19 +59,51 @@ class CubemapSampler final : public Sampler {
   int size_;
 };
 
-// Turns that take texels to texels: nothing is interpolated, every texel stays what it is.
+// Turns that take texels to texels, or rows to rows.
 
 /// The result, if the turn is one of a cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
+/// Nothing is interpolated, every texel stays what it is.
 [[nodiscard]] std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat3& rotation,
                                                     const Control& control);
 
-/// The result, if the turn leaves the axis y in its place or turns it over, and moves the columns by whole texels, to
-/// 1e-6 texels. (The mirror that exchanges front and back does so if the width is even.)
-[[nodiscard]] std::optional<LatLongImage> rotate_exactly(const LatLongView& source, const glm::dmat3& rotation,
-                                                         const Control& control);
-
-/// Does the same if the columns move by a fraction of a texel: each row is resampled along itself and keeps its sum.
+/// The result, if the turn leaves the axis y in its place or turns it over. Where it moves the columns by whole texels,
+/// to 1e-6 texels, every texel stays what it is. (The mirror that exchanges front and back does so if the width is
+/// even.) Else each row is resampled along itself and keeps its sum.
 [[nodiscard]] std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,
                                                            const Control& control);
+
+// A row of a lat-long that is moved along itself by a fraction of a texel.
+
+/// One channel of a row. Linear interpolation keeps the row's sum and every range, but blurs. Cubic convolution
+/// (Catmull-Rom) adds a flux between neighbours, p (a - b) + q (b - c) from texel b to a, which keeps the sum as well.
+/// Each flux is limited so that every result stays between the minimum and the maximum of the four texels around its
+/// position (S. T. Zalesak, "Fully multidimensional flux-corrected transport algorithms for fluids", 1979). Where a
+/// texel is NaN or infinite the interpolation remains linear.
+class MovedRow {
+ public:
+  /// Result i lies `share` of a texel, from 0 to 1, after texel i.
+  MovedRow(int width, double share);
+
+  double& texel(int column) noexcept { return texels_[static_cast<std::size_t>(column + kBorder)]; }
+
+  /// Writes the results, `step` floats apart, once all texels are set.
+  void write(float* results, int step) noexcept;
+
+ private:
+  static constexpr int kBorder = 2;  ///< texels before the first one; as many and one more follow the last
+
+  void wrap() noexcept;
+  void interpolate() noexcept;
+  void limit() noexcept;
+
+  int width_;
+  double share_;
+  std::vector<double> texels_;
+  // Texel i is at i + kBorder, from -kBorder to the width.
+  std::vector<double> linear_;
+  std::vector<double> flux_;  ///< into each texel from the next one
+  std::vector<double> rise_;  ///< the shares of what flows in
+  std::vector<double> fall_;  ///< and out that keep the result within its range
+};
 
 }  // namespace welkin::image

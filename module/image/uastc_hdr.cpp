@@ -3,37 +3,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
+#include <span>
 #include <utility>
 
 #include "image/bc6h_partitions.h"
+#include "image/block_bits.h"
+#include "image/bounded_integers.h"
 
 namespace welkin::image {
 namespace {
 
 constexpr int kLargestEnd = 3967;  ///< the last one whose half is finite
 
-// ---- Integers of 192 and 40 levels (bounded integer sequence encoding)
+// ---- Integers of 192 and 40 levels
 
-/// Levels of a byte: `bits` plain ones below a digit of base 3 or 5.
-struct Levels {
-  int count;
-  int bits;
-  int base;
-};
-constexpr Levels kSingleLevels{192, 6, 3};
-constexpr Levels kPairLevels{40, 3, 5};
-
-/// The byte that a number below `levels.count` stands for (the specification's table "Color endpoint unquantization").
-constexpr int byte_of(int number, const Levels& levels) {
-  const auto bit = [&](int k) { return number >> k & 1; };
-  const int digit = number >> levels.bits;
-  const int a = bit(0) != 0 ? 0x1FF : 0;
-  const int b = levels.base == 3 ? bit(5) << 8 | bit(4) << 7 | bit(3) << 6 | bit(2) << 5 | bit(1) << 4 | bit(5)
-                                 : bit(2) << 8 | bit(1) << 7 | bit(2) << 2 | bit(1) << 1 | bit(2);
-  const int c = levels.base == 3 ? 5 : 26;
-  const int t = (digit * c + b) ^ a;
-  return (a & 0x80) | t >> 2;
-}
+constexpr astc::Levels kSingleLevels{6, 3};
+constexpr astc::Levels kPairLevels{3, 5};
 
 /// For each byte and each count of upper bits that must stay, the nearest byte that a number stands for; and the
 /// numbers of those bytes.
@@ -42,10 +27,10 @@ struct LevelTable {
   std::array<std::array<std::uint8_t, 256>, kMaxKept + 1> nearest{};
   std::array<std::uint8_t, 256> number{};
 
-  constexpr explicit LevelTable(const Levels& levels) {
+  constexpr explicit LevelTable(astc::Levels levels) {
     std::array<bool, 256> stored{};
-    for (int n = 0; n < levels.count; ++n) {
-      const auto byte = static_cast<std::size_t>(byte_of(n, levels));
+    for (int n = 0; n < astc::count_of(levels); ++n) {
+      const auto byte = static_cast<std::size_t>(astc::byte_of(n, levels));
       stored[byte] = true;
       number[byte] = static_cast<std::uint8_t>(n);
     }
@@ -240,122 +225,45 @@ bool is_finite(const UastcEnds& ends) noexcept {
 
 // ---- Blocks
 
-/// Bits of a block, from below; and those of indices, from its last bit down.
-class BlockBits {
- public:
-  /// `value` may have more bits.
-  void put(std::uint32_t value, int bits) noexcept {
-    const std::uint64_t kept = value & ((std::uint64_t{1} << bits) - 1);
-    words_[0] |= place_ < 64 ? kept << place_ : 0;
-    if (place_ + bits > 64) words_[1] |= place_ < 64 ? kept >> (64 - place_) : kept << (place_ - 64);
-    place_ += bits;
-  }
-  void put_indices(const std::array<std::uint8_t, kBlockTexels>& indices, int bits) noexcept {
-    std::uint64_t stream = 0;
-    // ASTC reads indices from the block's last bit down: the reverse of a stream that begins with texel 0's lowest bit.
-    // Where it is shorter than 64 bits, reversing leaves it at the upper end.
-    for (std::size_t k = kBlockTexels; k-- > 0;) stream = stream << bits | indices[k];
-    // The stream's bits in the opposite order.
-    constexpr std::array<std::uint64_t, 6> halves{0x5555555555555555U, 0x3333333333333333U, 0x0F0F0F0F0F0F0F0FU,
-                                                  0x00FF00FF00FF00FFU, 0x0000FFFF0000FFFFU, 0x00000000FFFFFFFFU};
-    for (std::size_t k = 0; k < halves.size(); ++k) {
-      stream = (stream & halves[k]) << (1U << k) | (stream >> (1U << k) & halves[k]);
-    }
-    words_[1] |= stream;
-  }
-  void store(std::uint8_t* block) const noexcept {
-    for (std::size_t k = 0; k < kBlockBytes; ++k) {
-      block[k] = static_cast<std::uint8_t>(words_[k / 8] >> (8 * (k % 8)));
-    }
-  }
-
- private:
-  std::array<std::uint64_t, 2> words_{};
-  int place_ = 0;
-};
-
-/// Five digits of base 3 in 8 bits: for the digits d0 + 3 d1 + ... the smallest number that is decoded to them.
-constexpr std::array<std::uint8_t, 243> kTrits = [] {
-  std::array<std::uint8_t, 243> table{};
-  for (int n = 255; n >= 0; --n) {
-    int c = n & 0x1F;
-    int t4 = n >> 7;
-    int t3 = n >> 5 & 3;
-    if ((n >> 2 & 7) == 7) {
-      c = (n >> 5) << 2 | (n & 3);
-      t4 = t3 = 2;
-    } else if (t3 == 3) {
-      t3 = t4;
-      t4 = 2;
-    }
-    int t2 = 2;
-    int t1 = 2;
-    int t0 = c & 3;
-    if ((c & 3) == 3) {
-      t1 = c >> 4;
-      t0 = (c >> 3 & 1) << 1 | (c >> 2 & 1 & ~(c >> 3));
-    } else if ((c >> 2 & 3) != 3) {
-      t2 = c >> 4;
-      t1 = c >> 2 & 3;
-      t0 = (c >> 1 & 1) << 1 | (c & 1 & ~(c >> 1));
-    }
-    table[static_cast<std::size_t>(t0 + 3 * (t1 + 3 * (t2 + 3 * (t3 + 3 * t4))))] = static_cast<std::uint8_t>(n);
+/// For the digits d0 + base d1 + base^2 d2 + ... the smallest code that is decoded to them.
+template <std::size_t groups, std::size_t codes>
+constexpr std::array<std::uint8_t, groups> codes_of(const std::array<astc::Digits, codes>& digits, int base) {
+  std::array<std::uint8_t, groups> table{};
+  for (std::size_t code = codes; code-- > 0;) {
+    int number = 0;
+    for (std::size_t k = digits[code].size(); k-- > 0;) number = base * number + digits[code][k];
+    table[static_cast<std::size_t>(number)] = static_cast<std::uint8_t>(code);
   }
   return table;
-}();
+}
+constexpr std::array<std::uint8_t, 243> kTritCodes = codes_of<243>(astc::kTrits, 3);
+constexpr std::array<std::uint8_t, 125> kQuintCodes = codes_of<125>(astc::kQuints, 5);
 
-/// Three digits of base 5 in 7 bits: for d0 + 5 d1 + 25 d2 the smallest number that is decoded to them.
-constexpr std::array<std::uint8_t, 125> kQuints = [] {
-  std::array<std::uint8_t, 125> table{};
-  for (int n = 127; n >= 0; --n) {
-    int q0 = 4;
-    int q1 = 4;
-    int q2 = 4;
-    if ((n >> 1 & 3) == 3 && (n >> 5 & 3) == 0) {
-      const int not_first = ~n & 1;
-      q2 = (n & 1) << 2 | (n >> 4 & not_first) << 1 | (n >> 3 & not_first);
-    } else {
-      int c = n & 0x1F;
-      if ((n >> 1 & 3) == 3) {
-        c = (n >> 3 & 3) << 3 | (~(n >> 5) & 3) << 1 | (n & 1);
-      } else {
-        q2 = n >> 5 & 3;
-      }
-      if ((c & 7) == 5) {
-        q0 = c >> 3;
-      } else {
-        q1 = c >> 3;
-        q0 = c & 7;
-      }
+/// Numbers in groups, whose digits' bits lie between the plain ones.
+void put_numbers(BlockBits& to, std::span<const std::uint8_t> numbers, astc::Levels levels) noexcept {
+  const astc::Digits digit_bits = astc::digit_bits_of(levels);
+  while (!numbers.empty()) {
+    const std::size_t count = std::min(numbers.size(), static_cast<std::size_t>(astc::group_of(levels)));
+    std::size_t digits = 0;
+    for (std::size_t k = count; k-- > 0;) {
+      digits = static_cast<std::size_t>(levels.base) * digits + static_cast<std::size_t>(numbers[k] >> levels.bits);
     }
-    table[static_cast<std::size_t>(q0 + 5 * (q1 + 5 * q2))] = static_cast<std::uint8_t>(n);
-  }
-  return table;
-}();
-
-/// Numbers of 192 levels in groups of five, whose digits' bits lie between the plain ones.
-void put_trits(BlockBits& to, const std::uint8_t* numbers, std::size_t count) noexcept {
-  std::size_t digits = 0;
-  for (std::size_t k = count; k-- > 0;)
-    digits = 3 * digits + static_cast<std::size_t>(numbers[k] >> kSingleLevels.bits);
-  const std::uint32_t code = kTrits[digits];
-  constexpr std::array<std::array<int, 2>, 5> parts{{{0, 2}, {2, 2}, {4, 1}, {5, 2}, {7, 1}}};
-  for (std::size_t k = 0; k < count; ++k) {
-    to.put(numbers[k] & 0x3FU, kSingleLevels.bits);
-    to.put(code >> parts[k][0], parts[k][1]);
+    std::uint32_t code = levels.base == 3 ? kTritCodes[digits] : kQuintCodes[digits];
+    for (std::size_t k = 0; k < count; ++k) {
+      to.append(numbers[k], levels.bits);
+      to.append(code, digit_bits[k]);
+      code >>= digit_bits[k];
+    }
+    numbers = numbers.subspan(count);
   }
 }
 
-/// Numbers of 40 levels in groups of three.
-void put_quints(BlockBits& to, const std::uint8_t* numbers) noexcept {
-  std::size_t digits = 0;
-  for (std::size_t k = 3; k-- > 0;) digits = 5 * digits + static_cast<std::size_t>(numbers[k] >> kPairLevels.bits);
-  const std::uint32_t code = kQuints[digits];
-  constexpr std::array<std::array<int, 2>, 3> parts{{{0, 3}, {3, 2}, {5, 2}}};
-  for (std::size_t k = 0; k < 3; ++k) {
-    to.put(numbers[k] & 7U, kPairLevels.bits);
-    to.put(code >> parts[k][0], parts[k][1]);
-  }
+/// ASTC reads indices from the block's last bit down: the reverse of a stream that begins with texel 0's lowest bit.
+/// Where it is shorter than 64 bits, reversing leaves it at the upper end.
+void put_indices(BlockBits& to, const std::array<std::uint8_t, kBlockTexels>& indices, int bits) noexcept {
+  BlockBits stream;
+  for (const std::uint8_t index : indices) stream.append(index, bits);
+  to.add(stream.reversed());
 }
 
 /// ASTC's seeds of BC6H's partitions. Negative: its first line is BC6H's second. 0: it has none.
@@ -426,14 +334,13 @@ void pack_uastc_single(const UastcLine& line, const std::array<std::uint8_t, kBl
                        std::uint8_t* block) noexcept {
   constexpr std::uint32_t sixteen_steps = 0x242;  // block mode: 4 x 4 indices of 4 bits
   BlockBits bits;
-  bits.put(sixteen_steps, 11);
-  bits.put(0, 2);  // one partition
-  bits.put(kFormat, 4);
+  bits.append(sixteen_steps, 11);
+  bits.append(0, 2);  // one partition
+  bits.append(kFormat, 4);
   std::array<std::uint8_t, 6> numbers{};
   for (std::size_t k = 0; k < 6; ++k) numbers[k] = kSingleTable.number[line.bytes[k]];
-  put_trits(bits, numbers.data(), 5);
-  put_trits(bits, numbers.data() + 5, 1);
-  bits.put_indices(indices, 4);
+  put_numbers(bits, numbers, kSingleLevels);
+  put_indices(bits, indices, 4);
   bits.store(block);
 }
 
@@ -442,26 +349,26 @@ void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
   constexpr std::uint32_t four_steps = 0x42;  // block mode: 4 x 4 indices of 2 bits
   const std::int16_t seed = kSeeds[static_cast<std::size_t>(partition)];
   BlockBits bits;
-  bits.put(four_steps, 11);
-  bits.put(1, 2);  // two partitions
-  bits.put(static_cast<std::uint32_t>(std::abs(seed)), 10);
-  bits.put(kFormat << 2, 6);  // the same for both
+  bits.append(four_steps, 11);
+  bits.append(1, 2);  // two partitions
+  bits.append(static_cast<std::uint32_t>(std::abs(seed)), 10);
+  bits.append(kFormat << 2, 6);  // the same for both
   std::array<std::uint8_t, 12> numbers{};
   for (std::size_t k = 0; k < 12; ++k) {
     numbers[k] = kPairTable.number[lines[seed < 0 ? 1 - k / 6 : k / 6].bytes[k % 6]];
   }
-  for (std::size_t k = 0; k < 12; k += 3) put_quints(bits, numbers.data() + k);
-  bits.put_indices(indices, 2);
+  put_numbers(bits, numbers, kPairLevels);
+  put_indices(bits, indices, 2);
   bits.store(block);
 }
 
 void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept {
   BlockBits bits;
-  bits.put(0xFFC, 12);  // of halves
-  bits.put(~0U, 32);    // and for the whole texture
-  bits.put(~0U, 20);
-  for (const std::uint16_t half : halves) bits.put(half, 16);
-  bits.put(0x3C00, 16);
+  bits.append(0xFFC, 12);  // of halves
+  bits.append(~0U, 32);    // and for the whole texture
+  bits.append(~0U, 20);
+  for (const std::uint16_t half : halves) bits.append(half, 16);
+  bits.append(0x3C00, 16);
   bits.store(block);
 }
 

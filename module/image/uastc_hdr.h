@@ -1,6 +1,6 @@
 // UASTC HDR 4x4: blocks of 4 x 4 texels in 16 bytes that are HDR ASTC as they stand, and of those only what can be
 // restated as BC6H (Basis Universal, "UASTC HDR 4x4 Texture Specification" 1.1; Khronos Data Format Specification 1.3,
-// "ASTC Compressed Texture Image Formats"). Here is how a block's numbers are chosen and stored; uastc_hdr_kernels.h
+// "ASTC Compressed Texture Image Formats"). Here is how a block's numbers are chosen and stored; bc6h_kernels.h
 // fits the lines.
 //
 // As in BC6H, a block has one or two lines in colour space. All is computed in ASTC's logarithms: numbers l of 16 bits,
@@ -53,6 +53,11 @@ void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
 
 /// Equal texels: exactly these halves ("void extent").
 void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept;
+
+/// Rows of a picture of blocks, of all of the format's 24 kinds and not only of those that are written here. `blocks`:
+/// the row of blocks that holds `first_row`, those below it follow. rgb: [rows][width][3]. A block that the format does
+/// not have gives NaN.
+void decode_uastc_hdr_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) noexcept;
 
 /// Returns the bits of the half that a logarithm of 16 bits stands for.
 [[nodiscard]] std::uint16_t half_of_logarithm(std::int32_t logarithm) noexcept;

@@ -1,16 +1,14 @@
-#include "image/uastc_hdr_encoder.h"
-
+// UASTC HDR of pictures, the faces of cubemaps among them.
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "image/bc6h.h"
-#include "image/bc6h_balance.h"
+#include "image/bc6h_kernels.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "image/uastc_hdr.h"
-#include "image/uastc_hdr_kernels.h"
-#include "jobs/tiles.h"
 
 namespace welkin::image {
 namespace {
@@ -154,20 +152,9 @@ void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to,
   }
 }
 
-BlockFormat format_with(Bc6hEffort effort) {
-  return {effort, false,
-          [](BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
-            encode_single_lines(group, format.effort, to, nullptr);
-          },
-          [](const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to) {
-            std::fill_n(to.errors, kLanes, 1.0e30F);
-            improve_by_two_lines(group, format.partitions_tried(), to, nullptr);
-          }};
-}
-
 /// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: 16 times at once, with
 /// their texels scaled by a little. Of those that leave the means better it takes the one of the least cost, the means'
-/// excess (block_light.h) and the squared error.
+/// excess and the squared error.
 class Balancer {
  public:
   Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
@@ -207,49 +194,17 @@ class Balancer {
     Trial now;
   };
 
-  /// A block's texels; those beyond the picture's edge repeat it.
-  struct Given {
-    std::array<float, kValues> values;
-    std::array<bool, kBlockTexels> inside;
-  };
-
-  static ChannelSums sum(const ChannelSums& a, const ChannelSums& b, double sign = 1.0) {
-    return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
-  }
-
-  [[nodiscard]] double excess(const ChannelSums& off) const {
-    double all = 0.0;
-    for (std::size_t c = 0; c < 3; ++c) all += excess_of_mean(off[c], total_[c]);
-    return all;
-  }
-
-  [[nodiscard]] Given given(std::size_t block) const {
-    const LatLongView& first = pictures_.front();
-    const auto across = static_cast<std::size_t>(blocks_across(first.width));
-    const std::size_t each = across * static_cast<std::size_t>(blocks_across(first.height));
-    const LatLongView& view = pictures_[block / each];
-    const int top = static_cast<int>(block % each / across) * kBlockEdge;
-    const int left = static_cast<int>(block % each % across) * kBlockEdge;
-    Given given{};
-    for (int row = 0; row < kBlockEdge; ++row) {
-      read_block_row(view, std::min(top + row, view.height - 1), left, given.values.data() + std::ptrdiff_t{12} * row);
-      for (int column = 0; column < kBlockEdge; ++column) {
-        given.inside[static_cast<std::size_t>(kBlockEdge * row + column)] =
-            top + row < view.height && left + column < view.width;
-      }
-    }
-    for (float& value : given.values) value = value > 0.0F ? std::min(value, kLargestHalf) : 0.0F;  // NaN is 0
-    return given;
-  }
+  [[nodiscard]] double excess(const ChannelSums& off) const { return excess_of_means(off, total_); }
 
   /// The block as it is, and 15 times with its channels scaled by `scale`, give or take `spread`; then the same with
   /// one line, whose ends have finer steps.
   [[nodiscard]] Trials tried(std::size_t block, const ChannelSums& scale, double spread) {
-    const Given texels = given(block);
+    const BlockTexels texels = block_texels(pictures_, block, format_.least());
     BlockGroup group;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      std::array<float, 3> factors{1.0F, 1.0F, 1.0F};
-      for (std::size_t c = 0; c < 3 && lane > 0; ++c) {
+    fill_group(texels, group);
+    for (std::size_t lane = 1; lane < kLanes; ++lane) {
+      std::array<float, 3> factors{};
+      for (std::size_t c = 0; c < 3; ++c) {
         // A linear congruential generator modulo 2^32; the lower bits repeat soon, so the upper 16 are taken.
         state_ = 1664525U * state_ + 1013904223U;
         const double part = 2.0 * static_cast<double>(state_ >> 16U) / 65535.0 - 1.0;
@@ -258,7 +213,6 @@ class Balancer {
       for (std::size_t k = 0; k < kValues; ++k) {
         group.values[k][lane] = std::min(texels.values[k] * factors[k % 3], kLargestHalf);
       }
-      for (std::size_t k = 0; k < kBlockTexels; ++k) group.weights[k][lane] = texels.inside[k] ? 1.0F : kPaddingWeight;
     }
     std::array<std::int32_t, kLanes> clamped;
     alignas(64) float light[3][kLanes];
@@ -281,7 +235,7 @@ class Balancer {
     return trials;
   }
 
-  static Trial measured(const Given& texels, const BlockHalves& halves) {
+  static Trial measured(const BlockTexels& texels, const BlockHalves& halves) {
     Trial trial{{}, 0.0, {}};
     for (std::size_t k = 0; k < kValues; ++k) {
       if (!texels.inside[k / 3]) continue;
@@ -336,13 +290,17 @@ class Balancer {
 
 EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
                                         const Control& control) {
-  const BlockFormat format = format_with(effort);
-  EncodedLevels encoded = encode_pictures(levels, format, jobs::part_of(control, 0.0, 0.98));
-  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
-  jobs::run_tiles(
-      levels.size(), placement, jobs::worker_count(placement), jobs::part_of(control, 0.98, 1.0),
-      [&](std::size_t level, std::size_t /*worker*/) { Balancer(levels[level], format, encoded.levels[level]).run(); });
-  return encoded;
+  const BlockFormat format{effort, false,
+                           [](BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
+                             encode_single_lines(group, own.effort, to, nullptr);
+                           },
+                           [](const BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
+                             std::fill_n(to.errors, kLanes, 1.0e30F);
+                             improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
+                           },
+                           [](const std::vector<LatLongView>& pictures, const BlockFormat& own,
+                              EncodedLevels::Level& level) { Balancer(pictures, own, level).run(); }};
+  return encode_pictures(levels, format, control);
 }
 
 }  // namespace welkin::image

@@ -1,6 +1,5 @@
 // UASTC HDR's encoder, one block a lane: lines through the texels' logarithms, and the texels' indices along them.
-#include "image/uastc_hdr_kernels.h"
-
+#include "image/bc6h_kernels.h"
 #include "image/bc6h_lines.h"
 #include "image/bc6h_pairs.h"
 
@@ -37,22 +36,14 @@ void take_logarithms(BlockGroup& group, std::int32_t* flat) {
   }
 }
 
-// NOLINTBEGIN(readability-convert-member-functions-to-static)
 /// All texels of a block, on one line. No index has a bit less.
-struct SingleTexels {
-  static constexpr float steps = 15.0F;
+struct SingleTexels : AllTexels {
   static WELKIN_INLINE Lanes weight_of(Lanes index) {
     return truncated(index * Lanes(4.25F)) + select(index > Lanes(7.5F), Lanes(1.0F), Lanes(0.0F));
   }
-  [[nodiscard]] WELKIN_INLINE Lanes share(int /*texel*/, Lanes weight) const { return weight; }
-  [[nodiscard]] WELKIN_INLINE Lanes inside(int /*texel*/, Lanes value, Lanes /*otherwise*/) const { return value; }
-  template <class ValueOf>
-  [[nodiscard]] WELKIN_INLINE Lanes at_anchor(const ValueOf& value) const {
-    return value(0);
-  }
+  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): as those of other texels
   [[nodiscard]] WELKIN_INLINE Lanes largest_index(int /*texel*/) const { return Lanes(steps); }
 };
-// NOLINTEND(readability-convert-member-functions-to-static)
 
 /// The texels of one side of a partition.
 template <bool is_second>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -17,20 +18,13 @@
 namespace welkin::image {
 namespace {
 
-/// NaN is between no bounds.
-float bounded(float value, float lowest, float largest, std::uint64_t& clamped) noexcept {
-  if (value >= lowest && value <= largest) return value;
-  ++clamped;
-  return value > largest ? largest : value < lowest ? lowest : 0.0F;
-}
-
 template <typename Pack>
 std::uint64_t encode_packed(const float* rgb, std::size_t count, std::uint8_t* texels,
                             const std::array<float, 3>& largest, const Pack& pack) noexcept {
   std::uint64_t clamped = 0;
   for (std::size_t i = 0; i < count; ++i, rgb += 3, texels += 4) {
     std::array<float, 3> texel{};
-    for (std::size_t c = 0; c < 3; ++c) texel[c] = bounded(rgb[c] + 0.0F, 0.0F, largest[c], clamped);  // -0 is 0
+    for (std::size_t c = 0; c < 3; ++c) texel[c] = bounded(rgb[c] + 0.0F, largest[c], clamped);  // -0 is 0
     const std::uint32_t packed = pack(texel);
     std::memcpy(texels, &packed, sizeof packed);
   }
@@ -89,6 +83,11 @@ float power_of_two(int exponent) noexcept {
 }
 
 }  // namespace
+
+std::uint16_t half_from_float(float value) noexcept {
+  const std::uint32_t sign = platform::bit_cast<std::uint32_t>(value) >> 16U & 0x8000U;
+  return static_cast<std::uint16_t>(sign | small_float(std::min(std::abs(value), kLargestHalf), kHalfMantissaBits));
+}
 
 std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept {
   return small_float(rgb[0], 6) | small_float(rgb[1], 6) << 11U | small_float(rgb[2], 5) << 22U;

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "image/area_resampling.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"

@@ -1,5 +1,6 @@
 // JPEG with a gain map: what is read of it, and what is refused.
-#include "files/gain_map.h"
+#include "files/jpeg.h"
+
 #include "places.h"
 #include "support/catch.h"
 #include "support/jpeg_files.h"

@@ -281,11 +281,10 @@ TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much",
   ReadOptions options{.memory_limit_bytes = std::uint64_t{512} << 10U};
   write_bytes(path, sound_png(640, 320, true));
   CHECK(inspect_environment(path, options).width == 640);
-  CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
-  const ThrownError error = thrown_by([&] { (void)files::open_row_source(path, options)->open_reader(); });
+  const ThrownError error = thrown_by([&] { (void)measure_environment(path, options); });
   CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": is interlaced, so it must be decoded whole"));
-  CHECK(error.says("save it without interlacing"));
+  CHECK(error.says(path.string() + ": decoding "));
+  CHECK(error.says("save it without interlacing: as it is, it must be decoded whole"));
   write_bytes(path, sound_png(640, 320, false));
   CHECK(files::open_row_source(path, options)->reader_bytes() < options.memory_limit_bytes);
   (void)files::open_row_source(path, options)->open_reader();

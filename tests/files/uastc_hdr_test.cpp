@@ -1,9 +1,9 @@
 // KTX2 textures in blocks of UASTC HDR.
 #include "image/uastc_hdr.h"
 
+#include "image/bc6h_kernels.h"
+#include "image/block_pictures.h"
 #include "image/pixels.h"
-#include "image/uastc_hdr_encoder.h"
-#include "image/uastc_hdr_kernels.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/pictures.h"

@@ -1,9 +1,9 @@
 // Resampling between cubemaps and lat-longs, by filter and by area.
 #include "welkin/resampling.h"
 
-#include "image/area_resampling.h"
 #include "image/area_weights.h"
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/exr_files.h"
@@ -283,12 +283,9 @@ TEST_CASE("A uniform cube is a uniform lat-long by area", "[area]") {
 namespace {
 
 std::vector<float> cube_by_area(const LatLongView& source, int size) {
-  const std::size_t face = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  std::vector<float> texels(6 * face);
-  std::array<float*, 6> faces{};
-  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = texels.data() + i * face;
-  image::fill_cubemap_by_area(source, size, faces, Control{});
-  return texels;
+  Cubemap cube(size);
+  image::fill_cubemap(source, cube, 0, ResampleFilter::area, {});
+  return std::move(cube).pixels();
 }
 
 }  // namespace

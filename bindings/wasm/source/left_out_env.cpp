@@ -2,7 +2,6 @@
 #include <memory>
 
 #include "files/env.h"
-#include "files/env_manifest.h"
 #include "platform/file.h"
 #include "welkin/core.h"
 

@@ -2,13 +2,13 @@
 #include <span>
 #include <vector>
 
-#include "image/bc6h_encoder.h"
+#include "image/block_pictures.h"
 #include "welkin/core.h"
 
 namespace welkin::image {
 
-Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/,
-                                       const Bc6hOptions& /*options*/, const Control& /*control*/) {
+EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/, const Bc6hOptions& /*options*/,
+                                   const Control& /*control*/) {
   throw Error(ErrorCode::unsupported_file, "WebAssembly's modules are built without an encoder of BC6H");
 }
 
