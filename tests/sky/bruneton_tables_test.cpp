@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
 #include "support/catch.h"
+#include "support/small_skies.h"
 #include "welkin/sky.h"
 
 namespace welkin {
@@ -119,8 +119,7 @@ TEST_CASE("Where Bruneton's tables of npm and ours differ, paths are on our side
   const Atmosphere all = air(true, true);
   const Atmosphere molecules = air(true, false);
   const Atmosphere aerosol = air(false, true);
-  const SkyTableOptions four{.orders = 4, .truncate_orders = true};
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(all, four)), 0.0);
+  const SkyView view = test::sky_view_of(all, {.orders = 4, .truncate_orders = true});
   for (const Row& row : rows) {
     const glm::dvec3 direction = sun_direction(row.elevation, row.azimuth);
     const glm::dvec3 sun = sun_direction(row.sun, 0.0);

@@ -123,7 +123,7 @@ TEST_CASE("night: irradiance, harmonics and curves are those of its radiance", "
 // Promise: down to -18 degrees the light that is left is that of paths. (docs/maths/sky.md has the table of many more
 // paths.)
 TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][night][truth]") {
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), {.truncate_orders = true})), 0.0);
+  const SkyView view = sky_view_of(earth(), {.truncate_orders = true});
   struct Case {
     double elevation;
     double up;
@@ -153,7 +153,7 @@ TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky
   SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32, .truncate_orders = true};
   const auto zenith = [&](int orders) {
     options.orders = orders;
-    const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
+    const SkyView view = sky_view_of(earth(), options);
     std::vector<dvec3> light;
     for (const double elevation : {-9.0, -12.0, -15.0, -18.0}) {
       light.push_back(view.radiance(kUp, sun_direction(elevation, 0.0)));
@@ -183,11 +183,11 @@ TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon 
            2, {Planet{earth(), 0.005}, Planet{earth_bruneton(), 0.005}, Planet{with_ground_albedo(earth(), 0.8), 0.01},
                Planet{earth({680.0, 550.0, 440.0}, AerosolKind::polluted), 0.02}, Planet{mars(), 0.02}})) {
     SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32};
-    const SkyView usual(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);
+    const SkyView usual = sky_view_of(planet.air, options);
     options.truncate_orders = true;
-    const SkyView four(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);
+    const SkyView four = sky_view_of(planet.air, options);
     options.orders = 24;
-    const SkyView all(std::make_shared<const SkyTables>(precompute_sky(planet.air, options)), 0.0);
+    const SkyView all = sky_view_of(planet.air, options);
     double lacking = 0.0;
     for (const double elevation : {90.0, 30.0, 5.0, 0.0, -3.0, -6.0, -9.0, -12.0, -15.0, -18.0}) {
       const dvec3 sun = sun_direction(elevation, 0.0);

@@ -7,10 +7,10 @@
 // over a ground of radius 6370 km): molecules alone, black ground, 550 nm.
 #include <array>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "support/catch.h"
+#include "support/small_skies.h"
 #include "welkin/sky.h"
 
 namespace welkin {
@@ -75,21 +75,17 @@ const Case cases[] = {
 };
 // clang-format on
 
-std::vector<DensityLayer> falling(double scale_height_m) {
-  return {{.exponential_term = 1.0, .exponential_scale_per_m = -1.0 / scale_height_m}};
-}
-
 Atmosphere flat(const Case& of) {
   Atmosphere air;
   air.solar_irradiance.assign(3, 1.0);
   air.sun_angular_radius_degrees = 0.0;
   air.bottom_radius_m = 1e9;
   air.top_radius_m = 1e9 + 6e4;
-  air.rayleigh.density = falling(8000.0);
+  air.rayleigh.density = exponential_profile(8000.0);
   air.rayleigh.scattering_per_m.assign(3, of.rayleigh_per_m);
   air.ground_albedo.assign(3, of.albedo);
   if (of.aerosol_per_m > 0.0) {
-    air.aerosol.density = falling(1200.0);
+    air.aerosol.density = exponential_profile(1200.0);
     air.aerosol.scattering_per_m.assign(3, of.aerosol_per_m);
     air.aerosol.absorption_per_m.assign(3, of.absorption_per_m);
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
@@ -97,8 +93,7 @@ Atmosphere flat(const Case& of) {
   }
   if (of.ozone_per_m > 0.0) {
     Constituent& ozone = air.absorbers.emplace_back();
-    ozone.density = {{.thickness_m = 25'000.0, .linear_term_per_m = 1.0 / 15'000.0, .constant_term = -2.0 / 3.0},
-                     {.linear_term_per_m = -1.0 / 15'000.0, .constant_term = 8.0 / 3.0}};
+    ozone.density = tent_profile(25'000.0, 15'000.0);
     ozone.absorption_per_m.assign(3, of.ozone_per_m);
   }
   return air;
@@ -108,7 +103,7 @@ Atmosphere flat(const Case& of) {
 
 TEST_CASE("Skies are those of CDISORT, in haze and over bright ground", "[sky][tables][view][judges][truth]") {
   for (const Case& of : cases) {
-    const SkyView view(std::make_shared<const SkyTables>(precompute_sky(flat(of), {})), 0.0);
+    const SkyView view = test::sky_view_of(flat(of));
     double squares = 0.0;
     int count = 0;
     for (const SunRow& sun : of.suns) {
@@ -158,7 +153,7 @@ TEST_CASE("Molecules around a planet send the light that MYSTIC follows", "[sky]
   air.bottom_radius_m = 6.37e6;
   air.top_radius_m = 6.43e6;
   air.ground_albedo.assign(3, 0.0);
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, {})), 0.0);
+  const SkyView view = test::sky_view_of(air);
   for (const Row& row : rows) {
     const double found = view.radiance(sun_direction(row.elevation, row.azimuth), sun_direction(row.sun, 0.0)).x;
     CAPTURE(row.sun, row.elevation, row.azimuth, found / row.radiance);
@@ -201,13 +196,13 @@ TEST_CASE("Slabs send the light of published tables", "[sky][tables][view][judge
     of.albedo = 0.0;
     Atmosphere air = flat(of);
     Constituent& matter = slab.asymmetry > 1.0 ? air.rayleigh : air.aerosol;
-    matter.density = falling(8000.0);
+    matter.density = exponential_profile(8000.0);
     matter.scattering_per_m.assign(3, slab.albedo * all);
     matter.absorption_per_m.assign(3, (1.0 - slab.albedo) * all);
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
     air.aerosol_asymmetry = slab.asymmetry > 1.0 ? 0.0 : slab.asymmetry;
     air.solar_irradiance.assign(3, slab.light);
-    const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, {})), 0.0);
+    const SkyView view = test::sky_view_of(air);
     const auto degrees = [](double sine) { return glm::degrees(std::asin(sine)); };
     const glm::dvec3 sun = sun_direction(degrees(slab.sun), 0.0);
     CAPTURE(slab.name, view.irradiance(sun).x / slab.irradiance);
@@ -225,9 +220,9 @@ TEST_CASE("What thick air over bright ground sends of further orders is estimate
   thick.rayleigh_per_m = 2.0 / 8000.0;
   thick.albedo = 0.9;
   const auto view_of = [&](int orders, bool exact) {
-    const SkyTableOptions options{
-        .heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .orders = orders, .truncate_orders = exact};
-    return SkyView(std::make_shared<const SkyTables>(precompute_sky(flat(thick), options)), 0.0);
+    return test::sky_view_of(
+        flat(thick),
+        {.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .orders = orders, .truncate_orders = exact});
   };
   const SkyView all = view_of(64, true);
   for (const int orders : {2, 4, 8}) {

@@ -10,8 +10,7 @@ namespace welkin::test {
 /// Earth, single scattering, the default sizes. The ground is lit by the direct sun only, as in the reference.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& single_tables() {
   static const auto tables = [] {
-    SkyTableOptions options{.orders = 1};
-    SkyTables made = precompute_sky(earth_bruneton(), options);
+    SkyTables made = precompute_sky(earth_bruneton(), {.orders = 1});
     std::fill(made.irradiance.begin(), made.irradiance.end(), 0.0F);
     return std::make_shared<const SkyTables>(std::move(made));
   }();
@@ -29,7 +28,7 @@ namespace welkin::test {
   options.sun_zeniths = 12;
   options.sun_angles = 5;
   options.orders = 2;
-  return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options));
+  return sky_tables_of(atmosphere, options);
 }
 
 /// The same for all of a program.
@@ -40,10 +39,8 @@ namespace welkin::test {
 
 /// Of few heights, and as many other nodes as it takes for those to crowd.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& crowded_view_tables() {
-  static const std::shared_ptr<const SkyTables> tables = [] {
-    SkyTableOptions options{.heights = 6, .view_zeniths = 48, .sun_zeniths = 48, .orders = 2};
-    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
-  }();
+  static const auto tables =
+      sky_tables_of(earth_bruneton(), {.heights = 6, .view_zeniths = 48, .sun_zeniths = 48, .orders = 2});
   return tables;
 }
 

@@ -384,7 +384,7 @@ TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][vi
   RandomAtmospheres random(20'261'121);
   for (int i = 0; i < trials(20); ++i) {
     const Atmosphere air = random.next();
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny(random)));
+    const auto tables = sky_tables_of(air, tiny(random));
     const double thickness = air.top_radius_m - air.bottom_radius_m;
     for (const double altitude :
          {0.0, std::min(1e9, 1e-9 * thickness), std::min(1e9, random.number() * thickness), std::min(1e9, thickness),
@@ -420,10 +420,8 @@ double largest_relative_error(const glm::dvec3& rgb, const glm::dvec3& truth) {
 }  // namespace
 
 TEST_CASE("sky view: by day the compact table is the full one but for what it leaves out", "[sky][view][truth]") {
-  SkyTableOptions options;
-  const auto full = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
-  options.layout = ScatteringLayout::compact;
-  const auto compact = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  const auto full = sky_tables_of(earth_bruneton());
+  const auto compact = sky_tables_of(earth_bruneton(), {.layout = ScatteringLayout::compact});
   const glm::dvec3 overhead = sun_direction(90.0, 0.0);
   for (const double altitude : {0.0, 700.0, 2000.0, 5000.0, 12'000.0, 35'000.0}) {
     const SkyView a(full, altitude);
@@ -446,9 +444,8 @@ TEST_CASE("sky view: by day the compact table is the full one but for what it le
 
 TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
   const Atmosphere air = earth_bruneton({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
-  SkyTableOptions options{
-      .heights = 4, .view_zeniths = 32, .sun_zeniths = 32, .orders = 1, .colour = SkyColour::linear_srgb};
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const SkyView view = sky_view_of(
+      air, {.heights = 4, .view_zeniths = 32, .sun_zeniths = 32, .orders = 1, .colour = SkyColour::linear_srgb});
   const std::vector<glm::dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
   const auto folded = [&](const std::vector<double>& values) {
     glm::dvec3 sum{};
