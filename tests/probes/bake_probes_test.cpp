@@ -26,19 +26,27 @@ bool same_bits(const BakedProbes& a, const BakedProbes& b) {
          a.invalid == b.invalid && a.unfilled == b.unfilled;
 }
 
+constexpr int kDepthSize = 48;  ///< of depths whose moments are summed over all texels
+
 /// Mean and mean square by the definition: every texel of the depths, not blocks of them.
-glm::dvec2 moments_of(const std::vector<float>& depths, int size, const dvec3& axis, int power, double limit) {
+glm::dvec2 moments_of(const std::vector<float>& depths, const dvec3& axis, int power, double limit) {
+  static const std::vector<dvec3> directions = [] {
+    std::vector<dvec3> all;
+    Captures::for_each_texel(kDepthSize, [&](const dvec3& direction) { all.push_back(direction); });
+    return all;
+  }();
   glm::dvec2 sums(0.0);
   double whole = 0.0;
-  std::size_t texel = 0;
-  Captures::for_each_texel(size, [&](const dvec3& direction) {
+  for (std::size_t texel = 0; texel < directions.size(); ++texel) {
+    const dvec3& direction = directions[texel];
+    const double cosine = glm::dot(axis, direction);
+    if (cosine <= 0.0) continue;
     const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-    const double weight = largest * largest * largest *
-                          std::pow(std::max(0.0, glm::dot(axis, direction)), power);  // area as a small square
-    const double distance = std::min(limit, static_cast<double>(std::abs(depths[texel++])));
+    const double weight = largest * largest * largest * std::pow(cosine, power);  // area as a small square
+    const double distance = std::min(limit, static_cast<double>(std::abs(depths[texel])));
     sums += weight * glm::dvec2(distance, distance * distance);
     whole += weight;
-  });
+  }
   return sums / whole;
 }
 
@@ -125,8 +133,7 @@ TEST_CASE("probes: inside a sphere every mean is the radius, and its square the 
 
 TEST_CASE("probes: in a box, moments are those of its walls' distances, backs and what is far included", "[probes]") {
   const ProbeGrid grid{.counts = {2, 1, 1}, .origin = {-0.5, 0.2, 0.1}, .spacing = {1, 1, 1}};
-  constexpr int size = 48;
-  const Captures captures(2, 1, grey, size, [&](std::size_t probe, const dvec3& d) {
+  const Captures captures(2, 1, grey, kDepthSize, [&](std::size_t probe, const dvec3& d) {
     const double distance = distance_to_walls(grid.position(probe), d, {-1, -1, -1}, {2, 1, 1});
     if (d.y > 0.8) return kNothing;
     return static_cast<float>(d.z > 0.7 ? -distance : distance);
@@ -139,8 +146,8 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
       for (int row = 0; row < 7; ++row) {
         for (int column = 0; column < 7; ++column) {
           CAPTURE(power, probe, row, column);
-          const glm::dvec2 wanted = moments_of(captures.distances[probe], size,
-                                               octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
+          const glm::dvec2 wanted =
+              moments_of(captures.distances[probe], octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
           const float* found = texel_of(probes, probe, column, row);
           // Blocks of 3 x 3 texels stand for their middles: an eighth of a lobe's width for power 50.
           CHECK(found[0] == Approx(wanted.x).epsilon(0.004));
@@ -157,14 +164,8 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
   const dvec3 room(6, 3, 4);
   for (const double margin : {0.25, 0.5}) {
     const ProbeGrid grid{.counts = {5, 3, 4}, .origin = dvec3(margin), .spacing = (room - 2 * margin) / dvec3(4, 2, 3)};
-    constexpr int size = 48;
-    const Captures captures(grid.size(), 1, grey, size, [&](std::size_t probe, const dvec3& d) {
-      const dvec3 point = grid.position(probe);
-      double nearest = 1e9;
-      for (int axis = 0; axis < 3; ++axis) {
-        nearest = std::min(nearest, ((d[axis] > 0.0 ? room[axis] : 0.0) - point[axis]) / d[axis]);
-      }
-      return static_cast<float>(nearest);
+    const Captures captures(grid.size(), 1, grey, kDepthSize, [&](std::size_t probe, const dvec3& d) {
+      return static_cast<float>(distance_to_walls(grid.position(probe), d, dvec3(0.0), room));
     });
     const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
     glm::dvec2 most(0.0);
@@ -173,7 +174,7 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
     for (std::size_t probe = 0; probe < grid.size(); probe += 3) {
       for (int texel = 0; texel < 64; ++texel) {
         const dvec3 axis = octahedral_decode((texel % 8 + 0.5) / 8, (texel / 8 + 0.5) / 8);
-        const glm::dvec2 wanted = moments_of(captures.distances[probe], size, axis, 50, probes.distance_limit);
+        const glm::dvec2 wanted = moments_of(captures.distances[probe], axis, 50, probes.distance_limit);
         const float* found = texel_of(probes, probe, texel % 8, texel / 8);
         const glm::dvec2 off = glm::abs(glm::dvec2(found[0], found[1]) / wanted - 1.0);
         most = glm::max(most, off);

@@ -266,7 +266,7 @@ BakedProbes baked_out_of_walls(const Room& room, const ProbeGrid& grid) {
     std::vector<DepthView> depths;
     for (std::size_t k = 0; k < grid.size(); ++k) {
       const ProbeGrid one{.origin = grid.position(k) + offsets[k], .spacing = grid.spacing};
-      captures.push_back(room.capture(one, 12, call < 4 ? 1 : 4, Followed::reflected));
+      captures.push_back(room.capture(one, 12, call < 4 ? 0 : 4, Followed::reflected));
       cubes.push_back(captures.back().cubes[0]);
       depths.push_back(captures.back().depths[0]);
     }

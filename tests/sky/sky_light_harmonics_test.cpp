@@ -1,13 +1,12 @@
 // Harmonics of skies, for one sun and along a curve of suns.
-#include "perf/report/measuring.h"
 #include "reference/sky_reference.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"
+#include "sky/sky_tables_for_tests.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/random_atmospheres.h"
-#include "support/small_skies.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
 #include "welkin/core.h"
@@ -89,8 +88,7 @@ TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in close
   air.absorbers.clear();
   air.ground_albedo = {0.25, 0.5, 1.0};
   air.solar_irradiance = {1.0, 2.0, 4.0};
-  const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
-  const SkyProjector projector(SkyView(tables, 0.0), {.bands = 5});
+  const SkyProjector projector(sky_view_of(air, tiny_tables()), {.bands = 5});
   for (const double elevation : {90.0, 40.0, 3.0}) {
     CAPTURE(elevation);
     const SphericalHarmonics light = projector.project(sun_direction(elevation, 77.0));
@@ -108,12 +106,12 @@ TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in close
 }
 
 TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
-  SkyTables twice = *small_earth();
+  SkyTables twice = *small_view_tables();
   for (double& irradiance : twice.atmosphere.solar_irradiance) irradiance *= 2.0;
   for (std::vector<float>* table : {&twice.scattering, &twice.single_mie, &twice.irradiance}) {
     for (float& value : *table) value *= 2.0F;
   }
-  const SkyProjector one(SkyView(small_earth(), 300.0));
+  const SkyProjector one(SkyView(small_view_tables(), 300.0));
   const SkyProjector two(SkyView(std::make_shared<const SkyTables>(twice), 300.0));
   for (const double elevation : kElevations) {
     CAPTURE(elevation);
@@ -141,7 +139,7 @@ TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky
 
 TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
   for (const double altitude : {0.0, 5000.0, 1e6}) {
-    const SkyProjector projector(SkyView(small_earth(), altitude));
+    const SkyProjector projector(SkyView(small_view_tables(), altitude));
     SphericalHarmonics light(3);
     projector.project(sun_direction(20.0, 0.0), light.coefficients());  // tables of sizes are there now
     const FailingHeap heap(Heap::this_thread, 1, true);
@@ -170,7 +168,7 @@ TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not fini
   RandomAtmospheres random(606);
   for (int trial = 0; trial < trials(15); ++trial) {
     const Atmosphere air = random.next();
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
+    const auto tables = sky_tables_of(air, tiny_tables());
     const double thickness = air.top_radius_m - air.bottom_radius_m;
     for (const double altitude : {0.0, 0.3 * thickness, 2.0 * thickness}) {
       const SkyProjector projector(SkyView(tables, std::min(altitude, 1e9)), {3, SkyQuadrature::gauss_split, 6, 6});
@@ -187,7 +185,7 @@ TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not fini
 }
 
 TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics][slow]") {
-  const SkyProjector projector(SkyView(small_earth(), 0.0));
+  const SkyProjector projector(SkyView(small_view_tables(), 0.0));
   std::vector<glm::dvec3> eight(8);
   const ThrownError room = thrown_by([&] { projector.project(glm::dvec3(0, 1, 0), eight); });
   CHECK(room.code == ErrorCode::invalid_argument);
@@ -231,8 +229,7 @@ SphericalHarmonics truth(const Atmosphere& air, const glm::dvec3& sun) {
 
 TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
-  SkyTableOptions options{.orders = 1};
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const SkyView view = sky_view_of(air, {.orders = 1});
   const SkyProjector projector(view);
   const SkyCurve curve(view);
   for (const double elevation : some_of(3, {90.0, 45.0, 10.0, 2.0, 0.0, -2.0, -6.0, -4.0})) {
@@ -243,10 +240,6 @@ TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky]
     CHECK(relative_difference(curve.at(sun).coefficients(), expected.coefficients()) < 5e-3);
   }
 }
-
-// The truth of sky harmonics: it turns with the sun, converges, and is what a fine projector sees.
-
-using report::relative_error;
 
 // Promise: a curve over the sun's elevation gives what the projection gives, for a fraction of it.
 
@@ -340,7 +333,7 @@ TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "
 }
 
 TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky][curve]") {
-  const SkyView view(small_earth(), 0.0);
+  const SkyView view(small_view_tables(), 0.0);
   forget_allocations_in_tiles();
   const SkyCurve curve(view);
   CHECK(allocations_in_tiles() == 0);
@@ -352,7 +345,7 @@ TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky
 }
 
 TEST_CASE("a curve's bake is cancelled, tells its progress, and refuses nonsense", "[sky][curve]") {
-  const SkyView view(small_earth(), 0.0);
+  const SkyView view(small_view_tables(), 0.0);
   stop_source source;
   source.request_stop();
   CHECK(thrown_by([&] { SkyCurve(view, {}, {.stop = source.get_token()}); }).code == ErrorCode::cancelled);
