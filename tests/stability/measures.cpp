@@ -3,6 +3,7 @@
 #include "image/geometry.h"
 #include "reference/sky_reference.h"
 #include "standard_headers.h"
+#include "support/small_skies.h"
 
 namespace welkin::test::stability {
 namespace {
@@ -239,7 +240,7 @@ SkyTableOptions single_order() {
 }
 
 const std::shared_ptr<const SkyTables>& earth_tables() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), single_order()));
+  static const auto tables = sky_tables_of(earth_bruneton(), single_order());
   return tables;
 }
 
@@ -277,9 +278,11 @@ double radiance_error(const SkyView& view, const std::vector<glm::dvec3>& direct
 
 double sky_error(const Atmosphere& atmosphere, double altitude_m, double sun_elevation_degrees,
                  const SkyTableOptions& options) {
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(atmosphere, options)), altitude_m,
-                     {.ground = false});
-  return radiance_error(view, hard_directions(atmosphere, altitude_m), sun_elevation_degrees);
+  // The next case is often of the same planet.
+  static std::shared_ptr<const SkyTables> last;
+  if (!last || last->atmosphere != atmosphere || last->options != options) last = sky_tables_of(atmosphere, options);
+  return radiance_error(SkyView(last, altitude_m, {.ground = false}), hard_directions(atmosphere, altitude_m),
+                        sun_elevation_degrees);
 }
 
 double unsound_values(const SkyTables& tables) {
