@@ -1,11 +1,14 @@
-// Skies by low suns and after sunset: light falls by decades between the suns at the tables' nodes.
+// Skies by low suns, after sunset and at night: light falls by decades between the suns at the tables' nodes.
 #include <glm/common.hpp>
 
 #include "math/quadrature.h"
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
+#include "sky/sky_projection.h"
 #include "sky/sky_tables_for_tests.h"
+#include "sky/spectrum.h"
 #include "sky/sun_brightness.h"
+#include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/trials.h"
 #include "welkin/sky.h"
@@ -194,6 +197,203 @@ TEST_CASE("brightness between suns falls as an exponential does, and swings nowh
   std::vector<double> falls{1.0, 0.9, 1e-25, 0.0, 0.0, 1.0};
   sky::limit_decay(falls);
   CHECK(falls == std::vector<double>{1.0, 0.9, 0.01 * 0.9, 0.01 * 0.01, 0.01, 1.0});
+}
+
+// The light of the night, and skies by suns deep below the horizon.
+
+// Promise: where an atmosphere asks for it, the zenith of the night has the luminance asked for, by night and by day;
+// irradiance, harmonics, curves and pictures have it too.
+
+namespace {
+
+Atmosphere at_night(Atmosphere air = earth(), double luminance = kDarkNightZenithLuminance) {
+  air.night_zenith_luminance = luminance;
+  return air;
+}
+
+/// Of radiances at an atmosphere's three wavelengths, cd/m2.
+double luminance(const Atmosphere& air, const dvec3& radiance) {
+  const std::vector<dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
+  dvec3 rgb(0.0);
+  for (std::size_t i = 0; i < 3; ++i) rgb += weights[i] * radiance[static_cast<glm::length_t>(i)];
+  return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
+}
+
+const dvec3 kUp(0.0, 1.0, 0.0);
+const dvec3 kNadir(0.0, -1.0, 0.0);
+
+}  // namespace
+
+TEST_CASE("night: the zenith has the luminance asked for", "[sky][night]") {
+  for (const double wanted : {2e-4, 5e-3}) {
+    const SkyView view(small_tables(at_night(earth(), wanted)), 0.0);
+    CHECK(luminance(earth(), view.radiance(kUp, kNadir)) == Approx(wanted).epsilon(1e-5));
+    const Atmosphere spectrum = at_night(earth({420.0, 480.0, 540.0, 600.0, 660.0}), wanted);
+    const SkyView folded(small_tables(spectrum, ScatteringLayout::full, SkyColour::linear_srgb), 0.0);
+    const dvec3 rgb = folded.radiance(kUp, kNadir);
+    CHECK(0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z == Approx(wanted).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("night: it is the same by day, and none is the bits without", "[sky][night]") {
+  const auto with = small_tables(at_night(earth(), 1.0));  // as bright as may be: floats show it by day
+  const auto without = small_tables(earth());
+  CHECK(with->scattering == without->scattering);
+  CHECK(with->irradiance == without->irradiance);
+  const SkyView night(with, 300.0);
+  const SkyView plain(without, 300.0);
+  const dvec3 noon = sun_direction(50.0, 20.0);
+  for (const double up : {90.0, 40.0, 10.0, 1.0}) {
+    const dvec3 direction = sun_direction(up, 130.0);
+    const dvec3 added = night.radiance(direction, kNadir) - plain.radiance(direction, kNadir);
+    const dvec3 by_day = night.radiance(direction, noon) - plain.radiance(direction, noon);
+    for (int c = 0; c < 3; ++c) {
+      CAPTURE(up, c);
+      CHECK(added[c] > 0.0);
+      CHECK(by_day[c] == Approx(added[c]).epsilon(2e-3));
+    }
+  }
+  // many directions at once, and from space
+  const std::vector<glm::vec3> directions{{0.0F, 1.0F, 0.0F}, {0.6F, 0.8F, 0.0F}, {0.0F, -1.0F, 0.0F}};
+  std::vector<glm::vec3> many(3);
+  night.radiance(directions, kNadir, many);
+  for (std::size_t k = 0; k < 3; ++k) CHECK(dvec3(many[k]) == night.radiance(dvec3(directions[k]), kNadir));
+  CHECK((SkyView(with, 1e6).radiance(kUp, kNadir) == dvec3(0.0)));
+}
+
+// By Garstang's and Patat's formula, written anew: for a direction 70 degrees from the zenith.
+TEST_CASE("night: it brightens towards the horizon as a layer does, less what the air takes", "[sky][night]") {
+  const Atmosphere air = at_night();
+  const SkyView view(small_tables(air), 0.0);
+  const std::vector<double> through = reference_transmittance(air, 0.0, 1.0);
+  const double sine = std::sin(70.0 * pi / 180.0) * 6'360e3 / (6'360e3 + 130e3);
+  const double path = 1.0 / std::sqrt(1.0 - sine * sine);
+  const dvec3 zenith = view.radiance(kUp, kNadir);
+  const dvec3 slanted = view.radiance(sun_direction(20.0, 77.0), kNadir);
+  for (int c = 0; c < 3; ++c) {
+    const double wanted = (0.4 + 0.6 * path) * std::pow(through[static_cast<std::size_t>(c)], path - 1.0);
+    CHECK(slanted[c] / zenith[c] == Approx(wanted).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("night: irradiance, harmonics and curves are those of its radiance", "[sky][night]") {
+  for (const double altitude : {0.0, 20e3}) {
+    const SkyView view(small_tables(at_night()), altitude);
+    dvec3 integral(0.0);
+    constexpr int steps = 400;
+    for (int k = 0; k < steps; ++k) {
+      const double cosine = (k + 0.5) / steps;
+      const dvec3 direction(std::sqrt(1.0 - cosine * cosine), cosine, 0.0);
+      integral += 2.0 * pi * cosine / steps * view.radiance(direction, kNadir);
+    }
+    const dvec3 found = view.irradiance(kNadir);
+    const SkyProjector projector(view);
+    const SkyCurve curve(view);
+    // at nodes and between them
+    for (const double elevation : {-90.0, -71.3, -40.0}) {
+      const dvec3 sun = sun_direction(elevation, 0.0);
+      std::vector<dvec3> plain(sky::even_count(3));
+      sky::SkyProjection(view, {}).project_plainly(sky::sun_angles(sun), plain);
+      const SphericalHarmonics harmonics = projector.project(sun);
+      const SphericalHarmonics of_curve = curve.at(sun);
+      for (int c = 0; c < 3; ++c) {
+        CAPTURE(altitude, elevation, c);
+        CHECK(found[c] == Approx(integral[c]).epsilon(1e-3));
+        CHECK(harmonics.coefficients()[0][c] == Approx(plain[0][c]).epsilon(1e-5));
+        CHECK(of_curve.coefficients()[0][c] == Approx(harmonics.coefficients()[0][c]).epsilon(1e-3));
+        CHECK(harmonics.coefficients()[0][c] > 0.1 * found[c]);
+      }
+    }
+  }
+}
+
+// Promise: down to -18 degrees the light that is left is that of paths. (docs/maths/sky.md has the table of many more
+// paths.)
+TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][night][truth]") {
+  const SkyView view = sky_view_of(earth(), {.truncate_orders = true});
+  struct Case {
+    double elevation;
+    double up;
+    std::int64_t paths;
+    double noise;
+  };
+  for (const Case& one : some_of(
+           2, {Case{-9.0, 90.0, 50'000, 0.06}, Case{-15.0, 30.0, 120'000, 0.12}, Case{-12.0, 30.0, 80'000, 0.08}})) {
+    const dvec3 sun = sun_direction(one.elevation, 0.0);
+    const dvec3 direction = sun_direction(one.up, 0.0);
+    const std::vector<double> once = reference_sky_radiance(earth(), 0.0, direction, sun, {1e-4, true});
+    const TracedLight often = trace_sky_radiance(
+        earth(), 0.0, direction, sun, {.lowest_order = 2, .highest_order = 4, .paths = one.paths, .seed = 3});
+    const dvec3 found = view.radiance(direction, sun);
+    for (int c = 0; c < 3; ++c) {
+      const auto k = static_cast<std::size_t>(c);
+      const double truth = once[k] + often.value[k];
+      CAPTURE(one.elevation, one.up, c, found[c] / truth, often.standard_error[k] / truth);
+      CHECK(often.standard_error[k] < one.noise * truth);
+      CHECK(std::abs(found[c] - truth) < 0.02 * truth + 2.5 * often.standard_error[k]);
+    }
+  }
+}
+
+// Light at night has been scattered often.
+TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky][twilight][night][truth]") {
+  SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32, .truncate_orders = true};
+  const auto zenith = [&](int orders) {
+    options.orders = orders;
+    const SkyView view = sky_view_of(earth(), options);
+    std::vector<dvec3> light;
+    for (const double elevation : {-9.0, -12.0, -15.0, -18.0}) {
+      light.push_back(view.radiance(kUp, sun_direction(elevation, 0.0)));
+    }
+    return light;
+  };
+  const std::vector<dvec3> eight = zenith(8);
+  const std::vector<dvec3> all = zenith(20);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      CAPTURE(k, c, eight[k][c] / all[k][c]);
+      CHECK(eight[k][c] > 0.99 * all[k][c]);
+      CHECK(eight[k][c] <= all[k][c]);
+    }
+  }
+}
+
+// Promise: down to -18 degrees the default holds the light of all orders, though it follows but four of them.
+TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon to night",
+          "[sky][twilight][night][truth]") {
+  struct Planet {
+    Atmosphere air;
+    double bound;
+  };
+  // on Mars half of an order's light is scattered once more, and dust makes it last longest opposite to the sun
+  for (const Planet& planet : some_of(
+           2, {Planet{earth(), 0.005}, Planet{earth_bruneton(), 0.005}, Planet{with_ground_albedo(earth(), 0.8), 0.01},
+               Planet{earth({680.0, 550.0, 440.0}, AerosolKind::polluted), 0.02}, Planet{mars(), 0.02}})) {
+    SkyTableOptions options{.heights = 12, .view_zeniths = 32, .sun_zeniths = 32};
+    const SkyView usual = sky_view_of(planet.air, options);
+    options.truncate_orders = true;
+    const SkyView four = sky_view_of(planet.air, options);
+    options.orders = 24;
+    const SkyView all = sky_view_of(planet.air, options);
+    double lacking = 0.0;
+    for (const double elevation : {90.0, 30.0, 5.0, 0.0, -3.0, -6.0, -9.0, -12.0, -15.0, -18.0}) {
+      const dvec3 sun = sun_direction(elevation, 0.0);
+      for (const dvec3& direction : {kUp, sun_direction(10.0, 0.0), sun_direction(30.0, 180.0)}) {
+        const dvec3 wanted = all.radiance(direction, sun);
+        const dvec3 found = usual.radiance(direction, sun);
+        for (int c = 0; c < 3; ++c) {
+          CAPTURE(planet.air.name, elevation, direction.y, c, found[c] / wanted[c]);
+          CHECK(std::abs(found[c] / wanted[c] - 1.0) < planet.bound);
+        }
+        lacking = std::max(lacking, 1.0 - four.radiance(direction, sun).z / wanted.z);
+      }
+      for (int c = 0; c < 3; ++c) {
+        CAPTURE(planet.air.name, elevation, c);
+        CHECK(std::abs(usual.irradiance(sun)[c] / all.irradiance(sun)[c] - 1.0) < planet.bound);
+      }
+    }
+    CHECK(lacking > 0.15);  // which four orders alone are
+  }
 }
 
 }  // namespace welkin::test
