@@ -101,8 +101,7 @@ TEST_CASE("probes: validity is the share of the sphere that is neither near nor 
       }
     });
     CAPTURE(size);
-    const BakedProbes probes =
-        bake_probes(grid, captures.cubes, captures.depths, {.valid_share = 0.8, .dilation_passes = 0});
+    const BakedProbes probes = captures.bake(grid, {.valid_share = 0.8, .dilation_passes = 0});
     CHECK(probes.validity[0] == 1.0F);
     CHECK(probes.validity[1] == Approx(5.0 / 6.0).margin(1e-6));
     CHECK(probes.validity[2] == Approx(4.0 / 6.0).margin(1e-6));
@@ -119,8 +118,7 @@ TEST_CASE("probes: inside a sphere every mean is the radius, and its square the 
     for (const int map : {1, 2, 3, 7, 8}) {
       for (const int power : {1, 50, 1024}) {
         CAPTURE(size, map, power);
-        const BakedProbes probes =
-            bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map, .distance_power = power});
+        const BakedProbes probes = captures.bake(grid, {.distance_size = map, .distance_power = power});
         REQUIRE(probes.distances.size() == 2 * static_cast<std::size_t>((map + 2) * (map + 2)));
         for (std::size_t k = 0; k < probes.distances.size(); k += 2) {
           REQUIRE(probes.distances[k] == Approx(2.5).margin(1e-6));
@@ -140,8 +138,7 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
   });
   for (const int power : {3, 50}) {
     const BakedProbes probes =
-        bake_probes(grid, captures.cubes, captures.depths,
-                    {.distance_size = 7, .distance_power = power, .distance_limit = 1.7, .dilation_passes = 0});
+        captures.bake(grid, {.distance_size = 7, .distance_power = power, .distance_limit = 1.7, .dilation_passes = 0});
     for (std::size_t probe = 0; probe < 2; ++probe) {
       for (int row = 0; row < 7; ++row) {
         for (int column = 0; column < 7; ++column) {
@@ -167,7 +164,7 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
     const Captures captures(grid.size(), 1, grey, kDepthSize, [&](std::size_t probe, const dvec3& d) {
       return static_cast<float>(distance_to_walls(grid.position(probe), d, dvec3(0.0), room));
     });
-    const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+    const BakedProbes probes = captures.bake(grid);
     glm::dvec2 most(0.0);
     glm::dvec2 squares(0.0);
     double count = 0.0;
@@ -199,7 +196,7 @@ TEST_CASE("probes: what differs within a block is in the mean square", "[probes]
     const int row = texel++ / 64;
     return (column + row) % 2 == 0 ? 1.0F : 3.0F;
   });
-  const BakedProbes probes = bake_probes({.spacing = {9, 9, 9}}, captures.cubes, captures.depths);
+  const BakedProbes probes = captures.bake({.spacing = {9, 9, 9}});
   for (int k = 0; k < 8; ++k) {
     CHECK(texel_of(probes, 0, k, 7 - k)[0] == Approx(2.0).epsilon(1e-3));
     CHECK(texel_of(probes, 0, k, 7 - k)[1] == Approx(5.0).epsilon(1e-3));
@@ -212,7 +209,7 @@ TEST_CASE("probes: the border of a map has what lies beyond its edges on the sph
     return static_cast<float>(1.0 + 0.3 * d.x - 0.2 * d.y + 0.1 * d.z);
   });
   for (const int map : {1, 2, 3, 8}) {
-    const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map});
+    const BakedProbes probes = captures.bake(grid, {.distance_size = map});
     for (int k = 0; k < map; ++k) {
       CAPTURE(map, k);
       // Place (-a, b) of the square is (a, 1 - b).
@@ -281,7 +278,7 @@ TEST_CASE("probes: the same bits on any number of threads and instruction set, a
   };
   const Captures captures(grid.size(), 16, grey, 24, depth);
   const ProbeOptions options{.projection = {.bands = 4}, .environment_bands = 3};
-  const BakedProbes wanted = bake_probes(grid, captures.cubes, captures.depths, options);
+  const BakedProbes wanted = captures.bake(grid, options);
   CHECK(wanted.invalid > 10);
   CHECK(wanted.sky_bands == 6);
   const InstructionSet before = active_instruction_set();
@@ -290,7 +287,7 @@ TEST_CASE("probes: the same bits on any number of threads and instruction set, a
     for (const int threads : {1, 2, 5}) {
       CAPTURE(name(set), threads);
       BakedProbes found;
-      run_with_threads(threads, [&] { found = bake_probes(grid, captures.cubes, captures.depths, options); });
+      run_with_threads(threads, [&] { found = captures.bake(grid, options); });
       CHECK(same_bits(wanted, found));
     }
   }
@@ -321,7 +318,7 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   const ProbeGrid grid{.counts = {2, 1, 1}};
   const Captures captures(2, 4, grey, 4, [](std::size_t, const dvec3&) { return 1.0F; });
   const auto bake = [&](const ProbeGrid& g, const ProbeOptions& options) {
-    return thrown_by([&] { static_cast<void>(bake_probes(g, captures.cubes, captures.depths, options)); });
+    return thrown_by([&] { static_cast<void>(captures.bake(g, options)); });
   };
   CHECK(bake({.counts = {2, 0, 1}}, {}).says("along y"));
   CHECK(bake({.counts = {2, 1, 1}, .spacing = {1, 1, 0}}, {}).says("spacing along z"));
@@ -357,7 +354,7 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   CHECK(rejected.code == ErrorCode::rejected_pixel);
   CHECK(rejected.says("probe 1"));
 
-  BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  BakedProbes probes = captures.bake(grid);
   const BakedProbes before = probes;
   const std::vector<std::size_t> twice{1, 1};
   CHECK(thrown_by([&] { update_probes(probes, twice, captures.cubes, captures.depths); }).says("probe 1"));
@@ -371,15 +368,13 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
 
   stop_source stop;
   stop.request_stop();
-  CHECK(thrown_by([&] {
-          static_cast<void>(bake_probes(grid, captures.cubes, captures.depths, {}, {.stop = stop.get_token()}));
-        }).code == ErrorCode::cancelled);
+  CHECK(thrown_by([&] { static_cast<void>(captures.bake(grid, {}, {.stop = stop.get_token()})); }).code ==
+        ErrorCode::cancelled);
   double last = -1.0;
-  static_cast<void>(
-      bake_probes(grid, captures.cubes, captures.depths, {.environment_bands = 1}, {{}, [&](double share) {
-                                                                                      CHECK(share >= last);
-                                                                                      last = share;
-                                                                                    }}));
+  static_cast<void>(captures.bake(grid, {.environment_bands = 1}, {{}, [&](double share) {
+                                                                     CHECK(share >= last);
+                                                                     last = share;
+                                                                   }}));
   CHECK(last == 1.0);
 }
 
@@ -391,9 +386,7 @@ TEST_CASE("probes: a window takes ringing away, and takes each probe alone", "[p
   const BakedProbes probes = bake_probes(grid, captures.cubes);
   const BakedProbes calm = windowed(probes, Window::min_laplacian);
   CHECK(same_bytes<dvec3>(std::span(probes.coefficients).first(9), std::span(calm.coefficients).first(9)));
-  SphericalHarmonics sun(3);
-  std::copy_n(probes.coefficients.begin() + 9, 9, sun.coefficients().begin());
-  const WindowResult wanted = apply_window(sun, Window::min_laplacian);
+  const WindowResult wanted = apply_window(radiance_of(probes, 1), Window::min_laplacian);
   CHECK(wanted.minimum_before.x < -1.0);
   CHECK(same_bytes<dvec3>(wanted.radiance.coefficients(), std::span(calm.coefficients).subspan(9, 9)));
   CHECK(thrown_by([&] { static_cast<void>(windowed(probes, Window::hanning, -1.0)); }).says("probe 0"));
