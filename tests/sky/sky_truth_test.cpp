@@ -1,7 +1,6 @@
 // Sky tables and views against quadratures of another kind, in double precision.
-#include "math/basis.h"
 #include "math/quadrature.h"
-#include "reference/path_tracer.h"
+#include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -231,39 +230,6 @@ TEST_CASE("The second order matches direct integration over all directions", "[s
   }
 }
 
-namespace {
-
-/// Irradiance of level ground by light scattered twice to four times, and what its estimate may be off.
-struct TracedIrradiance {
-  std::vector<double> value;
-  std::vector<double> standard_error;
-};
-
-/// From the harmonics: nothing arrives from below where the ground is black. Five bands would cut 5 % off an aureole,
-/// nine leave 1 %.
-TracedIrradiance trace_irradiance(const Atmosphere& air, double mu_s, std::int64_t paths) {
-  constexpr int bands = 9;
-  const std::vector<double> lobe{pi, 2.0 * pi / 3.0, pi / 4.0, 0.0, -pi / 24.0, 0.0, pi / 64.0, 0.0, -pi / 128.0};
-  const TracedHarmonics traced = trace_sky_harmonics(air, 0.0, {0.0, mu_s, sine_of(mu_s)}, bands,
-                                                     {.lowest_order = 2, .highest_order = 4, .paths = paths});
-  TracedIrradiance irradiance;
-  for (std::size_t c = 0; c < traced.radiance.size(); ++c) {
-    double sum = 0.0;
-    double variance = 0.0;
-    math::for_each_basis_value(math::basis_constants(), 0.0, 1.0, 0.0, 1.0, bands, [&](int place, double value) {
-      const auto k = static_cast<std::size_t>(place);
-      const double weight = value * lobe[static_cast<std::size_t>(std::sqrt(place))];
-      sum += weight * traced.radiance[c][k];
-      variance += weight * weight * traced.standard_error[c][k] * traced.standard_error[c][k];
-    });
-    irradiance.value.push_back(sum);
-    irradiance.standard_error.push_back(std::sqrt(variance));
-  }
-  return irradiance;
-}
-
-}  // namespace
-
 TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables][truth]") {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
   SkyTableOptions options{.irradiance_sun_zeniths = 257, .orders = 1};
@@ -273,7 +239,8 @@ TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables][
   const SkyTables four = precompute_sky(air, options);
   constexpr std::size_t sun = 220;
   const double mu_s = sky::mapping_of(four).sun_zenith_cosine(sun / 256.0);
-  const TracedIrradiance traced = trace_irradiance(air, mu_s, 200'000);
+  const TracedLight traced = trace_sky_irradiance(air, 0.0, {0.0, mu_s, sine_of(mu_s)},
+                                                  {.lowest_order = 2, .highest_order = 4, .paths = 40'000});
   for (std::size_t c = 0; c < 3; ++c) {
     const double found =
         static_cast<double>(four.irradiance[3 * sun + c]) - static_cast<double>(once.irradiance[3 * sun + c]);

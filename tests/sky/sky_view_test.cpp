@@ -1,7 +1,6 @@
 // What a view of a sky gives, at every height and under every sun.
 #include "float_environment/modes.h"
 #include "jobs/tiles.h"
-#include "math/quadrature.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -483,36 +482,17 @@ TEST_CASE("sky view: the sun comes through the air as in the reference", "[sky][
 
 namespace {
 
-/// Share of light that gets through a ray's air, from the ground to its start: by the law of cosines it is at r^2 = R^2
-/// + s (s + 2 R mu) after the distance s, R mu = (rho^2 - d^2) / (2 d).
+/// Share of light that gets through a ray's air, from the ground to its start: the two ways to the top in its place, by
+/// their cosines. R mu at the ground is (rho^2 - d^2) / (2 d), rho being the distance of the horizon; at the start (R +
+/// h) mu is larger by the distance d.
 std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, double distance) {
-  constexpr int kPanels = 600;
-  const math::GaussRule rule = math::gauss_legendre(8);
-  const double rho = sky::tangent_distance(air.bottom_radius_m, altitude);
-  const double along = std::max(0.0, (rho - distance) * (rho + distance) / distance);  // 2 R mu
-  std::array<double, 3> depths{};
-  const auto add = [&](const Constituent& matter, double above, double weight) {
-    const double amount = weight * sky::density(matter.density, above);
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (!matter.scattering_per_m.empty()) depths[c] += amount * matter.scattering_per_m[c];
-      if (!matter.absorption_per_m.empty()) depths[c] += amount * matter.absorption_per_m[c];
-    }
-  };
-  for (int panel = 0; panel < kPanels; ++panel) {
-    // Panels that grow from the ground on, cubically.
-    const auto edge = [&](int k) { return distance * (1.0 * k / kPanels) * (1.0 * k / kPanels) * k / kPanels; };
-    const double half = 0.5 * (edge(panel + 1) - edge(panel));
-    for (int n = 0; n < rule.order; ++n) {
-      const double s = edge(panel) + half * (1.0 + rule.nodes[n]);
-      const double above = sky::altitude_of_tangent(air.bottom_radius_m, std::sqrt(s * (s + along)));
-      add(air.rayleigh, above, half * rule.weights[n]);
-      add(air.aerosol, above, half * rule.weights[n]);
-      for (const Constituent& absorber : air.absorbers) add(absorber, above, half * rule.weights[n]);
-    }
-  }
-  std::array<double, 3> shares{};
-  for (std::size_t c = 0; c < 3; ++c) shares[c] = std::exp(-depths[c]);
-  return shares;
+  const double radius = air.bottom_radius_m;
+  const double rho = sky::tangent_distance(radius, altitude);
+  const double along = std::max(0.0, 0.5 * (rho - distance) * (rho + distance) / distance);  // R mu
+  const std::vector<double> below = reference_transmittance(air, 0.0, std::min(1.0, along / radius));
+  const std::vector<double> above =
+      reference_transmittance(air, altitude, std::min(1.0, (along + distance) / (radius + altitude)));
+  return {below[0] / above[0], below[1] / above[1], below[2] / above[2]};
 }
 
 }  // namespace
