@@ -12,6 +12,7 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
+#include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
 
@@ -28,19 +29,10 @@ const SkyView& view_at(double altitude) {
   return altitude > 1e5 ? space : altitude > 0.0 ? hill : ground;
 }
 
-/// Integral over the sphere, and what its sun adds to that without it.
-glm::dvec3 total_radiance_of(const image::TexelGrid& grid, std::span<const float> pixels) {
-  std::vector<std::int64_t> texels;
-  for (std::int64_t i = 0; i < grid.texels(); ++i) texels.push_back(i);
-  const std::vector<double> areas = image::solid_angles_of(grid, texels);
-  glm::dvec3 sum{};
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    for (int c = 0; c < 3; ++c) sum[c] += areas[i] * static_cast<double>(pixels[3 * i + static_cast<std::size_t>(c)]);
-  }
-  return sum;
-}
-
-void check_disc_irradiance(const glm::dvec3& with, const glm::dvec3& without, const glm::dvec3& irradiance) {
+/// What a picture's sun adds to its light.
+void check_disc_irradiance(const EnvironmentView& picture, const EnvironmentView& plain, const glm::dvec3& irradiance) {
+  const glm::dvec3 with = project(picture).diagnostics.total_radiance;
+  const glm::dvec3 without = project(plain).diagnostics.total_radiance;
   for (int c = 0; c < 3; ++c) {
     CAPTURE(c, with[c], without[c], irradiance[c]);
     CHECK(std::abs(with[c] - without[c] - irradiance[c]) <= 1e-5 * (irradiance[c] + without[c]));
@@ -96,16 +88,12 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
       for (const int size : {1, 2, 3, 7, 64}) {
         CAPTURE(altitude, elevation, size);
         const Cubemap with = sky_cubemap(view, sun, size, {.sun_disc = true});
-        const image::TexelGrid cube = image::TexelGrid::cubemap(size);
         CHECK(all_sound(with.pixels()));
-        check_disc_irradiance(total_radiance_of(cube, with.pixels()),
-                              total_radiance_of(cube, sky_cubemap(view, sun, size).pixels()), irradiance);
+        check_disc_irradiance(with.view(), sky_cubemap(view, sun, size).view(), irradiance);
         if (size > 7) continue;
         const LatLongImage map = sky_lat_long(view, sun, size, {.sun_disc = true});
-        const image::TexelGrid grid = image::TexelGrid::lat_long(2 * size, size);
         CHECK(all_sound(map.pixels));
-        check_disc_irradiance(total_radiance_of(grid, map.pixels),
-                              total_radiance_of(grid, sky_lat_long(view, sun, size).pixels), irradiance);
+        check_disc_irradiance(map.view(), sky_lat_long(view, sun, size).view(), irradiance);
       }
     }
   }

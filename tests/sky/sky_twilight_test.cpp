@@ -1,7 +1,6 @@
 // Skies by low suns, after sunset and at night: light falls by decades between the suns at the tables' nodes.
 #include <glm/common.hpp>
 
-#include "math/quadrature.h"
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
 #include "sky/sky_projection.h"
@@ -29,31 +28,6 @@ const std::shared_ptr<const SkyTables>& four_orders() {
   return tables;
 }
 
-/// Of a view's radiances on level ground: places closer together about the sun and the horizon.
-dvec3 integral_of_radiance(const SkyView& view, const dvec3& sun) {
-  constexpr int zeniths = 40;
-  constexpr int azimuths = 72;
-  const math::GaussNodes along = math::gauss_nodes(zeniths);
-  const math::GaussNodes about = math::gauss_nodes(azimuths);
-  const double middle = std::clamp(std::acos(std::clamp(sun.y, -1.0, 1.0)), 0.2, 0.4 * pi);
-  dvec3 sum(0.0);
-  for (int part = 0; part < 2; ++part) {
-    const double low = part == 0 ? 0.0 : middle;
-    const double size = part == 0 ? middle : 0.5 * pi - middle;
-    for (std::size_t i = 0; i < zeniths; ++i) {
-      const double t = 0.5 + 0.5 * along.nodes[i];
-      const double zenith = low + size * t * t * (3.0 - 2.0 * t);
-      const double ring = std::cos(zenith) * std::sin(zenith) * size * 3.0 * t * (1.0 - t) * along.weights[i];
-      for (std::size_t k = 0; k < azimuths; ++k) {
-        const double u = 0.5 + 0.5 * about.nodes[k];
-        const dvec3 direction = sun_direction(90.0 - zenith * 180.0 / pi, 180.0 * u * u);
-        sum += view.radiance(direction, sun) * (ring * 2.0 * pi * u * about.weights[k]);
-      }
-    }
-  }
-  return sum;
-}
-
 }  // namespace
 
 // In one case, as they share tables that take seconds.
@@ -67,7 +41,7 @@ TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % do
                      -5.5, -6.0, -6.5, -7.0, -7.5, -9.0, -8.0, -10.0, -12.0, -14.0, -16.0, -18.0})) {
       const dvec3 sun = sun_direction(elevation, 0.0);
       const dvec3 found = view.irradiance(sun);
-      const dvec3 integral = integral_of_radiance(view, sun);
+      const dvec3 integral = integral_of_radiance(view, sun, on_level_ground);
       for (int c = 0; c < 3; ++c) {
         CAPTURE(tables->options.truncate_orders, elevation, c, found[c] / integral[c]);
         CHECK(std::abs(found[c] / integral[c] - 1.0) < (elevation < -9.0 ? 0.025 : 0.005));
@@ -96,7 +70,7 @@ TEST_CASE("sky view: earth()'s radiances at 8 azimuths integrate to its irradian
     double most = 0.0;
     for (const double elevation : {60.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.3, 0.0, -0.5}) {
       const dvec3 sun = sun_direction(elevation, 0.0);
-      const dvec3 off = glm::abs(view.irradiance(sun) / integral_of_radiance(view, sun) - 1.0);
+      const dvec3 off = glm::abs(view.irradiance(sun) / integral_of_radiance(view, sun, on_level_ground) - 1.0);
       most = std::max({most, off.x, off.y, off.z});
     }
     CAPTURE(angles, most);
