@@ -9,10 +9,10 @@
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/small_skies.h"
+#include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
-#include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/sky.h"
 
@@ -30,9 +30,10 @@ const SkyView& view_at(double altitude) {
 }
 
 /// What a picture's sun adds to its light.
-void check_disc_irradiance(const EnvironmentView& picture, const EnvironmentView& plain, const glm::dvec3& irradiance) {
-  const glm::dvec3 with = project(picture).diagnostics.total_radiance;
-  const glm::dvec3 without = project(plain).diagnostics.total_radiance;
+template <class Image>
+void check_disc_irradiance(const Image& picture, const Image& plain, const glm::dvec3& irradiance) {
+  const glm::dvec3 with = total_radiance_of(picture);
+  const glm::dvec3 without = total_radiance_of(plain);
   for (int c = 0; c < 3; ++c) {
     CAPTURE(c, with[c], without[c], irradiance[c]);
     CHECK(std::abs(with[c] - without[c] - irradiance[c]) <= 1e-5 * (irradiance[c] + without[c]));
@@ -89,11 +90,11 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
         CAPTURE(altitude, elevation, size);
         const Cubemap with = sky_cubemap(view, sun, size, {.sun_disc = true});
         CHECK(all_sound(with.pixels()));
-        check_disc_irradiance(with.view(), sky_cubemap(view, sun, size).view(), irradiance);
+        check_disc_irradiance(with, sky_cubemap(view, sun, size), irradiance);
         if (size > 7) continue;
         const LatLongImage map = sky_lat_long(view, sun, size, {.sun_disc = true});
         CHECK(all_sound(map.pixels));
-        check_disc_irradiance(map.view(), sky_lat_long(view, sun, size).view(), irradiance);
+        check_disc_irradiance(map, sky_lat_long(view, sun, size), irradiance);
       }
     }
   }

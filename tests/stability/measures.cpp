@@ -8,15 +8,6 @@
 namespace welkin::test::stability {
 namespace {
 
-Cubemap cube_of(int size) {
-  const auto edge = static_cast<std::size_t>(size);
-  return {size, std::vector<float>(18 * edge * edge)};
-}
-
-LatLongImage lat_long_of(int width, int height) {
-  return {width, height, std::vector<float>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
-}
-
 template <class Image, class Value>
 Image filled(Image image, const Value& value) {
   const std::span<float> values = test::values_of(image);
@@ -44,34 +35,26 @@ float noise(std::uint32_t seed, std::uint32_t index) noexcept {
   return static_cast<float>(hashed(seed, index) >> 8U) * 0x1p-24F;
 }
 
-Cubemap uniform_cube(int size, float value) {
-  return filled(cube_of(size), [value](std::size_t) { return value; });
-}
-
-LatLongImage uniform_lat_long(int width, int height, float value) {
-  return filled(lat_long_of(width, height), [value](std::size_t) { return value; });
-}
-
 Cubemap noise_cube(int size, std::uint32_t seed) {
-  return filled(cube_of(size), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
+  return filled(grey_cubemap(size, 0.0F), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
 LatLongImage noise_lat_long(int width, int height, std::uint32_t seed) {
-  return filled(lat_long_of(width, height),
+  return filled(grey_lat_long(width, height, 0.0F),
                 [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
 Cubemap checkerboard_cube(int size, float amplitude) {
-  return filled(cube_of(size), [=](std::size_t k) { return board(k, size, amplitude); });
+  return filled(grey_cubemap(size, 0.0F), [=](std::size_t k) { return board(k, size, amplitude); });
 }
 
 LatLongImage checkerboard_lat_long(int width, int height, float amplitude) {
-  return filled(lat_long_of(width, height), [=](std::size_t k) { return board(k, width, amplitude); });
+  return filled(grey_lat_long(width, height, 0.0F), [=](std::size_t k) { return board(k, width, amplitude); });
 }
 
 Cubemap upper_half_cube(int size) {
   const auto edge = static_cast<std::size_t>(size);
-  return filled(cube_of(size), [=](std::size_t k) {
+  return filled(grey_cubemap(size, 0.0F), [=](std::size_t k) {
     const std::size_t texel = k / 3;
     const std::size_t row = texel / edge % edge;
     const auto face = static_cast<int>(texel / (edge * edge));
@@ -82,7 +65,7 @@ Cubemap upper_half_cube(int size) {
 
 LatLongImage upper_half_lat_long(int width, int height) {
   const std::size_t half = 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
-  return filled(lat_long_of(width, height), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
+  return filled(grey_lat_long(width, height, 0.0F), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
 }
 
 namespace {

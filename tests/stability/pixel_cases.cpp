@@ -49,9 +49,9 @@ double half_error(std::uint16_t half, double value) {
 
 /// How wrong the light of the background is once that of the bright texel is known and subtracted.
 double background_error(float value) {
-  const Cubemap map = with_texel(uniform_cube(kSize, 1.0F), kTexel, value);
-  const Cubemap texel = with_texel(uniform_cube(kSize, 0.0F), kTexel, value);
-  const Cubemap rest = with_texel(uniform_cube(kSize, 1.0F), kTexel, 0.0F);
+  const Cubemap map = with_texel(grey_cubemap(kSize, 1.0F), kTexel, value);
+  const Cubemap texel = with_texel(grey_cubemap(kSize, 0.0F), kTexel, value);
+  const Cubemap rest = with_texel(grey_cubemap(kSize, 1.0F), kTexel, 0.0F);
   const SphericalHarmonics whole = project(map.view()).radiance;
   const SphericalHarmonics lone = reference_projection(texel.view());
   SphericalHarmonics difference(3);
@@ -60,7 +60,7 @@ double background_error(float value) {
 }
 
 double background_error_without_sun(float value) {
-  Cubemap map = with_texel(uniform_cube(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
+  Cubemap map = with_texel(grey_cubemap(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
   if (!extract_sun(map)) return std::numeric_limits<double>::infinity();
   return uniform_error(map.view(), 1.0);
 }
@@ -70,10 +70,10 @@ void add_bright_texels(StabilityCases& cases) {
     const float value = value_of(text);
     cases.add("cube-texel-" + text, "three bands of a cubemap of 1 with one texel of " + text,
               "reference_projection (double)", {kProjectionError},
-              [value] { return projection_error(with_texel(uniform_cube(kSize, 1.0F), kTexel, value)); });
+              [value] { return projection_error(with_texel(grey_cubemap(kSize, 1.0F), kTexel, value)); });
     cases.add("lat-long-texel-" + text, "three bands of a lat-long of 1 with one texel of " + text,
               "reference_projection (double)", {kProjectionError},
-              [value] { return projection_error(with_texel(uniform_lat_long(64, 32, 1.0F), 1500, value)); });
+              [value] { return projection_error(with_texel(grey_lat_long(64, 32, 1.0F), 1500, value)); });
   }
 }
 
@@ -98,14 +98,14 @@ void add_uniform(StabilityCases& cases) {
               {.bound = kProjectionError, .advice = advice}, std::move(measure));
   };
   const auto cube_of = [](float value) {
-    return [=] { return uniform_error(uniform_cube(kSize, value).view(), value); };
+    return [=] { return uniform_error(grey_cubemap(kSize, value).view(), value); };
   };
   add("half-largest", "the largest half, 65504, everywhere", [] { return half_error(0x7BFF, 65504.0); });
   add("half-smallest-normal", "the smallest normal half, 2^-14", [] { return half_error(0x0400, 0x1p-14); });
   add("half-smallest-denormal", "the smallest denormal half, 2^-24", [] { return half_error(0x0001, 0x1p-24); });
   add("float-largest", "the largest float everywhere", cube_of(kLargest));
   add("float-largest-lat-long", "the largest float everywhere on a lat-long",
-      [] { return uniform_error(uniform_lat_long(64, 32, kLargest).view(), kLargest); });
+      [] { return uniform_error(grey_lat_long(64, 32, kLargest).view(), kLargest); });
   add("float-1e-30", "1e-30 everywhere", cube_of(1e-30F));
   const std::string advice =
       "Radiance times a texel's solid angle falls below the normal floats and loses bits. Light that dark is no "
@@ -136,7 +136,7 @@ double worst_ulps(std::span<const float> values, double truth) {
 }
 
 double mips_ulps(float value) {
-  const Cubemap chain = build_mips(uniform_cube(31, value).view());
+  const Cubemap chain = build_mips(grey_cubemap(31, value).view());
   double worst = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
     for (const glm::dvec3& texel : texels(chain, level)) worst = worse(worst, float_ulps(texel.x, value));
@@ -166,11 +166,9 @@ Blurred blurred(const Image& source, double roughness) {
   return {found, reference_specular(source.view(), roughness, directions)};
 }
 
-Cubemap bright_cube(float value) { return with_texel(uniform_cube(32, 1.0F), kImageTexel, value); }
-LatLongImage bright_lat_long(float value) { return with_texel(uniform_lat_long(128, 64, 1.0F), 2500, value); }
-LatLongImage dark_lat_long(float factor) {
-  return with_texel(uniform_lat_long(128, 64, factor), 2500, 100.0F * factor);
-}
+Cubemap bright_cube(float value) { return with_texel(grey_cubemap(32, 1.0F), kImageTexel, value); }
+LatLongImage bright_lat_long(float value) { return with_texel(grey_lat_long(128, 64, 1.0F), 2500, value); }
+LatLongImage dark_lat_long(float factor) { return with_texel(grey_lat_long(128, 64, factor), 2500, 100.0F * factor); }
 
 double worst_error(const Blurred& mip) { return worst_relative_error(mip.found, mip.truth); }
 double rms_of(const Blurred& mip) { return rms_error(mip.found, mip.truth); }
@@ -195,7 +193,7 @@ double error_without_sun(double roughness) {
 double prefilter_uniform_ulps(float value) {
   PrefilterOptions options{.size = 8};
   options.roughness = {0.0, 0.3, 1.0};
-  const PrefilteredSpecular result = prefilter_specular(uniform_lat_long(32, 16, value).view(), options);
+  const PrefilteredSpecular result = prefilter_specular(grey_lat_long(32, 16, value).view(), options);
   double worst = 0.0;
   for (int level = 0; level < 3; ++level) {
     for (const glm::dvec3& texel : texels(result.cubemap, level)) worst = worse(worst, float_ulps(texel.y, value));
@@ -218,7 +216,7 @@ void add_uniform_images(StabilityCases& cases) {
     };
     add("mips", "every mip of a uniform cubemap", 1.0, [value] { return mips_ulps(value); });
     add("to-cubemap", "a cubemap resampled from a uniform lat-long", 0.0,
-        [value] { return worst_ulps(to_cubemap(uniform_lat_long(37, 19, value).view(), 11).pixels(), value); });
+        [value] { return worst_ulps(to_cubemap(grey_lat_long(37, 19, value).view(), 11).pixels(), value); });
     add("prefilter-automatic", "a prefiltered uniform lat-long", kUniformUlps,
         [value] { return prefilter_uniform_ulps(value); });
   }
@@ -394,8 +392,8 @@ double miscounts() {
 }
 
 double all_nan() {
-  const Projection found = project(uniform_cube(16, kNaN).view());
-  const LatLongImage lat_long = uniform_lat_long(32, 16, kNaN);
+  const Projection found = project(grey_cubemap(16, kNaN).view());
+  const LatLongImage lat_long = grey_lat_long(32, 16, kNaN);
   return norm(found.radiance) + norm(project(lat_long.view()).radiance) +
          wrong_if(found.diagnostics.nans_replaced != 18 * 256);
 }

@@ -119,7 +119,7 @@ double narrow_error(double roughness) {
 
 /// How far a texel leaves the range of the source's, 1 to 1000, over the end that it leaves.
 double outside_of_range(double roughness) {
-  const Cubemap source = with_texel(uniform_cube(16, 1.0F), 300, 1000.0F);
+  const Cubemap source = with_texel(grey_cubemap(16, 1.0F), 300, 1000.0F);
   double worst = 0.0;
   for (const glm::dvec3& texel : texels(prefiltered(source, 16, roughness, PrefilterMethod::automatic).cubemap, 0)) {
     worst = worse(worst, worse(1.0 - texel.x, texel.x / 1000.0 - 1.0));

@@ -205,11 +205,11 @@ ProjectionOptions bands(int count) {
 double leak(const SphericalHarmonics& c) { return norm(c, 1) / glm::length(c.at(0, 0)); }
 
 double uniform_leak(int size, int band_count) {
-  return leak(project(uniform_cube(size, 1.0F).view(), bands(band_count)).radiance);
+  return leak(project(grey_cubemap(size, 1.0F).view(), bands(band_count)).radiance);
 }
 
 double uniform_lat_long_leak(int height, int band_count) {
-  return leak(project(uniform_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
+  return leak(project(grey_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
 }
 
 /// 1 + amplitude * noise, which is a map of floats like any other: truth and result read the same ones.
@@ -247,8 +247,8 @@ double checkerboard_irradiance() {
 double directions_from_nothing() {
   double wrong = 0.0;
   for (const int size : {1, 2, 3, 16, 31, 64, 128}) {
-    wrong += wrong_if(dominant_light(project(uniform_cube(size, 0.7F).view()).radiance).has_value());
-    wrong += wrong_if(dominant_light(project(uniform_lat_long(2 * size, size, 0.7F).view()).radiance).has_value());
+    wrong += wrong_if(dominant_light(project(grey_cubemap(size, 0.7F).view()).radiance).has_value());
+    wrong += wrong_if(dominant_light(project(grey_lat_long(2 * size, size, 0.7F).view()).radiance).has_value());
   }
   return wrong;
 }
@@ -354,7 +354,7 @@ double small_results() {
 }
 
 double one_texel_irradiance() {
-  const Cubemap map = uniform_cube(1, 2.0F);
+  const Cubemap map = grey_cubemap(1, 2.0F);
   const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
   double worst = 0.0;
   const Cubemap irradiance = irradiance_cubemap(light, 1);
