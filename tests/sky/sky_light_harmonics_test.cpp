@@ -28,9 +28,7 @@ double difference(const SphericalHarmonics& a, const SphericalHarmonics& b) {
   return relative_difference(a.coefficients(), b.coefficients());
 }
 
-}  // namespace
-
-TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 degrees", "[sky][harmonics]") {
+void check_quadratures() {
   const SkyView view(small_earth(), 0.0);
   const SkyProjector converged(view, {3, SkyQuadrature::gauss_split, 128, 128});
   const SkyProjector split(view);
@@ -49,7 +47,7 @@ TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 
   }
 }
 
-TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics][slow]") {
+void check_kernels() {
   for (const double altitude : {0.0, 1.8, 1000.0, 12'000.0, 59'000.0}) {
     for (const SkyHarmonicsOptions& options :
          {SkyHarmonicsOptions{}, SkyHarmonicsOptions{16, SkyQuadrature::gauss, 5, 7},
@@ -79,6 +77,49 @@ TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics][slow]
       }
     }
   }
+}
+
+void check_symmetry() {
+  const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
+  for (const double elevation : kElevations) {
+    CAPTURE(elevation);
+    const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
+    glm::dmat3 mirror(1.0);
+    mirror[0][0] = -1.0;  // x
+    CHECK(difference(rotate(ahead, mirror), ahead) < 1e-14);
+    for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
+      const double half = 0.5 * azimuth * pi / 180.0;
+      const glm::dquat rotation(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
+      const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
+      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, rotation)) < bound);
+    }
+  }
+}
+
+void check_space() {
+  for (const double altitude : {1e5, 1e6, 6e7}) {
+    const SkyView view(small_earth(), altitude);
+    const SkyProjector usual(view);
+    const SkyProjector fine(view, {3, SkyQuadrature::gauss_split, 64, 64});
+    for (const double elevation : {80.0, 20.0, -10.0, -60.0}) {
+      CAPTURE(altitude, elevation);
+      const glm::dvec3 sun = sun_direction(elevation, 5.0);
+      const SphericalHarmonics light = usual.project(sun);
+      // By a sun far behind it a planet is a thin crescent, and its light little.
+      CHECK(difference(light, fine.project(sun)) < (elevation < -30.0 ? 1e-1 : 2e-2));
+      for (int c = 0; c < 3; ++c) CHECK(light.at(0, 0)[c] >= 0.0);
+    }
+  }
+}
+
+}  // namespace
+
+// In one case, as all take tables of half a second.
+TEST_CASE("a view's harmonics are the integral of what it shows, for any sun and height", "[sky][harmonics][slow]") {
+  SECTION("the default quadrature is within 0.2 % of the integral from 90 to -6 degrees") { check_quadratures(); }
+  SECTION("kernels give what the view's own calls give") { check_kernels(); }
+  SECTION("a sky is the same on both sides of the sun, and turns with it") { check_symmetry(); }
+  SECTION("from space the planet's light is the integral too") { check_space(); }
 }
 
 TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in closed form", "[sky][harmonics]") {
@@ -120,23 +161,6 @@ TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
   }
 }
 
-TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky][harmonics][slow]") {
-  const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
-  for (const double elevation : kElevations) {
-    CAPTURE(elevation);
-    const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
-    glm::dmat3 mirror(1.0);
-    mirror[0][0] = -1.0;  // x
-    CHECK(difference(rotate(ahead, mirror), ahead) < 1e-14);
-    for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
-      const double half = 0.5 * azimuth * pi / 180.0;
-      const glm::dquat rotation(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
-      const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
-      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, rotation)) < bound);
-    }
-  }
-}
-
 TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
   for (const double altitude : {0.0, 5000.0, 1e6}) {
     const SkyProjector projector(SkyView(small_view_tables(), altitude));
@@ -145,22 +169,6 @@ TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
     const FailingHeap heap(Heap::this_thread, 1, true);
     projector.project(glm::dvec3(0.3, 0.5, -0.2), light.coefficients());
     CHECK_FALSE(heap.failed());
-  }
-}
-
-TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics][slow]") {
-  for (const double altitude : {1e5, 1e6, 6e7}) {
-    const SkyView view(small_earth(), altitude);
-    const SkyProjector usual(view);
-    const SkyProjector fine(view, {3, SkyQuadrature::gauss_split, 64, 64});
-    for (const double elevation : {80.0, 20.0, -10.0, -60.0}) {
-      CAPTURE(altitude, elevation);
-      const glm::dvec3 sun = sun_direction(elevation, 5.0);
-      const SphericalHarmonics light = usual.project(sun);
-      // By a sun far behind it a planet is a thin crescent, and its light little.
-      CHECK(difference(light, fine.project(sun)) < (elevation < -30.0 ? 1e-1 : 2e-2));
-      for (int c = 0; c < 3; ++c) CHECK(light.at(0, 0)[c] >= 0.0);
-    }
   }
 }
 
@@ -231,9 +239,7 @@ double worst(const SkyCurve& curve, const SkyProjector& projector, double low, d
   return result;
 }
 
-}  // namespace
-
-TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
+void check_curves() {
   const SkyView view(small_earth(), 0.0);
   for (const int bands : {1, 3, 9}) {
     CAPTURE(bands);
@@ -249,7 +255,7 @@ TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
   }
 }
 
-TEST_CASE("curves hold aloft and in space", "[sky][curve][slow]") {
+void check_curves_aloft() {
   for (const double altitude : {1.8, 3000.0, 40'000.0, 4e5, 6e7}) {
     CAPTURE(altitude);
     const SkyView view(small_earth(), altitude);
@@ -274,7 +280,7 @@ TEST_CASE("curves hold aloft and in space", "[sky][curve][slow]") {
   }
 }
 
-TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve][slow]") {
+void check_signs_of_curves() {
   const SkyView view(small_earth(), 0.0);
   for (const int nodes : {8, 9, 64}) {
     SkyCurveOptions options{.nodes = nodes};
@@ -292,7 +298,7 @@ TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve][slow]") {
   }
 }
 
-TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "[sky][curve]") {
+void check_suns_of_curves() {
   for (const double altitude : {0.0, 2000.0}) {
     const SkyView view(small_earth(), altitude);
     const SkyCurve curve(view);
@@ -304,6 +310,16 @@ TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "
       for (int c = 0; c < 3; ++c) CHECK(curve.sun_irradiance(sun)[c] == Approx(expected[c]).epsilon(1e-3));
     }
   }
+}
+
+}  // namespace
+
+// In one case, as all take tables of half a second.
+TEST_CASE("a curve gives the projection and the sun, at any elevation and height", "[sky][curve][slow]") {
+  SECTION("the projection at any elevation") { check_curves(); }
+  SECTION("aloft and in space") { check_curves_aloft(); }
+  SECTION("band 0 and sun are never negative") { check_signs_of_curves(); }
+  SECTION("the sun is the view's while its disc sets, in every channel") { check_suns_of_curves(); }
 }
 
 TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky][curve]") {
