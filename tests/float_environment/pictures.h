@@ -13,7 +13,7 @@ namespace welkin::test {
 inline LatLongImage small_lat_long() { return {32, 16, make_lat_long(Content::sun_disc, 32, 16, 71).pixels}; }
 inline Cubemap small_cubemap() { return {12, make_cubemap(Content::high_range, 12, 3, 72).pixels}; }
 
-/// Of both layouts.
+/// Pictures of both layouts.
 inline std::array<EnvironmentView, 2> views_of(const Cubemap& cube, const LatLongImage& wide) {
   return {cube.view(), wide.view()};
 }

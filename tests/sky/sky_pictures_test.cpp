@@ -29,7 +29,7 @@ const SkyView& view_at(double altitude) {
   return altitude > 1e5 ? space : altitude > 0.0 ? hill : ground;
 }
 
-/// What a picture's sun adds to its light.
+/// The sun in a picture adds its irradiance to the light.
 template <class Image>
 void check_disc_irradiance(const Image& picture, const Image& plain, const glm::dvec3& irradiance) {
   const glm::dvec3 with = total_radiance_of(picture);

@@ -33,7 +33,7 @@ const std::shared_ptr<const SkyTables>& four_orders() {
 // In one case, as they share tables that take seconds.
 TEST_CASE("sky view: irradiance is the integral of its own radiances to 0.5 % down to -9 degrees, and that of paths",
           "[sky][twilight][truth]") {
-  // Of four orders, and with an estimate of all further ones, the default.
+  // Four orders alone, and with an estimate of all further ones, the default.
   for (const auto& tables : {four_orders(), sky_tables_of(earth_bruneton())}) {
     const SkyView view(tables, 0.0);
     for (const double elevation :
@@ -235,7 +235,7 @@ TEST_CASE("night: it is the same by day, and none is the bits without", "[sky][n
   CHECK((SkyView(with, 1e6).radiance(kUp, kNadir) == dvec3(0.0)));
 }
 
-// By Garstang's and Patat's formula, written anew: for a direction 70 degrees from the zenith.
+// By Garstang's and Patat's formula, for a direction 70 degrees from the zenith.
 TEST_CASE("night: it brightens towards the horizon as a layer does, less what the air takes", "[sky][night]") {
   const Atmosphere air = at_night();
   const SkyView view(small_tables(air), 0.0);

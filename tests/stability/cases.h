@@ -14,7 +14,7 @@ struct Named {
   double value;
 };
 
-/// What a case's error is held to.
+/// The bound that a case's error is held to, and when.
 struct Terms {
   double bound;
   StabilityUnit unit = StabilityUnit::relative;
@@ -41,7 +41,7 @@ class StabilityCases {
     cases_.push_back({subject_ + "/" + name, promise, truth, terms, std::move(measure)});
   }
 
-  /// What counts wrong answers, of which there must be none.
+  /// Adds a case that counts wrong answers: there must be none.
   void add_count(const std::string& name, const std::string& promise, const std::string& truth,
                  std::function<double()> measure) {
     add(name, promise, truth, {0.0, StabilityUnit::count}, std::move(measure));

@@ -22,7 +22,7 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 
 const std::vector<std::string> kValues{"1e-38", "1e-20", "1e-4", "1e4", "1e8", "1e20", "1e30", "1e38", "3.4e38"};
 
-/// What a name says; of 3.4e38 the last float.
+/// The number in a name; 3.4e38 is the last float.
 float value_of(const std::string& text) { return text == "3.4e38" ? kLargest : static_cast<float>(std::stod(text)); }
 
 template <class Image>

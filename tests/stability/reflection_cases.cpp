@@ -28,7 +28,7 @@ double column_error(int width, int height, int column, const RowError& error) {
   return worst;
 }
 
-/// Of scale and bias.
+/// The error of scale and bias.
 double ggx_error(const float* entry, double normal_view, double alpha) {
   const report::BrdfTruth truth = report::ggx_truth(normal_view, alpha);
   return worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias));

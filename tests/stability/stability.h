@@ -33,7 +33,7 @@ struct StabilityResult {
 /// An exception in a case is its result (`failure`), not the end.
 [[nodiscard]] std::vector<StabilityResult> run_stability(const std::string& subject, bool quick);
 
-/// What cases are about.
+/// A group of cases.
 struct StabilitySubject {
   const char* name;
   const char* sentence;  ///< for the page
