@@ -76,9 +76,9 @@ elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 endif()
 # But for truths that sum over millions of texels and rays.
-file(GLOB stability_sources stability/*_cases.cpp stability/measures.cpp)
+file(GLOB long_sums stability/*_cases.cpp stability/measures.cpp probes/room.cpp)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  set_source_files_properties(${stability_sources} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>
+  set_source_files_properties(${long_sums} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>
                                                               SKIP_PRECOMPILE_HEADERS ON)
 endif()
 welkin_compile_together(welkin_tests ${sources})

@@ -18,13 +18,6 @@
 namespace welkin::test {
 namespace {
 
-BakeOptions small_bake() {
-  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}}};
-  options.irradiance->size = 3;
-  options.brdf = BrdfTableOptions{.width = 5, .height = 3};
-  return options;
-}
-
 std::vector<PassRecord> records_of(const std::vector<PlannedPass>& passes) {
   std::vector<PassRecord> records;
   for (const PlannedPass& pass : passes) records.push_back({pass.name, PassAction::run, "", 1.2345});
@@ -39,14 +32,14 @@ void call_plans(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
     return 0;
   });
   calls.call("plan(SourceShape", [&] { return plan(shape, {}, small_bake()).passes; });
-  calls.call("plan(EnvironmentView", [&] { return plan(wide.view(), rough, small_bake()).passes; });
-  calls.call("plan(EnvironmentView", [&] { return plan(cube.view(), rough, small_bake()).passes; });
-  const Plan of_wide = plan(wide.view(), {}, small_bake());
-  const Plan of_cube = plan(cube.view(), {}, small_bake());
-  const std::vector<PassRecord> records = records_of(of_wide.passes);
-  calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
-  calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, wide.view(), small_bake()); });
-  calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, cube.view(), small_bake()); });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("plan(EnvironmentView", [&] { return plan(view, rough, small_bake()).passes; });
+    const Plan planned = plan(view, {}, small_bake());
+    const std::vector<PassRecord> records = records_of(planned.passes);
+    calls.call("plan_text(Plan", [&] { return plan_text(planned, records); });
+    calls.call("bake_to(BakeTargets const&, EnvironmentView", [&] { return bake_to({}, view, small_bake()); });
+    calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(view, planned); });
+  }
   const std::vector<CubemapView> probes(3, cube.view());
   const UploadLayout layout{.size = 8, .levels = 3};
   std::vector<std::byte> memory(3 * upload_bytes(layout));
@@ -61,8 +54,6 @@ void call_plans(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
     for (const std::byte byte : memory) light.emplace_back(static_cast<double>(std::to_integer<int>(byte)));
     return light;
   });
-  calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(wide.view(), of_wide); });
-  calls.call("bake(EnvironmentView const&, Plan", [&] { return bake(cube.view(), of_cube); });
 }
 
 void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
@@ -75,26 +66,20 @@ void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const LightTransform change{.exposure = 1.7, .rotation = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
   const Projection projection = project(cube.view());
   calls.call("changed(", [&] { return changed(projection, change); });
-  calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(cube.view(), {}, change); });
-  calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(wide.view(), {}, change); });
   calls.call("ResultCache::project_file(", [&] { return cache.project_file(file); });
   const PrefilterOptions specular{.size = 8, .roughness = {0.2, 0.7}};
   calls.call("PrefilterOptions::texel_bound(", [&] { return specular.texel_bound(); });
-  calls.call("ResultCache::prefilter_specular(EnvironmentView",
-             [&] { return cache.prefilter_specular(cube.view(), specular); });
-  calls.call("ResultCache::prefilter_specular(EnvironmentView",
-             [&] { return cache.prefilter_specular(wide.view(), specular); });
-  calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions",
-             [&] { return cache.bake(cube.view(), small_bake()); });
-  calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions",
-             [&] { return cache.bake(wide.view(), small_bake()); });
-  const StoredEnvironment stored = inspect_stored_environment(file);
-  const Plan of_cube = plan(cube.view(), {}, small_bake());
-  const Plan of_wide = plan(wide.view(), {}, small_bake());
-  const Plan of_stored = plan(stored, {}, small_bake());
   ResultCache planned;
-  calls.call("ResultCache::bake(EnvironmentView const&, Plan", [&] { return planned.bake(cube.view(), of_cube); });
-  calls.call("ResultCache::bake(EnvironmentView const&, Plan", [&] { return planned.bake(wide.view(), of_wide); });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("ResultCache::project(EnvironmentView", [&] { return cache.project(view, {}, change); });
+    calls.call("ResultCache::prefilter_specular(EnvironmentView",
+               [&] { return cache.prefilter_specular(view, specular); });
+    calls.call("ResultCache::bake(EnvironmentView const&, BakeOptions", [&] { return cache.bake(view, small_bake()); });
+    const Plan plan_of_view = plan(view, {}, small_bake());
+    calls.call("ResultCache::bake(EnvironmentView const&, Plan", [&] { return planned.bake(view, plan_of_view); });
+  }
+  const StoredEnvironment stored = inspect_stored_environment(file);
+  const Plan of_stored = plan(stored, {}, small_bake());
   calls.call("ResultCache::bake(StoredEnvironment", [&] { return planned.bake(stored, of_stored); });
 }
 
@@ -103,19 +88,15 @@ void call_cache(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
 void call_bakes(Calls& calls) {
   const LatLongImage wide = small_lat_long();
   const Cubemap cube = small_cubemap();
-  calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(wide.view(), small_bake()); });
-  calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(cube.view(), small_bake()); });
-  calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(wide.view(), small_bake()); });
-  calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(cube.view(), small_bake()); });
   BakeResult result;
-  calls.call("bake_into(BakeResult&, EnvironmentView", [&] {
-    bake_into(result, wide.view(), small_bake());
-    return std::cref(result);
-  });
-  calls.call("bake_into(BakeResult&, EnvironmentView", [&] {
-    bake_into(result, cube.view(), small_bake());
-    return std::cref(result);
-  });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("bake_bytes(EnvironmentView", [&] { return bake_bytes(view, small_bake()); });
+    calls.call("bake(EnvironmentView const&, BakeOptions", [&] { return bake(view, small_bake()); });
+    calls.call("bake_into(BakeResult&, EnvironmentView", [&] {
+      bake_into(result, view, small_bake());
+      return std::cref(result);
+    });
+  }
   call_plans(calls, wide, cube);
   call_cache(calls, wide, cube);
 }

@@ -15,13 +15,6 @@
 namespace welkin::test {
 namespace {
 
-BakeOptions small_bake() {
-  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}}};
-  options.irradiance->size = 3;
-  options.brdf.reset();
-  return options;
-}
-
 void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
   const LatLongImage wide = small_lat_long();
   const LatLongImage dark = faint(wide);

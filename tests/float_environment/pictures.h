@@ -1,14 +1,29 @@
-// Small pictures that the calls read.
+// Small pictures that the calls read, and what they bake of them.
 #pragma once
+
+#include <array>
 
 #include "support/test_environments.h"
 #include "support/values_of.h"
+#include "welkin/bake.h"
 #include "welkin/image.h"
 
 namespace welkin::test {
 
 inline LatLongImage small_lat_long() { return {32, 16, make_lat_long(Content::sun_disc, 32, 16, 71).pixels}; }
 inline Cubemap small_cubemap() { return {12, make_cubemap(Content::high_range, 12, 3, 72).pixels}; }
+
+/// Pictures of both layouts.
+inline std::array<EnvironmentView, 2> views_of(const Cubemap& cube, const LatLongImage& wide) {
+  return {cube.view(), wide.view()};
+}
+
+inline BakeOptions small_bake() {
+  BakeOptions options{.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}}};
+  options.irradiance->size = 3;
+  options.brdf = BrdfTableOptions{.width = 5, .height = 3};
+  return options;
+}
 
 /// The same picture in denormals, which a thread may take for zero.
 template <class Image>

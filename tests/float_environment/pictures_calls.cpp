@@ -32,8 +32,9 @@ void call_image(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
              [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), ResampleFilter::area); });
   calls.call("to_lat_long(EnvironmentView", [&] { return to_lat_long(wide.view(), 18, 9, rotation); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
-  calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(cube.view()); });
-  calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(wide.view()); });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("exposure_of(EnvironmentView", [&] { return exposure_of(view); });
+  }
   Cubemap chain = build_mips(cube.view(), MipFilter::box);
   calls.call("octahedral_encode(", [] {
     const auto place = octahedral_encode({0.1, -0.7, -0.3});
@@ -160,18 +161,14 @@ void call_importance(Calls& calls, const LatLongImage& wide) {
 
 void call_irradiance(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const std::vector<glm::dvec3> normals{{0.36, -0.48, 0.8}, {0.0, 1.0, 0.0}};
-  calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(cube.view(), normals); });
-  calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(wide.view(), normals); });
-  calls.call("direct_irradiance(EnvironmentView const&, dvec3",
-             [&] { return direct_irradiance(cube.view(), normals[0]); });
-  calls.call("direct_irradiance(EnvironmentView const&, dvec3",
-             [&] { return direct_irradiance(wide.view(), normals[0]); });
   const SphericalHarmonics radiance = project(cube.view()).radiance;
-  calls.call("irradiance_errors(EnvironmentView", [&] { return irradiance_errors(cube.view(), radiance, 8); });
-  calls.call("irradiance_errors(EnvironmentView", [&] { return irradiance_errors(wide.view(), radiance, 8); });
   calls.call("irradiance_cubemap(", [&] { return irradiance_cubemap(irradiance_from_radiance(radiance), 3); });
-  calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(cube.view(), 2); });
-  calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("direct_irradiance(EnvironmentView const&, span", [&] { return direct_irradiance(view, normals); });
+    calls.call("direct_irradiance(EnvironmentView const&, dvec3", [&] { return direct_irradiance(view, normals[0]); });
+    calls.call("irradiance_errors(EnvironmentView", [&] { return irradiance_errors(view, radiance, 8); });
+    calls.call("direct_irradiance_cubemap(EnvironmentView", [&] { return direct_irradiance_cubemap(view, 2); });
+  }
 }
 
 void call_kernels(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
@@ -188,10 +185,11 @@ void call_kernels(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   calls.call("ZonalLobe::spectrum(", [&] { return sheen.spectrum(17); });
   calls.call("charlie_mip_roughness(", [] { return charlie_mip_roughness(5, 200); });
   const LobeChainOptions options{.size = 8, .lobes = {sheen, ZonalLobe::lambert()}};
-  calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(wide.view(), options); });
-  calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(cube.view(), options); });
-  calls.call("reference_by_lobe(EnvironmentView", [&] { return reference_by_lobe(wide.view(), sheen, directions); });
-  calls.call("reference_by_lobe(EnvironmentView", [&] { return reference_by_lobe(cube.view(), sheen, directions); });
+  for (const EnvironmentView& view : views_of(cube, wide)) {
+    calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(view, options); });
+    calls.call("reference_by_lobe(EnvironmentView", [&] { return reference_by_lobe(view, sheen, directions); });
+    calls.call("reference_specular(EnvironmentView", [&] { return reference_specular(view, 0.5, directions); });
+  }
 }
 
 void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
@@ -213,9 +211,6 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cub
   calls.call("prefilter_specular(EnvironmentView", [&] { return prefilter_specular(wide.view(), reference); });
   calls.call("prefilter_specular(EnvironmentView", [&] { return prefilter_specular(cube.view(), spectral); });
   call_kernels(calls, wide, cube);
-  const std::vector<glm::dvec3> directions{{0.36, -0.48, 0.8}};
-  calls.call("reference_specular(EnvironmentView", [&] { return reference_specular(wide.view(), 0.5, directions); });
-  calls.call("reference_specular(EnvironmentView", [&] { return reference_specular(cube.view(), 0.5, directions); });
 
   const BrdfTableOptions small{.width = 5, .height = 4};
   const auto brdf = calls.call("brdf_table(", [&] { return brdf_table(small); });

@@ -26,19 +26,27 @@ bool same_bits(const BakedProbes& a, const BakedProbes& b) {
          a.invalid == b.invalid && a.unfilled == b.unfilled;
 }
 
+constexpr int kDepthSize = 48;  ///< of depths whose moments are summed over all texels
+
 /// Mean and mean square by the definition: every texel of the depths, not blocks of them.
-glm::dvec2 moments_of(const std::vector<float>& depths, int size, const dvec3& axis, int power, double limit) {
+glm::dvec2 moments_of(const std::vector<float>& depths, const dvec3& axis, int power, double limit) {
+  static const std::vector<dvec3> directions = [] {
+    std::vector<dvec3> all;
+    Captures::for_each_texel(kDepthSize, [&](const dvec3& direction) { all.push_back(direction); });
+    return all;
+  }();
   glm::dvec2 sums(0.0);
   double whole = 0.0;
-  std::size_t texel = 0;
-  Captures::for_each_texel(size, [&](const dvec3& direction) {
+  for (std::size_t texel = 0; texel < directions.size(); ++texel) {
+    const dvec3& direction = directions[texel];
+    const double cosine = glm::dot(axis, direction);
+    if (cosine <= 0.0) continue;
     const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-    const double weight = largest * largest * largest *
-                          std::pow(std::max(0.0, glm::dot(axis, direction)), power);  // area as a small square
-    const double distance = std::min(limit, static_cast<double>(std::abs(depths[texel++])));
+    const double weight = largest * largest * largest * std::pow(cosine, power);  // area as a small square
+    const double distance = std::min(limit, static_cast<double>(std::abs(depths[texel])));
     sums += weight * glm::dvec2(distance, distance * distance);
     whole += weight;
-  });
+  }
   return sums / whole;
 }
 
@@ -93,8 +101,7 @@ TEST_CASE("probes: validity is the share of the sphere that is neither near nor 
       }
     });
     CAPTURE(size);
-    const BakedProbes probes =
-        bake_probes(grid, captures.cubes, captures.depths, {.valid_share = 0.8, .dilation_passes = 0});
+    const BakedProbes probes = captures.bake(grid, {.valid_share = 0.8, .dilation_passes = 0});
     CHECK(probes.validity[0] == 1.0F);
     CHECK(probes.validity[1] == Approx(5.0 / 6.0).margin(1e-6));
     CHECK(probes.validity[2] == Approx(4.0 / 6.0).margin(1e-6));
@@ -111,8 +118,7 @@ TEST_CASE("probes: inside a sphere every mean is the radius, and its square the 
     for (const int map : {1, 2, 3, 7, 8}) {
       for (const int power : {1, 50, 1024}) {
         CAPTURE(size, map, power);
-        const BakedProbes probes =
-            bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map, .distance_power = power});
+        const BakedProbes probes = captures.bake(grid, {.distance_size = map, .distance_power = power});
         REQUIRE(probes.distances.size() == 2 * static_cast<std::size_t>((map + 2) * (map + 2)));
         for (std::size_t k = 0; k < probes.distances.size(); k += 2) {
           REQUIRE(probes.distances[k] == Approx(2.5).margin(1e-6));
@@ -125,22 +131,20 @@ TEST_CASE("probes: inside a sphere every mean is the radius, and its square the 
 
 TEST_CASE("probes: in a box, moments are those of its walls' distances, backs and what is far included", "[probes]") {
   const ProbeGrid grid{.counts = {2, 1, 1}, .origin = {-0.5, 0.2, 0.1}, .spacing = {1, 1, 1}};
-  constexpr int size = 48;
-  const Captures captures(2, 1, grey, size, [&](std::size_t probe, const dvec3& d) {
+  const Captures captures(2, 1, grey, kDepthSize, [&](std::size_t probe, const dvec3& d) {
     const double distance = distance_to_walls(grid.position(probe), d, {-1, -1, -1}, {2, 1, 1});
     if (d.y > 0.8) return kNothing;
     return static_cast<float>(d.z > 0.7 ? -distance : distance);
   });
   for (const int power : {3, 50}) {
     const BakedProbes probes =
-        bake_probes(grid, captures.cubes, captures.depths,
-                    {.distance_size = 7, .distance_power = power, .distance_limit = 1.7, .dilation_passes = 0});
+        captures.bake(grid, {.distance_size = 7, .distance_power = power, .distance_limit = 1.7, .dilation_passes = 0});
     for (std::size_t probe = 0; probe < 2; ++probe) {
       for (int row = 0; row < 7; ++row) {
         for (int column = 0; column < 7; ++column) {
           CAPTURE(power, probe, row, column);
-          const glm::dvec2 wanted = moments_of(captures.distances[probe], size,
-                                               octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
+          const glm::dvec2 wanted =
+              moments_of(captures.distances[probe], octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
           const float* found = texel_of(probes, probe, column, row);
           // Blocks of 3 x 3 texels stand for their middles: an eighth of a lobe's width for power 50.
           CHECK(found[0] == Approx(wanted.x).epsilon(0.004));
@@ -157,23 +161,17 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
   const dvec3 room(6, 3, 4);
   for (const double margin : {0.25, 0.5}) {
     const ProbeGrid grid{.counts = {5, 3, 4}, .origin = dvec3(margin), .spacing = (room - 2 * margin) / dvec3(4, 2, 3)};
-    constexpr int size = 48;
-    const Captures captures(grid.size(), 1, grey, size, [&](std::size_t probe, const dvec3& d) {
-      const dvec3 point = grid.position(probe);
-      double nearest = 1e9;
-      for (int axis = 0; axis < 3; ++axis) {
-        nearest = std::min(nearest, ((d[axis] > 0.0 ? room[axis] : 0.0) - point[axis]) / d[axis]);
-      }
-      return static_cast<float>(nearest);
+    const Captures captures(grid.size(), 1, grey, kDepthSize, [&](std::size_t probe, const dvec3& d) {
+      return static_cast<float>(distance_to_walls(grid.position(probe), d, dvec3(0.0), room));
     });
-    const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+    const BakedProbes probes = captures.bake(grid);
     glm::dvec2 most(0.0);
     glm::dvec2 squares(0.0);
     double count = 0.0;
     for (std::size_t probe = 0; probe < grid.size(); probe += 3) {
       for (int texel = 0; texel < 64; ++texel) {
         const dvec3 axis = octahedral_decode((texel % 8 + 0.5) / 8, (texel / 8 + 0.5) / 8);
-        const glm::dvec2 wanted = moments_of(captures.distances[probe], size, axis, 50, probes.distance_limit);
+        const glm::dvec2 wanted = moments_of(captures.distances[probe], axis, 50, probes.distance_limit);
         const float* found = texel_of(probes, probe, texel % 8, texel / 8);
         const glm::dvec2 off = glm::abs(glm::dvec2(found[0], found[1]) / wanted - 1.0);
         most = glm::max(most, off);
@@ -198,7 +196,7 @@ TEST_CASE("probes: what differs within a block is in the mean square", "[probes]
     const int row = texel++ / 64;
     return (column + row) % 2 == 0 ? 1.0F : 3.0F;
   });
-  const BakedProbes probes = bake_probes({.spacing = {9, 9, 9}}, captures.cubes, captures.depths);
+  const BakedProbes probes = captures.bake({.spacing = {9, 9, 9}});
   for (int k = 0; k < 8; ++k) {
     CHECK(texel_of(probes, 0, k, 7 - k)[0] == Approx(2.0).epsilon(1e-3));
     CHECK(texel_of(probes, 0, k, 7 - k)[1] == Approx(5.0).epsilon(1e-3));
@@ -211,7 +209,7 @@ TEST_CASE("probes: the border of a map has what lies beyond its edges on the sph
     return static_cast<float>(1.0 + 0.3 * d.x - 0.2 * d.y + 0.1 * d.z);
   });
   for (const int map : {1, 2, 3, 8}) {
-    const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map});
+    const BakedProbes probes = captures.bake(grid, {.distance_size = map});
     for (int k = 0; k < map; ++k) {
       CAPTURE(map, k);
       // Place (-a, b) of the square is (a, 1 - b).
@@ -280,7 +278,7 @@ TEST_CASE("probes: the same bits on any number of threads and instruction set, a
   };
   const Captures captures(grid.size(), 16, grey, 24, depth);
   const ProbeOptions options{.projection = {.bands = 4}, .environment_bands = 3};
-  const BakedProbes wanted = bake_probes(grid, captures.cubes, captures.depths, options);
+  const BakedProbes wanted = captures.bake(grid, options);
   CHECK(wanted.invalid > 10);
   CHECK(wanted.sky_bands == 6);
   const InstructionSet before = active_instruction_set();
@@ -289,7 +287,7 @@ TEST_CASE("probes: the same bits on any number of threads and instruction set, a
     for (const int threads : {1, 2, 5}) {
       CAPTURE(name(set), threads);
       BakedProbes found;
-      run_with_threads(threads, [&] { found = bake_probes(grid, captures.cubes, captures.depths, options); });
+      run_with_threads(threads, [&] { found = captures.bake(grid, options); });
       CHECK(same_bits(wanted, found));
     }
   }
@@ -320,7 +318,7 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   const ProbeGrid grid{.counts = {2, 1, 1}};
   const Captures captures(2, 4, grey, 4, [](std::size_t, const dvec3&) { return 1.0F; });
   const auto bake = [&](const ProbeGrid& g, const ProbeOptions& options) {
-    return thrown_by([&] { static_cast<void>(bake_probes(g, captures.cubes, captures.depths, options)); });
+    return thrown_by([&] { static_cast<void>(captures.bake(g, options)); });
   };
   CHECK(bake({.counts = {2, 0, 1}}, {}).says("along y"));
   CHECK(bake({.counts = {2, 1, 1}, .spacing = {1, 1, 0}}, {}).says("spacing along z"));
@@ -356,7 +354,7 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   CHECK(rejected.code == ErrorCode::rejected_pixel);
   CHECK(rejected.says("probe 1"));
 
-  BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  BakedProbes probes = captures.bake(grid);
   const BakedProbes before = probes;
   const std::vector<std::size_t> twice{1, 1};
   CHECK(thrown_by([&] { update_probes(probes, twice, captures.cubes, captures.depths); }).says("probe 1"));
@@ -370,15 +368,13 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
 
   stop_source stop;
   stop.request_stop();
-  CHECK(thrown_by([&] {
-          static_cast<void>(bake_probes(grid, captures.cubes, captures.depths, {}, {.stop = stop.get_token()}));
-        }).code == ErrorCode::cancelled);
+  CHECK(thrown_by([&] { static_cast<void>(captures.bake(grid, {}, {.stop = stop.get_token()})); }).code ==
+        ErrorCode::cancelled);
   double last = -1.0;
-  static_cast<void>(
-      bake_probes(grid, captures.cubes, captures.depths, {.environment_bands = 1}, {{}, [&](double share) {
-                                                                                      CHECK(share >= last);
-                                                                                      last = share;
-                                                                                    }}));
+  static_cast<void>(captures.bake(grid, {.environment_bands = 1}, {{}, [&](double share) {
+                                                                     CHECK(share >= last);
+                                                                     last = share;
+                                                                   }}));
   CHECK(last == 1.0);
 }
 
@@ -390,9 +386,7 @@ TEST_CASE("probes: a window takes ringing away, and takes each probe alone", "[p
   const BakedProbes probes = bake_probes(grid, captures.cubes);
   const BakedProbes calm = windowed(probes, Window::min_laplacian);
   CHECK(same_bytes<dvec3>(std::span(probes.coefficients).first(9), std::span(calm.coefficients).first(9)));
-  SphericalHarmonics sun(3);
-  std::copy_n(probes.coefficients.begin() + 9, 9, sun.coefficients().begin());
-  const WindowResult wanted = apply_window(sun, Window::min_laplacian);
+  const WindowResult wanted = apply_window(radiance_of(probes, 1), Window::min_laplacian);
   CHECK(wanted.minimum_before.x < -1.0);
   CHECK(same_bytes<dvec3>(wanted.radiance.coefficients(), std::span(calm.coefficients).subspan(9, 9)));
   CHECK(thrown_by([&] { static_cast<void>(windowed(probes, Window::hanning, -1.0)); }).says("probe 0"));

@@ -3,6 +3,7 @@
 
 #include "image/pixels.h"
 #include "math/elementary.h"
+#include "probes/probe_captures.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
 #include "welkin/probes.h"
@@ -39,9 +40,7 @@ BakedProbes sample_grid(std::array<int, 3> counts, double directional) {
 }
 
 dvec3 irradiance_at(const BakedProbes& probes, std::size_t probe, const dvec3& normal) {
-  SphericalHarmonics radiance(3);
-  for (std::size_t k = 0; k < 9; ++k) radiance.coefficients()[k] = probes.coefficients[9 * probe + k];
-  return evaluate(irradiance_from_radiance(radiance), normal);
+  return evaluate(irradiance_from_radiance(radiance_of(probes, probe)), normal);
 }
 
 std::vector<dvec3> normals_around(int count) {

@@ -5,6 +5,7 @@
 #include "support/catch.h"
 #include "welkin/image.h"
 #include "welkin/probes.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 
@@ -38,6 +39,11 @@ struct Captures {
     for (const std::vector<float>& each : distances) depths.push_back(depth_view(each, depth_size));
   }
 
+  [[nodiscard]] BakedProbes bake(const ProbeGrid& grid, const ProbeOptions& options = {},
+                                 const Control& control = {}) const {
+    return bake_probes(grid, cubes, depths, options, control);
+  }
+
   static DepthView depth_view(const std::vector<float>& distances, int size) {
     DepthView view{{}, size, 0};
     const auto face = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
@@ -56,6 +62,14 @@ struct Captures {
     }
   }
 };
+
+inline SphericalHarmonics radiance_of(const BakedProbes& probes, std::size_t probe) {
+  SphericalHarmonics radiance(probes.bands);
+  const std::size_t functions = radiance.coefficients().size();
+  std::copy_n(probes.coefficients.begin() + static_cast<std::ptrdiff_t>(probe * functions), functions,
+              radiance.coefficients().begin());
+  return radiance;
+}
 
 /// From a place inside a box with corners `low` and `high` to its walls.
 inline double distance_to_walls(const dvec3& position, const dvec3& direction, const dvec3& low, const dvec3& high) {

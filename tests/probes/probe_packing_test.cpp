@@ -127,10 +127,7 @@ TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its br
           const auto read = [&](std::size_t texture, int channel) {
             return value(packed.textures[texture], 4 * brick + step[0], step[1], step[2], channel);
           };
-          SphericalHarmonics radiance(second ? 3 : 2);
-          for (std::size_t f = 0; f < radiance.coefficients().size(); ++f) {
-            radiance.coefficients()[f] = coefficient(probes, probe, static_cast<int>(f));
-          }
+          const SphericalHarmonics radiance = resized(radiance_of(probes, probe), second ? 3 : 2);
           const SphericalHarmonics lambertian = lambertian_from_irradiance(irradiance_from_radiance(radiance));
           for (const dvec3 raw : {dvec3(0, 1, 0), dvec3(1, -2, 0.5), dvec3(-1, 0.3, -0.7)}) {
             const dvec3 n = glm::normalize(raw);
@@ -243,10 +240,10 @@ TEST_CASE("relight: gives what capturing again gives, of any new, turned or brig
                                                rotate(from, Quaternion{.w = 0.6, .x = 0.3, .y = 0.7, .z = -0.2}),
                                                scale(from, dvec3(3, 2, 0.1))};
   const Captures before = captured(from);
-  const BakedProbes baked = bake_probes(kGrid, before.cubes, before.depths, kOptions);
+  const BakedProbes baked = before.bake(kGrid, kOptions);
   for (const SphericalHarmonics& to : others) {
     const Captures after = captured(to);
-    const BakedProbes again = bake_probes(kGrid, after.cubes, after.depths, kOptions);
+    const BakedProbes again = after.bake(kGrid, kOptions);
     BakedProbes relit = baked;
     relight(relit, from, to);
     CHECK(difference(again, baked) > 0.02);
@@ -262,7 +259,7 @@ TEST_CASE("relight: is linear, and the same on any number of threads", "[probes]
   const SphericalHarmonics from = made_up(4, 0.3);
   const SphericalHarmonics to = made_up(4, 1.3);
   const Captures captures = captured(from);
-  const BakedProbes baked = bake_probes(kGrid, captures.cubes, captures.depths, kOptions);
+  const BakedProbes baked = captures.bake(kGrid, kOptions);
   BakedProbes once = baked;
   BakedProbes twice = baked;
   relight(once, from, to);
@@ -283,8 +280,7 @@ TEST_CASE("relight: a probe that sees everything has the environment itself, one
   const Captures captures(
       2, 8, [&](std::size_t, const dvec3&) { return dvec3(1.0); }, 8,
       [](std::size_t probe, const dvec3&) { return probe == 0 ? kNothing : 3.0F; });
-  BakedProbes probes =
-      bake_probes(grid, captures.cubes, captures.depths, {.projection = {.bands = 3}, .environment_bands = 3});
+  BakedProbes probes = captures.bake(grid, {.projection = {.bands = 3}, .environment_bands = 3});
   const BakedProbes before = probes;
   CHECK(before.sky[0] == Approx(std::sqrt(4.0 * std::numbers::pi)));
   relight(probes, from, to);
@@ -300,7 +296,7 @@ TEST_CASE("relight: invalid probes get their neighbours' new light", "[probes]")
   const Captures captures(
       2, 4, [&](std::size_t, const dvec3&) { return dvec3(1.0); }, 4,
       [](std::size_t probe, const dvec3&) { return probe == 0 ? kNothing : -3.0F; });
-  BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths, {.environment_bands = 1});
+  BakedProbes probes = captures.bake(grid, {.environment_bands = 1});
   CHECK(probes.invalid == 1);
   relight(probes, constant_radiance(dvec3(1.0)), constant_radiance(dvec3(4.0)));
   CHECK(probes.coefficients[9] == probes.coefficients[0]);
@@ -311,7 +307,7 @@ TEST_CASE("relight: refuses coefficients that are not finite or too large, names
           "[probes]") {
   const SphericalHarmonics from = made_up(4, 0.3);
   const Captures captures = captured(from);
-  BakedProbes probes = bake_probes(kGrid, captures.cubes, captures.depths, kOptions);
+  BakedProbes probes = captures.bake(kGrid, kOptions);
   const BakedProbes before = probes;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();

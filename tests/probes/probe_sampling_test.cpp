@@ -28,14 +28,11 @@ BakedProbes two_rooms(int bands) {
         const double away = distance_to_walls(kGrid.position(probe), d, {-1.5, 0, 1}, {2.6, 2.5, 4});
         return static_cast<float>(in_wall(probe) ? -away : away * (0.5 + 0.1 * static_cast<double>(probe % 4)));
       });
-  return bake_probes(kGrid, captures.cubes, captures.depths, {.projection = {.bands = bands}, .distance_size = 6});
+  return captures.bake(kGrid, {.projection = {.bands = bands}, .distance_size = 6});
 }
 
 dvec3 light_of(const BakedProbes& probes, std::size_t probe, const dvec3& normal) {
-  SphericalHarmonics radiance(probes.bands);
-  const auto functions = radiance.coefficients().size();
-  std::copy_n(probes.coefficients.begin() + static_cast<std::ptrdiff_t>(probe * functions), functions,
-              radiance.coefficients().begin());
+  SphericalHarmonics radiance = radiance_of(probes, probe);
   if (probes.bands > 3) radiance = resized(radiance, 3);
   return evaluate(irradiance_from_radiance(radiance), normal);
 }
@@ -191,7 +188,7 @@ TEST_CASE("probe_irradiance: a wall between two probes keeps the light of the ot
         const bool towards_wall = probe == 0 ? d.x > 0.1 : d.x < -0.1;
         return towards_wall ? static_cast<float>(0.5 / std::abs(d.x)) : 4.0F;
       });
-  const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  const BakedProbes probes = captures.bake(grid);
   const dvec3 place{0.45, 0, 0};
   const dvec3 normal{-1, 0, 0};
   CHECK(probe_irradiance(probes, place, normal, {.visibility = false, .facing = false}).x > 0.7);
@@ -266,7 +263,7 @@ BakedProbes baked_out_of_walls(const Room& room, const ProbeGrid& grid) {
     std::vector<DepthView> depths;
     for (std::size_t k = 0; k < grid.size(); ++k) {
       const ProbeGrid one{.origin = grid.position(k) + offsets[k], .spacing = grid.spacing};
-      captures.push_back(room.capture(one, 12, call < 4 ? 1 : 4, Followed::reflected));
+      captures.push_back(room.capture(one, 12, call < 4 ? 0 : 4, Followed::reflected));
       cubes.push_back(captures.back().cubes[0]);
       depths.push_back(captures.back().depths[0]);
     }
@@ -285,8 +282,8 @@ TEST_CASE("probes in a room: each weight brings the light nearer to that of path
   const Room room;
   const ProbeGrid grid = Room::grid();
   const Captures captures = room.capture(grid, 12, 4, Followed::reflected);
-  const BakedProbes raw = bake_probes(grid, captures.cubes, captures.depths, {.dilation_passes = 0});
-  const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  const BakedProbes raw = captures.bake(grid, {.dilation_passes = 0});
+  const BakedProbes probes = captures.bake(grid);
 
   // Those in the six walls, the block's and none else: the thin wall stands between probes.
   std::size_t in_stone = 0;

@@ -146,7 +146,7 @@ Captures Room::capture(const ProbeGrid& grid, int size, int paths, Followed foll
       Captures::for_each_texel(size, [&](const dvec3& direction) {
         dvec3 sum(0.0);
         for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++, followed);
-        colours[k].push_back(sum / static_cast<double>(paths));
+        colours[k].push_back(sum / static_cast<double>(std::max(1, paths)));
       });
     }
   };

@@ -41,7 +41,7 @@ class Room {
   [[nodiscard]] dvec3 irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
                                  Followed followed) const;
 
-  /// Cubemaps and depths of all probes of a grid; each texel from so many paths through its middle.
+  /// Cubemaps and depths of all probes of a grid; each texel from so many paths through its middle, black from none.
   [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths, Followed followed) const;
 
   /// 6 x 6 x 6 probes whose outermost ones stand in the walls.

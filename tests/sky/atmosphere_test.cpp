@@ -185,44 +185,6 @@ TEST_CASE("sky: densities are their formulas, layer by layer", "[sky][air]") {
   CHECK(sky::density({}, 10.0) == 0.0);
 }
 
-// Phase functions keep all light: their integral over the sphere is 1, for the sharpest lobes too.
-
-namespace {
-
-/// Integral over the sphere of phase(c) c^power. The lobe's width in 1 - |c| is w = (1 - |g|)^2: places are even in the
-/// logarithm of 1 - |c| + w.
-template <class Phase>
-double integral(double g, int power, const Phase& phase) {
-  const double width = (1.0 - std::abs(g)) * (1.0 - std::abs(g));
-  const double low = std::log(width);
-  const double high = std::log(2.0 + width);
-  constexpr int points = 20000;
-  double sum = 0.0;
-  for (int i = 0; i < points; ++i) {
-    const double t = std::exp(low + (high - low) * (i + 0.5) / points);
-    const double along = 1.0 - (t - width);
-    const double cosine = g < 0.0 ? -along : along;
-    sum += phase(cosine) * std::pow(cosine, power) * t;
-  }
-  return 2.0 * std::numbers::pi * sum * (high - low) / points;
-}
-
-}  // namespace
-
-TEST_CASE("sky: phase functions integrate to 1 and have their mean cosine", "[sky][air]") {
-  for (const double g : {-0.999, -0.9, -0.5, -1e-3, 0.0, 1e-3, 0.3, 0.8, 0.99, 0.999}) {
-    INFO("g = " << g);
-    const auto henyey = [g](double c) { return sky::henyey_greenstein_phase(g, c); };
-    const auto cornette = [g](double c) { return sky::cornette_shanks_phase(g, c); };
-    CHECK(integral(g, 0, henyey) == Approx(1.0).epsilon(1e-5));
-    CHECK(integral(g, 1, henyey) == Approx(g).epsilon(1e-5).margin(1e-7));
-    CHECK(integral(g, 0, cornette) == Approx(1.0).epsilon(1e-5));
-    CHECK(integral(g, 1, cornette) ==
-          Approx(3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g))).epsilon(1e-5).margin(1e-7));
-  }
-  CHECK(integral(0.0, 0, [](double c) { return sky::rayleigh_phase(c); }) == Approx(1.0).epsilon(1e-5));
-}
-
 // Spectra become linear sRGB luminances as the CIE's observer sees them.
 
 namespace {

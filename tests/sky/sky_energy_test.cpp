@@ -1,12 +1,12 @@
 // Skies neither make light nor lose it.
 #include "math/quadrature.h"
 #include "reference/sky_reference.h"
-#include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/sunlight.h"
 #include "sky/table_mapping.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
+#include "support/small_skies.h"
 #include "support/trials.h"
 #include "welkin/sky.h"
 
@@ -43,110 +43,28 @@ Atmosphere conservative(double depth, double asymmetry) {
   return with_ground_albedo(air, 1.0);
 }
 
-/// What leaves the top of an atmosphere, from its tables.
-class Leaving {
- public:
-  explicit Leaving(const SkyTables& tables)
-      : tables_(tables), options_(tables.options), mapping_(sky::mapping_of(tables)) {
-    for (int k = 0; k <= kGround; ++k) {
-      const double mu = -0.02 + 1.02 * k / kGround;
-      ground_sun_.push_back(std::max(0.0, mu) *
-                            reference_sun_irradiance(tables.atmosphere, 0.0, {0.0, mu, sine(mu)})[0]);
-    }
-  }
-
-  static double sine(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
-
-  /// W/m2 through the top where the sun's zenith cosine is that of a node.
-  [[nodiscard]] double flux(int sun) const {
-    const double mu_s = mapping_.sun_zenith_cosine(static_cast<double>(sun) / (options_.sun_zeniths - 1));
-    const int half = options_.view_zeniths / 2;
-    return side(sun, mu_s, 0, half - 1) + side(sun, mu_s, half, options_.view_zeniths - 1);
-  }
-
- private:
-  static constexpr int kGround = 400;
-
-  /// Rays between two nodes, in steps between nodes as tables are interpolated.
-  [[nodiscard]] double side(int sun, double mu_s, int from, int to) const {
-    constexpr int azimuths = 24;
-    constexpr int steps = 4;
-    double sum = 0.0;
-    for (int step = 0; step < steps * (to - from); ++step) {
-      const double low = from + static_cast<double>(step) / steps;
-      const double high = low + 1.0 / steps;
-      const sky::ViewRay ray = mapping_.view_ray(mapping_.thickness(), 0.5 * (low + high), options_.view_zeniths);
-      const double mu = ray.zenith_cosine;
-      if (mu >= 0.0) continue;
-      const double first = mapping_.view_ray(mapping_.thickness(), low, options_.view_zeniths).zenith_cosine;
-      const double last = mapping_.view_ray(mapping_.thickness(), high, options_.view_zeniths).zenith_cosine;
-      const double share = 0.5 * std::abs(first * first - last * last);  // of the integral of mu dmu
-      double through = 0.0;
-      if (ray.ground) through = transmittance_to_ground(mu, ray.distance);
+/// W/m2 that go up through the top: from the planet's disc, and from the air around it.
+double flux_up(const SkyView& top, const glm::dvec3& sun) {
+  constexpr int azimuths = 24;
+  const math::GaussRule rule = math::gauss_legendre(16);
+  const double rim = -sky::horizon_cosine(top.tables()->atmosphere.bottom_radius_m, top.altitude_m());
+  double flux = 0.0;
+  for (const auto& [low, high] : {std::pair{0.0, rim}, {rim, 1.0}}) {
+    for (int i = 0; i < rule.order; ++i) {
+      const double cosine = low + (high - low) * (0.5 + 0.5 * rule.nodes[i]);
+      const double sine = std::sqrt(1.0 - cosine * cosine);
       for (int k = 0; k < azimuths; ++k) {
-        const double cos_phi = std::cos((k + 0.5) * pi / azimuths);
-        const double nu = mu * mu_s + sine(mu) * sine(mu_s) * cos_phi;
-        double light = scattered(sun, 0.5 * (low + high), cos_phi, nu);
-        if (ray.ground) {
-          const double radius = tables_.atmosphere.top_radius_m;
-          light += through / pi * ground((radius * mu_s + ray.distance * nu) / tables_.atmosphere.bottom_radius_m);
-        }
-        sum += light * share * 2.0 * pi / azimuths;
+        const double azimuth = 2.0 * pi * (k + 0.5) / azimuths;
+        const glm::dvec3 down(sine * std::sin(azimuth), -cosine, sine * std::cos(azimuth));
+        flux += 0.5 * (high - low) * rule.weights[i] * cosine * 2.0 * pi / azimuths * top.radiance(down, sun)[1];
       }
     }
-    return sum;
   }
+  return flux;
+}
 
-  [[nodiscard]] double scattered(int sun, double view, double cos_phi, double nu) const {
-    const double mu_s = mapping_.sun_zenith_cosine(static_cast<double>(sun) / (options_.sun_zeniths - 1));
-    const double angle = mapping_.azimuth_coordinate(cos_phi, mu_s) * (options_.sun_angles - 1);
-    double value = 0.0;
-    for (int corner = 0; corner < 4; ++corner) {
-      const int v = std::min(static_cast<int>(view) + corner / 2, options_.view_zeniths - 1);
-      const int a = std::min(static_cast<int>(angle) + corner % 2, options_.sun_angles - 1);
-      const double weight = (1.0 - std::min(1.0, std::abs(view - v))) * (1.0 - std::min(1.0, std::abs(angle - a)));
-      const auto at = static_cast<std::size_t>(
-          (((options_.heights - 1) * options_.view_zeniths + v) * options_.sun_angles + a) * options_.sun_zeniths +
-          sun);
-      const Atmosphere& air = tables_.atmosphere;
-      const bool has_mie = !tables_.single_mie.empty();
-      value += weight * (static_cast<double>(tables_.scattering[4 * at]) * sky::rayleigh_phase(nu) +
-                         (has_mie ? static_cast<double>(tables_.single_mie[4 * at]) : 0.0) *
-                             sky::aerosol_phase(air.aerosol_phase, sky::aerosol_asymmetry(air, 0), nu));
-    }
-    return value;
-  }
-
-  [[nodiscard]] double ground(double mu_s) const {
-    const double position = mapping_.sun_coordinate(mu_s) * (options_.irradiance_sun_zeniths - 1);
-    const auto node =
-        std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(options_.irradiance_sun_zeniths - 2));
-    const double low = static_cast<double>(tables_.irradiance[3 * node]);
-    const double high = static_cast<double>(tables_.irradiance[3 * node + 3]);
-    const double sky = low + (position - static_cast<double>(node)) * (high - low);
-    const double k = std::clamp((mu_s + 0.02) / 1.02, 0.0, 1.0) * kGround;
-    const auto below = std::min(static_cast<std::size_t>(k), static_cast<std::size_t>(kGround - 1));
-    return sky + ground_sun_[below] + (k - static_cast<double>(below)) * (ground_sun_[below + 1] - ground_sun_[below]);
-  }
-
-  [[nodiscard]] double transmittance_to_ground(double mu, double distance) const {
-    double depth = 0.0;
-    constexpr int steps = 400;
-    const Atmosphere& air = tables_.atmosphere;
-    for (int i = 0; i < steps; ++i) {
-      const double h = sky::altitude_along(air.bottom_radius_m, mapping_.thickness(), mu, distance * (i + 0.5) / steps);
-      depth += distance / steps *
-               (air.rayleigh.scattering_per_m[0] * std::exp(-h / 8000.0) +
-                air.aerosol.scattering_per_m[0] * std::exp(-h / 4000.0));
-    }
-    return std::exp(-depth);
-  }
-
-  const SkyTables& tables_;
-  const SkyTableOptions& options_;
-  sky::TableMapping mapping_;
-  std::vector<double> ground_sun_;
-};
+/// Towards a sun by the cosine of its zenith angle.
+glm::dvec3 sun_at(double cosine) { return {0.0, cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine))}; }
 
 }  // namespace
 
@@ -171,24 +89,19 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
 }
 
 // All that falls on the top, pi r^2, leaves it again: scattered and reflected, over all places of the planet, or having
-// passed by the ground without being scattered. Multiple scattering to so many orders that the rest is below 1e-6.
+// passed by the ground without being scattered. Orders that add less than 1e-4 are estimated.
 TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[sky][tables][truth]") {
   for (const double depth : {0.1, 0.5}) {
     const Atmosphere air = conservative(depth, 0.6);
-    SkyTableOptions options{.heights = 16, .orders = 64, .convergence_threshold = 1e-6};
-    const SkyTables tables = precompute_sky(air, options);
-    const Leaving leaving(tables);
-    const sky::TableMapping mapping = sky::mapping_of(tables);
+    const auto tables = sky_tables_of(air, {.heights = 16, .orders = 64, .convergence_threshold = 1e-4});
+    const SkyView top(tables, air.top_radius_m - air.bottom_radius_m);
+    const sky::TableMapping mapping = sky::mapping_of(*tables);
     double scattered = 0.0;  // over the sun's zenith cosine: a quarter of the sphere's area times four
-    double before = 0.0;
-    for (int sun = 0; sun < options.sun_zeniths; ++sun) {
-      const double flux = leaving.flux(sun);
-      if (sun > 0) {
-        scattered += 0.5 * (flux + before) *
-                     (mapping.sun_zenith_cosine(sun / (options.sun_zeniths - 1.0)) -
-                      mapping.sun_zenith_cosine((sun - 1) / (options.sun_zeniths - 1.0)));
-      }
-      before = flux;
+    const int last = tables->options.sun_zeniths - 1;
+    for (int sun = 0; sun < last; ++sun) {
+      const double low = mapping.sun_zenith_cosine(static_cast<double>(sun) / last);
+      const double high = mapping.sun_zenith_cosine((sun + 1.0) / last);
+      scattered += 0.5 * (flux_up(top, sun_at(low)) + flux_up(top, sun_at(high))) * (high - low);
     }
     // 2 pi r^2 scattered + straight = pi r^2
     double straight = 0.0;
@@ -199,7 +112,7 @@ TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[
       const double through = reference_transmittance(air, h, 0.0)[0];
       straight += 2.0 * (air.bottom_radius_m + h) * 6e4 / steps * through * through / (r * r);
     }
-    CAPTURE(depth, tables.orders, scattered, straight);
+    CAPTURE(depth, tables->orders, scattered, straight);
     CHECK(std::abs(2.0 * scattered + straight - 1.0) < 0.01);
   }
 }
@@ -217,7 +130,7 @@ TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tabl
       const double mu = mapping.sun_zenith_cosine(sun / (options.irradiance_sun_zeniths - 1.0));
       if (mu < 0.1) continue;
       all.push_back(static_cast<double>(tables.irradiance[3 * static_cast<std::size_t>(sun)]) +
-                    mu * reference_sun_irradiance(air, 0.0, {0.0, mu, Leaving::sine(mu)})[0]);
+                    mu * reference_sun_irradiance(air, 0.0, sun_at(mu))[0]);
     }
     return all;
   };
@@ -253,23 +166,6 @@ Atmosphere shell(double radius_m, double depth) {
   return with_ground_albedo(air, 1.0);
 }
 
-/// W/m2 that go up through the top.
-double flux_up(const SkyView& top, const glm::dvec3& sun) {
-  constexpr int azimuths = 24;
-  const math::GaussRule rule = math::gauss_legendre(16);
-  double flux = 0.0;
-  for (int i = 0; i < 16; ++i) {
-    const double cosine = 0.5 + 0.5 * rule.nodes[i];
-    const double sine = std::sqrt(1.0 - cosine * cosine);
-    for (int k = 0; k < azimuths; ++k) {
-      const double azimuth = 2.0 * pi * (k + 0.5) / azimuths;
-      const glm::dvec3 down(sine * std::sin(azimuth), -cosine, sine * std::cos(azimuth));
-      flux += 0.5 * rule.weights[i] * cosine * 2.0 * pi / azimuths * top.radiance(down, sun)[1];
-    }
-  }
-  return flux;
-}
-
 }  // namespace
 
 // What an aerosol of any lobe scatters in a slab over black ground goes up or arrives below.
@@ -281,7 +177,7 @@ TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpnes
     std::swap(air.rayleigh, air.aerosol);
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
     air.aerosol_asymmetry = asymmetry;
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, options));
+    const auto tables = sky_tables_of(air, options);
     const SkyView top(tables, 1000.0);
     const SkyView bottom(tables, 0.0);
     for (const double elevation : {90.0, 45.0}) {
@@ -302,8 +198,9 @@ TEST_CASE("What is estimated of further orders is neither more nor less than the
     air.aerosol_phase = AerosolPhase::henyey_greenstein;
     air.aerosol_asymmetry = asymmetry;
     const auto tables_of = [&](int orders, bool exact) {
-      SkyTableOptions options{.heights = 16, .orders = orders, .truncate_orders = exact};
-      return std::make_shared<const SkyTables>(precompute_sky(air, options));
+      // Orders that add less than 1e-6 are left out.
+      return sky_tables_of(air,
+                           {.heights = 16, .orders = orders, .convergence_threshold = 1e-6, .truncate_orders = exact});
     };
     const auto light = [](const std::shared_ptr<const SkyTables>& tables, const glm::dvec3& sun) {
       return glm::dvec2(flux_up(SkyView(tables, 1000.0), sun), SkyView(tables, 0.0).irradiance(sun)[1]);
@@ -324,7 +221,6 @@ TEST_CASE("What is estimated of further orders is neither more nor less than the
   }
 }
 
-// Of a shell of 1/60000 of the radius the whole day would lie in one of 63 intervals.
 // Promise: no atmosphere that is accepted gives tables with a negative value or one that is no number, nor more light
 // on the ground than the sun sends.
 

@@ -1,13 +1,12 @@
 // Harmonics of skies, for one sun and along a curve of suns.
-#include "perf/report/measuring.h"
 #include "reference/sky_reference.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"
+#include "sky/sky_tables_for_tests.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/random_atmospheres.h"
-#include "support/small_skies.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
 #include "welkin/core.h"
@@ -29,9 +28,7 @@ double difference(const SphericalHarmonics& a, const SphericalHarmonics& b) {
   return relative_difference(a.coefficients(), b.coefficients());
 }
 
-}  // namespace
-
-TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 degrees", "[sky][harmonics]") {
+void check_quadratures() {
   const SkyView view(small_earth(), 0.0);
   const SkyProjector converged(view, {3, SkyQuadrature::gauss_split, 128, 128});
   const SkyProjector split(view);
@@ -50,7 +47,7 @@ TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 
   }
 }
 
-TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics][slow]") {
+void check_kernels() {
   for (const double altitude : {0.0, 1.8, 1000.0, 12'000.0, 59'000.0}) {
     for (const SkyHarmonicsOptions& options :
          {SkyHarmonicsOptions{}, SkyHarmonicsOptions{16, SkyQuadrature::gauss, 5, 7},
@@ -82,6 +79,49 @@ TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics][slow]
   }
 }
 
+void check_symmetry() {
+  const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
+  for (const double elevation : kElevations) {
+    CAPTURE(elevation);
+    const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
+    glm::dmat3 mirror(1.0);
+    mirror[0][0] = -1.0;  // x
+    CHECK(difference(rotate(ahead, mirror), ahead) < 1e-14);
+    for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
+      const double half = 0.5 * azimuth * pi / 180.0;
+      const glm::dquat rotation(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
+      const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
+      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, rotation)) < bound);
+    }
+  }
+}
+
+void check_space() {
+  for (const double altitude : {1e5, 1e6, 6e7}) {
+    const SkyView view(small_earth(), altitude);
+    const SkyProjector usual(view);
+    const SkyProjector fine(view, {3, SkyQuadrature::gauss_split, 64, 64});
+    for (const double elevation : {80.0, 20.0, -10.0, -60.0}) {
+      CAPTURE(altitude, elevation);
+      const glm::dvec3 sun = sun_direction(elevation, 5.0);
+      const SphericalHarmonics light = usual.project(sun);
+      // By a sun far behind it a planet is a thin crescent, and its light little.
+      CHECK(difference(light, fine.project(sun)) < (elevation < -30.0 ? 1e-1 : 2e-2));
+      for (int c = 0; c < 3; ++c) CHECK(light.at(0, 0)[c] >= 0.0);
+    }
+  }
+}
+
+}  // namespace
+
+// In one case, as all take tables of half a second.
+TEST_CASE("a view's harmonics are the integral of what it shows, for any sun and height", "[sky][harmonics][slow]") {
+  SECTION("the default quadrature is within 0.2 % of the integral from 90 to -6 degrees") { check_quadratures(); }
+  SECTION("kernels give what the view's own calls give") { check_kernels(); }
+  SECTION("a sky is the same on both sides of the sun, and turns with it") { check_symmetry(); }
+  SECTION("from space the planet's light is the integral too") { check_space(); }
+}
+
 TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in closed form", "[sky][harmonics]") {
   Atmosphere air = earth_bruneton();
   air.rayleigh = {};
@@ -89,8 +129,7 @@ TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in close
   air.absorbers.clear();
   air.ground_albedo = {0.25, 0.5, 1.0};
   air.solar_irradiance = {1.0, 2.0, 4.0};
-  const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
-  const SkyProjector projector(SkyView(tables, 0.0), {.bands = 5});
+  const SkyProjector projector(sky_view_of(air, tiny_tables()), {.bands = 5});
   for (const double elevation : {90.0, 40.0, 3.0}) {
     CAPTURE(elevation);
     const SphericalHarmonics light = projector.project(sun_direction(elevation, 77.0));
@@ -108,12 +147,12 @@ TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in close
 }
 
 TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
-  SkyTables twice = *small_earth();
+  SkyTables twice = *small_view_tables();
   for (double& irradiance : twice.atmosphere.solar_irradiance) irradiance *= 2.0;
   for (std::vector<float>* table : {&twice.scattering, &twice.single_mie, &twice.irradiance}) {
     for (float& value : *table) value *= 2.0F;
   }
-  const SkyProjector one(SkyView(small_earth(), 300.0));
+  const SkyProjector one(SkyView(small_view_tables(), 300.0));
   const SkyProjector two(SkyView(std::make_shared<const SkyTables>(twice), 300.0));
   for (const double elevation : kElevations) {
     CAPTURE(elevation);
@@ -122,26 +161,9 @@ TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
   }
 }
 
-TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky][harmonics][slow]") {
-  const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
-  for (const double elevation : kElevations) {
-    CAPTURE(elevation);
-    const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
-    glm::dmat3 mirror(1.0);
-    mirror[0][0] = -1.0;  // x
-    CHECK(difference(rotate(ahead, mirror), ahead) < 1e-14);
-    for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
-      const double half = 0.5 * azimuth * pi / 180.0;
-      const glm::dquat rotation(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
-      const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
-      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, rotation)) < bound);
-    }
-  }
-}
-
 TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
   for (const double altitude : {0.0, 5000.0, 1e6}) {
-    const SkyProjector projector(SkyView(small_earth(), altitude));
+    const SkyProjector projector(SkyView(small_view_tables(), altitude));
     SphericalHarmonics light(3);
     projector.project(sun_direction(20.0, 0.0), light.coefficients());  // tables of sizes are there now
     const FailingHeap heap(Heap::this_thread, 1, true);
@@ -150,27 +172,11 @@ TEST_CASE("an update allocates nothing", "[sky][harmonics][slow]") {
   }
 }
 
-TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics][slow]") {
-  for (const double altitude : {1e5, 1e6, 6e7}) {
-    const SkyView view(small_earth(), altitude);
-    const SkyProjector usual(view);
-    const SkyProjector fine(view, {3, SkyQuadrature::gauss_split, 64, 64});
-    for (const double elevation : {80.0, 20.0, -10.0, -60.0}) {
-      CAPTURE(altitude, elevation);
-      const glm::dvec3 sun = sun_direction(elevation, 5.0);
-      const SphericalHarmonics light = usual.project(sun);
-      // By a sun far behind it a planet is a thin crescent, and its light little.
-      CHECK(difference(light, fine.project(sun)) < (elevation < -30.0 ? 1e-1 : 2e-2));
-      for (int c = 0; c < 3; ++c) CHECK(light.at(0, 0)[c] >= 0.0);
-    }
-  }
-}
-
 TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not finite", "[sky][harmonics][truth]") {
   RandomAtmospheres random(606);
   for (int trial = 0; trial < trials(15); ++trial) {
     const Atmosphere air = random.next();
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
+    const auto tables = sky_tables_of(air, tiny_tables());
     const double thickness = air.top_radius_m - air.bottom_radius_m;
     for (const double altitude : {0.0, 0.3 * thickness, 2.0 * thickness}) {
       const SkyProjector projector(SkyView(tables, std::min(altitude, 1e9)), {3, SkyQuadrature::gauss_split, 6, 6});
@@ -187,7 +193,7 @@ TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not fini
 }
 
 TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics][slow]") {
-  const SkyProjector projector(SkyView(small_earth(), 0.0));
+  const SkyProjector projector(SkyView(small_view_tables(), 0.0));
   std::vector<glm::dvec3> eight(8);
   const ThrownError room = thrown_by([&] { projector.project(glm::dvec3(0, 1, 0), eight); });
   CHECK(room.code == ErrorCode::invalid_argument);
@@ -202,51 +208,20 @@ TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics][slow]"
 // Promise: with nothing but defaults a sky's nine coefficients are within 0.5 % of the truth, tables, view and
 // quadrature or curve together, for suns from the zenith to 6 degrees below the horizon.
 
-namespace {
-
-/// Ray by ray, in double, on the ground: below the horizon there is black ground alone.
-SphericalHarmonics truth(const Atmosphere& air, const glm::dvec3& sun) {
-  const sky::SkyRule rule = sky::sky_rule({.zeniths = 20, .azimuths = 12}, 0.0, 1.0, air.aerosol_asymmetry);
-  SphericalHarmonics sum(3);
-  std::array<double, 9> basis{};
-  for (std::size_t k = 0; k < rule.above.cosines.size(); ++k) {
-    for (std::size_t i = 0; i < rule.azimuths.cosines.size(); ++i) {
-      const double across = rule.above.sines[k] * std::sqrt(rule.azimuths.from_sun[i] * rule.azimuths.from_opposite[i]);
-      const double ahead = rule.above.sines[k] * rule.azimuths.cosines[i];
-      const std::vector<double> light =
-          reference_sky_radiance(air, 0.0, {across, rule.above.cosines[k], ahead}, sun, {.relative_error = 1e-4});
-      for (const double side : {1.0, -1.0}) {
-        evaluate_basis({side * across, rule.above.cosines[k], ahead}, 3, basis);
-        const double weight = 0.5 * rule.above.weights[k] * rule.azimuths.weights[i];
-        for (std::size_t c = 0; c < 9; ++c) {
-          sum.coefficients()[c] += weight * basis[c] * glm::dvec3(light[0], light[1], light[2]);
-        }
-      }
-    }
-  }
-  return sum;
-}
-
-}  // namespace
-
 TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
-  SkyTableOptions options{.orders = 1};
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const SkyView view = sky_view_of(air, {.orders = 1});
   const SkyProjector projector(view);
   const SkyCurve curve(view);
   for (const double elevation : some_of(3, {90.0, 45.0, 10.0, 2.0, 0.0, -2.0, -6.0, -4.0})) {
     CAPTURE(elevation);
     const glm::dvec3 sun = sun_direction(elevation, 0.0);
-    const SphericalHarmonics expected = truth(air, sun);
+    const SphericalHarmonics expected =
+        reference_sky_harmonics(air, 0.0, sun, {.zeniths = 20, .azimuths = 12, .radiance = {.relative_error = 1e-4}});
     CHECK(relative_difference(projector.project(sun).coefficients(), expected.coefficients()) < 5e-3);
     CHECK(relative_difference(curve.at(sun).coefficients(), expected.coefficients()) < 5e-3);
   }
 }
-
-// The truth of sky harmonics: it turns with the sun, converges, and is what a fine projector sees.
-
-using report::relative_error;
 
 // Promise: a curve over the sun's elevation gives what the projection gives, for a fraction of it.
 
@@ -264,9 +239,7 @@ double worst(const SkyCurve& curve, const SkyProjector& projector, double low, d
   return result;
 }
 
-}  // namespace
-
-TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
+void check_curves() {
   const SkyView view(small_earth(), 0.0);
   for (const int bands : {1, 3, 9}) {
     CAPTURE(bands);
@@ -282,7 +255,7 @@ TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
   }
 }
 
-TEST_CASE("curves hold aloft and in space", "[sky][curve][slow]") {
+void check_curves_aloft() {
   for (const double altitude : {1.8, 3000.0, 40'000.0, 4e5, 6e7}) {
     CAPTURE(altitude);
     const SkyView view(small_earth(), altitude);
@@ -307,7 +280,7 @@ TEST_CASE("curves hold aloft and in space", "[sky][curve][slow]") {
   }
 }
 
-TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve][slow]") {
+void check_signs_of_curves() {
   const SkyView view(small_earth(), 0.0);
   for (const int nodes : {8, 9, 64}) {
     SkyCurveOptions options{.nodes = nodes};
@@ -325,7 +298,7 @@ TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve][slow]") {
   }
 }
 
-TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "[sky][curve]") {
+void check_suns_of_curves() {
   for (const double altitude : {0.0, 2000.0}) {
     const SkyView view(small_earth(), altitude);
     const SkyCurve curve(view);
@@ -339,8 +312,18 @@ TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "
   }
 }
 
+}  // namespace
+
+// In one case, as all take tables of half a second.
+TEST_CASE("a curve gives the projection and the sun, at any elevation and height", "[sky][curve][slow]") {
+  SECTION("the projection at any elevation") { check_curves(); }
+  SECTION("aloft and in space") { check_curves_aloft(); }
+  SECTION("band 0 and sun are never negative") { check_signs_of_curves(); }
+  SECTION("the sun is the view's while its disc sets, in every channel") { check_suns_of_curves(); }
+}
+
 TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky][curve]") {
-  const SkyView view(small_earth(), 0.0);
+  const SkyView view(small_view_tables(), 0.0);
   forget_allocations_in_tiles();
   const SkyCurve curve(view);
   CHECK(allocations_in_tiles() == 0);
@@ -352,7 +335,7 @@ TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky
 }
 
 TEST_CASE("a curve's bake is cancelled, tells its progress, and refuses nonsense", "[sky][curve]") {
-  const SkyView view(small_earth(), 0.0);
+  const SkyView view(small_view_tables(), 0.0);
   stop_source source;
   source.request_stop();
   CHECK(thrown_by([&] { SkyCurve(view, {}, {.stop = source.get_token()}); }).code == ErrorCode::cancelled);

@@ -221,10 +221,10 @@ TEST_CASE("clustered azimuths integrate harmonics, for any lobe and number", "[s
   CHECK(integral == Approx(pi).epsilon(1e-6));
 }
 
-TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][harmonics]") {
+TEST_CASE("an aerosol's spectrum is the integral of its phase function, which keeps all light", "[sky][harmonics]") {
   const math::GaussNodes rule = math::gauss_nodes(128);
   for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
-    for (const double g : {0.0, 0.3, 0.8, -0.6, 0.95, 0.999}) {
+    for (const double g : {0.0, 1e-3, 0.3, 0.8, -0.6, -0.8, 0.95, 0.99, 0.999}) {
       Atmosphere air = earth_bruneton();
       air.aerosol_phase = phase;
       air.aerosol_asymmetry = g;
@@ -244,9 +244,15 @@ TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][
         }
         CAPTURE(static_cast<int>(phase), g, l);
         CHECK(spectrum[static_cast<std::size_t>(l)] == Approx(integral).epsilon(1e-7).margin(1e-9));
+        if (l > 1) continue;
+        const double cosine =
+            phase == AerosolPhase::henyey_greenstein ? g : 3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g));
+        CHECK(integral == Approx(l == 0 ? 1.0 : cosine).epsilon(1e-5).margin(1e-7));
       }
     }
   }
+  // Over the sphere 3 / (16 pi) (1 + c^2) is 1.
+  for (const double c : {-1.0, 0.0, 0.5}) CHECK(sky::rayleigh_phase(c) == Approx(3.0 / (16.0 * pi) * (1.0 + c * c)));
 }
 
 TEST_CASE("harmonics about the vertical are Welkin's, turned", "[sky][harmonics]") {

@@ -1,7 +1,6 @@
 // What a view of a sky gives, at every height and under every sun.
 #include "float_environment/modes.h"
 #include "jobs/tiles.h"
-#include "math/quadrature.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -255,25 +254,6 @@ TEST_CASE("sky view: the sky does not jump as the sun sinks or the viewer climbs
   }
 }
 
-TEST_CASE("sky view: the shadow's rim has no notches", "[sky][view][truth]") {
-  // Along the horizon light falls from the sun's side to the other, at most into the shadow once.
-  for (const double altitude : {0.0, 10'000.0}) {
-    const SkyView view(single_tables(), altitude);
-    for (const double elevation : {-8.0, -10.0, -12.4, -14.0, -16.0}) {
-      const glm::dvec3 sun = sun_direction(elevation, 0.0);
-      for (const double height : {0.3, 1.0, 3.0, 8.0}) {
-        std::vector<double> around;
-        for (int i = 0; i <= 180; ++i) around.push_back(view.radiance(sun_direction(height, i), sun).b);
-        const double brightest = *std::max_element(around.begin(), around.end());
-        for (std::size_t i = 4; i + 4 < around.size(); ++i) {
-          CAPTURE(altitude, elevation, height, i);
-          CHECK(around[i] >= 0.5 * std::min(around[i - 4], around[i + 4]) - 1e-6 * brightest);
-        }
-      }
-    }
-  }
-}
-
 TEST_CASE("sky view: a ground that is not shown leaves the air before it", "[sky][view]") {
   const SkyView with(small_view_tables(), 3000.0);
   const SkyView without(small_view_tables(), 3000.0, {.ground = false});
@@ -384,7 +364,7 @@ TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][vi
   RandomAtmospheres random(20'261'121);
   for (int i = 0; i < trials(20); ++i) {
     const Atmosphere air = random.next();
-    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny(random)));
+    const auto tables = sky_tables_of(air, tiny(random));
     const double thickness = air.top_radius_m - air.bottom_radius_m;
     for (const double altitude :
          {0.0, std::min(1e9, 1e-9 * thickness), std::min(1e9, random.number() * thickness), std::min(1e9, thickness),
@@ -420,10 +400,8 @@ double largest_relative_error(const glm::dvec3& rgb, const glm::dvec3& truth) {
 }  // namespace
 
 TEST_CASE("sky view: by day the compact table is the full one but for what it leaves out", "[sky][view][truth]") {
-  SkyTableOptions options;
-  const auto full = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
-  options.layout = ScatteringLayout::compact;
-  const auto compact = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  const auto full = sky_tables_of(earth_bruneton());
+  const auto compact = sky_tables_of(earth_bruneton(), {.layout = ScatteringLayout::compact});
   const glm::dvec3 overhead = sun_direction(90.0, 0.0);
   for (const double altitude : {0.0, 700.0, 2000.0, 5000.0, 12'000.0, 35'000.0}) {
     const SkyView a(full, altitude);
@@ -446,9 +424,8 @@ TEST_CASE("sky view: by day the compact table is the full one but for what it le
 
 TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
   const Atmosphere air = earth_bruneton({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
-  SkyTableOptions options{
-      .heights = 4, .view_zeniths = 32, .sun_zeniths = 32, .orders = 1, .colour = SkyColour::linear_srgb};
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const SkyView view = sky_view_of(
+      air, {.heights = 4, .view_zeniths = 32, .sun_zeniths = 32, .orders = 1, .colour = SkyColour::linear_srgb});
   const std::vector<glm::dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
   const auto folded = [&](const std::vector<double>& values) {
     glm::dvec3 sum{};
@@ -466,88 +443,6 @@ TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]")
     }
     const glm::dvec3 light = folded(reference_sun_irradiance(air, 0.0, sun));
     for (int c = 0; c < 3; ++c) CHECK(view.sun_light(sun).irradiance[c] == Approx(light[c]).epsilon(0.002));
-  }
-}
-
-TEST_CASE("sky view: the sun comes through the air as in the reference", "[sky][view][truth]") {
-  for (const double altitude : {0.0, 5000.0, 70'000.0, 400'000.0}) {
-    const SkyView view(single_tables(), altitude);
-    for (const double elevation : {90.0, 30.0, 5.0, 1.0, -2.0, -12.0}) {
-      const glm::dvec3 sun = sun_direction(elevation, 0.0);
-      const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
-      for (int c = 0; c < 3; ++c) {
-        CAPTURE(altitude, elevation, c);
-        CHECK(view.sun_light(sun).irradiance[c] ==
-              Approx(truth[static_cast<std::size_t>(c)]).epsilon(0.003).margin(1e-6));
-      }
-    }
-  }
-}
-
-namespace {
-
-/// Share of light that gets through a ray's air, from the ground to its start: by the law of cosines it is at r^2 = R^2
-/// + s (s + 2 R mu) after the distance s, R mu = (rho^2 - d^2) / (2 d).
-std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, double distance) {
-  constexpr int kPanels = 600;
-  const math::GaussRule rule = math::gauss_legendre(8);
-  const double rho = sky::tangent_distance(air.bottom_radius_m, altitude);
-  const double along = std::max(0.0, (rho - distance) * (rho + distance) / distance);  // 2 R mu
-  std::array<double, 3> depths{};
-  const auto add = [&](const Constituent& matter, double above, double weight) {
-    const double amount = weight * sky::density(matter.density, above);
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (!matter.scattering_per_m.empty()) depths[c] += amount * matter.scattering_per_m[c];
-      if (!matter.absorption_per_m.empty()) depths[c] += amount * matter.absorption_per_m[c];
-    }
-  };
-  for (int panel = 0; panel < kPanels; ++panel) {
-    // Panels that grow from the ground on, cubically.
-    const auto edge = [&](int k) { return distance * (1.0 * k / kPanels) * (1.0 * k / kPanels) * k / kPanels; };
-    const double half = 0.5 * (edge(panel + 1) - edge(panel));
-    for (int n = 0; n < rule.order; ++n) {
-      const double s = edge(panel) + half * (1.0 + rule.nodes[n]);
-      const double above = sky::altitude_of_tangent(air.bottom_radius_m, std::sqrt(s * (s + along)));
-      add(air.rayleigh, above, half * rule.weights[n]);
-      add(air.aerosol, above, half * rule.weights[n]);
-      for (const Constituent& absorber : air.absorbers) add(absorber, above, half * rule.weights[n]);
-    }
-  }
-  std::array<double, 3> shares{};
-  for (std::size_t c = 0; c < 3; ++c) shares[c] = std::exp(-depths[c]);
-  return shares;
-}
-
-}  // namespace
-
-// A panel of altitudes that begins at the ground took six nodes that knew nothing of the ray: 0.6 % too long next to
-// the horizon, and 1.5e-3 of the ground's light.
-TEST_CASE("sky view: the ground's light comes through the air in front of it to 1e-6", "[sky][view][truth]") {
-  constexpr int kHalf = 32;
-  // A layer that is thin beside the scale height: a panel begins just above the ground.
-  Atmosphere layered = earth_bruneton();
-  layered.name = "layered";
-  layered.aerosol.density = {{1.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 1.0, -1.0 / 1200.0, 0.0, 0.0}};
-  for (const Atmosphere& air : {earth_bruneton(), mars(), layered}) {
-    SkyTables tables;  // no more of them is looked at
-    tables.atmosphere = air;
-    tables.options.view_zeniths = 2 * kHalf;
-    tables.options.orders = 1;  // nothing goes straight on
-    const sky::TableMapping mapping = sky::mapping_of(tables);
-    const sky::ColourFold fold(air, SkyColour::spectral);
-    for (const double altitude : {10.0, 1000.0, 20'000.0}) {
-      const std::vector<float> reach = sky::ground_reach(tables, mapping, fold, altitude, kHalf);
-      double worst = 0.0;
-      for (int k = 0; k < kHalf; ++k) {
-        const std::array<double, 3> truth =
-            share_from_ground(air, altitude, mapping.view_ray(altitude, k, 2 * kHalf).distance);
-        for (std::size_t c = 0; c < 3; ++c) {
-          worst = std::max(worst, std::abs(static_cast<double>(reach[static_cast<std::size_t>(4 * k) + c]) - truth[c]));
-        }
-      }
-      CAPTURE(air.name, altitude);
-      CHECK(worst < 1e-6);
-    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include "math/elementary.h"
 #include "places.h"
 #include "support/catch.h"
+#include "support/sun_maps.h"
 #include "support/thrown_error.h"
 #include "welkin/sky.h"
 
@@ -17,8 +18,6 @@ dvec3 by_compass(double elevation, double compass) {
   return {std::cos(elevation * kDegree) * std::sin(compass * kDegree), std::sin(elevation * kDegree),
           -std::cos(elevation * kDegree) * std::cos(compass * kDegree)};
 }
-
-double degrees_between(const dvec3& a, const dvec3& b) { return std::asin(0.5 * glm::length(a - b)) * 2.0 / kDegree; }
 
 double elevation_at(double seconds, double latitude, double longitude) {
   return sun_position(seconds, {.latitude_degrees = latitude, .longitude_degrees = longitude}).elevation_degrees;

@@ -8,19 +8,51 @@ namespace welkin::test::stability {
 
 enum class Effort { quick, full };  ///< full: not in quick runs
 
-/// A case to be measured. Its subject is what its name has before the slash.
-struct StabilityCase {
-  std::string name;
-  std::string promise;
-  std::string truth;
-  StabilityUnit unit;
+/// A number, and what it is called in names.
+struct Named {
+  std::string text;
+  double value;
+};
+
+/// The bound that a case's error is held to, and when.
+struct Terms {
   double bound;
-  std::function<double(const Control&)> measure;  ///< NaN counts as infinity
+  StabilityUnit unit = StabilityUnit::relative;
   std::string advice{};
   Effort effort = Effort::quick;
 };
 
-using StabilityCases = std::vector<StabilityCase>;
+/// A case to be measured.
+struct StabilityCase {
+  std::string name;
+  std::string promise;
+  std::string truth;
+  Terms terms;
+  std::function<double()> measure;  ///< NaN counts as infinity
+};
+
+/// A subject's cases in their order.
+class StabilityCases {
+ public:
+  explicit StabilityCases(std::string subject) : subject_(std::move(subject)) {}
+
+  void add(const std::string& name, const std::string& promise, const std::string& truth, const Terms& terms,
+           std::function<double()> measure) {
+    cases_.push_back({subject_ + "/" + name, promise, truth, terms, std::move(measure)});
+  }
+
+  /// Adds a case that counts wrong answers: there must be none.
+  void add_count(const std::string& name, const std::string& promise, const std::string& truth,
+                 std::function<double()> measure) {
+    add(name, promise, truth, {0.0, StabilityUnit::count}, std::move(measure));
+  }
+
+  [[nodiscard]] const std::vector<StabilityCase>& all() const { return cases_; }
+
+ private:
+  std::string subject_;
+  std::vector<StabilityCase> cases_;
+};
 
 // Each appends its cases.
 void add_range_cases(StabilityCases& cases);

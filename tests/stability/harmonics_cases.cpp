@@ -119,14 +119,13 @@ double there_and_back(double angle) {
 void add_angles(StabilityCases& cases) {
   const auto add = [&](const std::string& text, double angle) {
     for (const int bands : {3, 16}) {
-      cases.push_back(
-          {"rotation/by-" + text + "-bands-" + std::to_string(bands),
-           "lights turned by " + text + " are where they were turned to, " + std::to_string(bands) + " bands",
-           "harmonics of the turned direction (Rodrigues, double)", StabilityUnit::relative, 1e-13,
-           [angle, bands](const Control&) { return rotated_light_error(angle, bands); }});
+      cases.add("by-" + text + "-bands-" + std::to_string(bands),
+                "lights turned by " + text + " are where they were turned to, " + std::to_string(bands) + " bands",
+                "harmonics of the turned direction (Rodrigues, double)", {1e-13},
+                [=] { return rotated_light_error(angle, bands); });
     }
-    cases.push_back({"rotation/back-from-" + text, "a turn by " + text + " and back, 16 bands", "the light itself",
-                     StabilityUnit::relative, 1e-13, [angle](const Control&) { return there_and_back(angle); }});
+    cases.add("back-from-" + text, "a turn by " + text + " and back, 16 bands", "the light itself", {1e-13},
+              [=] { return there_and_back(angle); });
   };
   for (const char* const text : {"1e-3", "1e-8", "1e-15", "1e-300"}) add(text, std::stod(text));
   add("pi-1e-3", kPi - 1e-3);
@@ -136,24 +135,12 @@ void add_angles(StabilityCases& cases) {
 }
 
 void add_walks(StabilityCases& cases) {
-  const auto add = [&](const char* kind, glm::dquat (*step)(std::uint32_t), int bands, Effort effort) {
-    const std::string name = std::string("rotation/10000-") + kind + "-steps-bands-" + std::to_string(bands);
-    cases.push_back({name,
-                     std::string("10 000 ") + kind + " small steps end where one turn does",
-                     "one turn",
-                     StabilityUnit::relative,
-                     1e-11,
-                     [=](const Control&) { return walk(bands, 10000, step).end; },
-                     {},
-                     effort});
-    cases.push_back({name + "-power",
-                     std::string("10 000 ") + kind + " small steps keep each band's power",
-                     "power before",
-                     StabilityUnit::relative,
-                     1e-11,
-                     [=](const Control&) { return walk(bands, 10000, step).power; },
-                     {},
-                     effort});
+  const auto add = [&](const std::string& kind, glm::dquat (*step)(std::uint32_t), int bands, Effort effort) {
+    const std::string name = "10000-" + kind + "-steps-bands-" + std::to_string(bands);
+    cases.add(name, "10 000 " + kind + " small steps end where one turn does", "one turn",
+              {.bound = 1e-11, .effort = effort}, [=] { return walk(bands, 10000, step).end; });
+    cases.add(name + "-power", "10 000 " + kind + " small steps keep each band's power", "power before",
+              {.bound = 1e-11, .effort = effort}, [=] { return walk(bands, 10000, step).power; });
   };
   add("random", random_step, 3, Effort::quick);
   add("equal", same_step, 3, Effort::quick);
@@ -166,22 +153,18 @@ void add_walks(StabilityCases& cases) {
 void add_rotation_cases(StabilityCases& cases) {
   add_angles(cases);
   add_walks(cases);
-  for (const char* const length : {"1e-300", "1e-5", "1e300"}) {
-    cases.push_back({std::string("rotation/quaternion-length-") + length,
-                     "a quaternion's length does not matter: " + std::string(length), "that of length 1",
-                     StabilityUnit::relative, 1e-14,
-                     [value = std::stod(length)](const Control&) { return stretched_error(value); }});
+  for (const std::string length : {"1e-300", "1e-5", "1e300"}) {
+    cases.add("quaternion-length-" + length, "a quaternion's length does not matter: " + length, "that of length 1",
+              {1e-14}, [value = std::stod(length)] { return stretched_error(value); });
   }
   const std::string advice =
       "Coefficients are doubles near 1: a change below 1e-16 of them is not there, and one of 1e-10 has six digits "
       "left. "
       "Do not add up tiny turns' differences; keep the angle and turn the original light by it.";
-  for (const char* const angle : {"1e-5", "1e-8", "1e-13"}) {
-    cases.push_back({std::string("rotation/change-by-") + angle,
-                     "the change that a turn by " + std::string(angle) + " makes is right to 1e-4 of itself",
-                     "its derivative, axis x direction", StabilityUnit::relative, 1e-4,
-                     [value = std::stod(angle)](const Control&) { return tiny_change_error(value); },
-                     std::string(angle) == "1e-13" ? advice : ""});
+  for (const std::string angle : {"1e-5", "1e-8", "1e-13"}) {
+    cases.add("change-by-" + angle, "the change that a turn by " + angle + " makes is right to 1e-4 of itself",
+              "its derivative, axis x direction", {.bound = 1e-4, .advice = angle == "1e-13" ? advice : ""},
+              [value = std::stod(angle)] { return tiny_change_error(value); });
   }
 }
 
@@ -296,48 +279,43 @@ double scaled_lambda_error() {
 }  // namespace
 
 void add_window_cases(StabilityCases& cases) {
-  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
-                       std::function<double()> measure, StabilityUnit unit = StabilityUnit::relative,
-                       Effort effort = Effort::quick) {
-    cases.push_back(
-        {"windows/" + name, promise, truth, unit, bound, [measure](const Control&) { return measure(); }, {}, effort});
+  struct Gradient {
+    std::string text;
+    double ratio, bound;
   };
-  for (const auto& [text, ratio, bound] : {std::tuple{"1+1e-6", 1.0 + 1e-6, 1e-2},
-                                           {"1.001", 1.001, 1e-5},
-                                           {"2", 2.0, 1e-8},
-                                           {"1e6", 1e6, 1e-8},
-                                           {"1e12", 1e12, 1e-8}}) {
-    add(std::string("lambda-gradient-") + text,
-        "minimum-Laplacian window of a gradient whose smallest irradiance is 1 - (" + std::string(text) +
-            ") of its mean",
-        "closed form of lambda", bound, [ratio = ratio] { return gradient_lambda_error(ratio); });
-    add(std::string("least-gradient-") + text, "no irradiance below -1e-9 of its mean after it", "2000 directions",
-        1.0000001e-9, [ratio = ratio] {
-          return left_below_zero(gradient(ratio, {0.48, 0.6, 0.64}));
-        });
+  for (const Gradient& g : {Gradient{"1+1e-6", 1.0 + 1e-6, 1e-2},
+                            {"1.001", 1.001, 1e-5},
+                            {"2", 2.0, 1e-8},
+                            {"1e6", 1e6, 1e-8},
+                            {"1e12", 1e12, 1e-8}}) {
+    cases.add("lambda-gradient-" + g.text,
+              "minimum-Laplacian window of a gradient whose smallest irradiance is 1 - (" + g.text + ") of its mean",
+              "closed form of lambda", {g.bound}, [ratio = g.ratio] { return gradient_lambda_error(ratio); });
+    cases.add("least-gradient-" + g.text, "no irradiance below -1e-9 of its mean after it", "2000 directions",
+              {1.0000001e-9}, [ratio = g.ratio] {
+                return left_below_zero(gradient(ratio, {0.48, 0.6, 0.64}));
+              });
   }
   for (const int bands : {3, 5, 16}) {
+    const std::string text = std::to_string(bands);
     const Effort effort = bands > 5 ? Effort::full : Effort::quick;
-    add(
-        "least-lone-light-" + std::to_string(bands),
-        "a lone light of " + std::to_string(bands) + " bands: no irradiance below -1e-9 of its mean", "2000 directions",
-        1.0000001e-9, [bands] { return left_below_zero(one_sided_light(bands)); }, StabilityUnit::relative, effort);
-    add(
-        "turned-lone-light-" + std::to_string(bands), "lambda does not depend on how the light is turned",
-        "that of the light before", 1e-6, [bands] { return rotated_lambda_error(bands); }, StabilityUnit::relative,
-        effort);
-    add(
-        "ring-minimum-" + std::to_string(bands), "the least value of a lone light lies on a ring, and is found",
-        "200 001 points across the ring", 1e-8, [bands] { return ring_minimum_error(bands); }, StabilityUnit::relative,
-        effort);
+    cases.add("least-lone-light-" + text, "a lone light of " + text + " bands: no irradiance below -1e-9 of its mean",
+              "2000 directions", {.bound = 1.0000001e-9, .effort = effort},
+              [bands] { return left_below_zero(one_sided_light(bands)); });
+    cases.add("turned-lone-light-" + text, "lambda does not depend on how the light is turned",
+              "that of the light before", {.bound = 1e-6, .effort = effort},
+              [bands] { return rotated_lambda_error(bands); });
+    cases.add("ring-minimum-" + text, "the least value of a lone light lies on a ring, and is found",
+              "200 001 points across the ring", {.bound = 1e-8, .effort = effort},
+              [bands] { return ring_minimum_error(bands); });
   }
-  add("constant-minimum", "the least value of a constant from 1e-300 to 1e300", "closed form", 1e-14, constant_minimum);
-  add("scaled-lambda", "lambda of light times 2^-300 and 2^300", "that of the light itself", 1e-12,
-      scaled_lambda_error);
-  add("widths", "widths of 1e-300 leave band 0 alone, widths of 1e12 change nothing", "closed form", 1e-15,
-      width_error);
-  add("refusals", "no light in band 0, NaN, widths that are none: refused", "the error's code", 0.0, refusals,
-      StabilityUnit::count);
+  cases.add("constant-minimum", "the least value of a constant from 1e-300 to 1e300", "closed form", {1e-14},
+            constant_minimum);
+  cases.add("scaled-lambda", "lambda of light times 2^-300 and 2^300", "that of the light itself", {1e-12},
+            scaled_lambda_error);
+  cases.add("widths", "widths of 1e-300 leave band 0 alone, widths of 1e12 change nothing", "closed form", {1e-15},
+            width_error);
+  cases.add_count("refusals", "no light in band 0, NaN, widths that are none: refused", "the error's code", refusals);
 }
 
 }  // namespace welkin::test::stability

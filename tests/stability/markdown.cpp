@@ -45,44 +45,13 @@ std::string row(const StabilityResult& result) {
          " | " + amount(result.bound, result.unit) + " | " + (result.holds ? "yes" : "**no**") + " |\n";
 }
 
-/// What each subject is about, for the page.
-struct About {
-  const char* subject;
-  const char* sentence;
-};
-
-constexpr std::array<About, 15> kAbout{
-    {{"range", "Projection to spherical harmonics of maps with extreme values."},
-     {"image-range",
-      "Mips, resampled and prefiltered maps with extreme values. \"Each texel\" is the largest error over "
-      "the truth at that texel; rms is the error of a mip as a whole."},
-     {"cancellation", "Sums whose terms are large and whose result is small."},
-     {"accumulation", "Sums over 256 to 400 million texels: errors must not grow with their number."},
-     {"policies", "NaN, infinities and negatives: each policy does what it says, in every pass that reads pixels."},
-     {"sizes", "Maps, tables and chains of 1 and 2 texels."},
-     {"roughness", "Lobes from a point to the whole hemisphere."},
-     {"grazing", "Cosine and GGX kernels over a sphere that is lit above the horizon only."},
-     {"brdf", "The split sum's table at grazing views and for mirrors (DFG)."},
-     {"windows", "Least windows that are hard to find, by light that is hardly or nearly all negative."},
-     {"rotation", "Turns of coefficients."},
-     {"sky-rays", "Rays that graze a planet; the horizon from both sides."},
-     {"sky-sun", "Suns from the zenith to the nadir. Tables of single scattering with 8 heights, unless stated."},
-     {"sky-air", "Air of any density and height, lobes of any sharpness, many orders."},
-     {"sky-planet", "Planets of any size, seen from the ground to far away."}}};
-
-std::string about(const std::string& subject) {
-  const auto* const found =
-      std::find_if(kAbout.begin(), kAbout.end(), [&](const About& one) { return subject == one.subject; });
-  return found == kAbout.end() ? "" : wrapped(found->sentence);
-}
-
-std::string table(const std::vector<StabilityResult>& results, const std::string& subject) {
+std::string table(const std::vector<StabilityResult>& results, const StabilitySubject& subject) {
   std::string text;
   for (const StabilityResult& result : results) {
-    if (result.subject == subject) text += row(result);
+    if (result.subject == subject.name) text += row(result);
   }
   if (text.empty()) return text;
-  return "\n## " + subject + "\n\n" + about(subject) +
+  return std::string("\n## ") + subject.name + "\n\n" + wrapped(subject.sentence) +
          "\n| case | promise | against | measured | bound | holds |\n|---|---|---|---|---|---|\n" + text;
 }
 
@@ -131,7 +100,7 @@ std::string stability_markdown(const std::vector<StabilityResult>& results, cons
                          "above only in the last bits of truths that use its mathematical library. `tests/stability` "
                          "holds the quick cases: a test fails if an error doubles, a promise breaks or a case "
                          "disappears.");
-  for (const std::string& subject : stability_subjects()) text += table(results, subject);
+  for (const StabilitySubject& subject : stability_subjects()) text += table(results, subject);
   return text + advice(results) + failures(results);
 }
 

@@ -3,18 +3,10 @@
 #include "image/geometry.h"
 #include "reference/sky_reference.h"
 #include "standard_headers.h"
+#include "support/small_skies.h"
 
 namespace welkin::test::stability {
 namespace {
-
-Cubemap cube_of(int size) {
-  const auto edge = static_cast<std::size_t>(size);
-  return {size, std::vector<float>(18 * edge * edge)};
-}
-
-LatLongImage lat_long_of(int width, int height) {
-  return {width, height, std::vector<float>(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
-}
 
 template <class Image, class Value>
 Image filled(Image image, const Value& value) {
@@ -43,34 +35,26 @@ float noise(std::uint32_t seed, std::uint32_t index) noexcept {
   return static_cast<float>(hashed(seed, index) >> 8U) * 0x1p-24F;
 }
 
-Cubemap uniform_cube(int size, float value) {
-  return filled(cube_of(size), [value](std::size_t) { return value; });
-}
-
-LatLongImage uniform_lat_long(int width, int height, float value) {
-  return filled(lat_long_of(width, height), [value](std::size_t) { return value; });
-}
-
 Cubemap noise_cube(int size, std::uint32_t seed) {
-  return filled(cube_of(size), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
+  return filled(grey_cubemap(size, 0.0F), [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
 LatLongImage noise_lat_long(int width, int height, std::uint32_t seed) {
-  return filled(lat_long_of(width, height),
+  return filled(grey_lat_long(width, height, 0.0F),
                 [seed](std::size_t k) { return noise(seed, static_cast<std::uint32_t>(k)); });
 }
 
 Cubemap checkerboard_cube(int size, float amplitude) {
-  return filled(cube_of(size), [=](std::size_t k) { return board(k, size, amplitude); });
+  return filled(grey_cubemap(size, 0.0F), [=](std::size_t k) { return board(k, size, amplitude); });
 }
 
 LatLongImage checkerboard_lat_long(int width, int height, float amplitude) {
-  return filled(lat_long_of(width, height), [=](std::size_t k) { return board(k, width, amplitude); });
+  return filled(grey_lat_long(width, height, 0.0F), [=](std::size_t k) { return board(k, width, amplitude); });
 }
 
 Cubemap upper_half_cube(int size) {
   const auto edge = static_cast<std::size_t>(size);
-  return filled(cube_of(size), [=](std::size_t k) {
+  return filled(grey_cubemap(size, 0.0F), [=](std::size_t k) {
     const std::size_t texel = k / 3;
     const std::size_t row = texel / edge % edge;
     const auto face = static_cast<int>(texel / (edge * edge));
@@ -81,7 +65,7 @@ Cubemap upper_half_cube(int size) {
 
 LatLongImage upper_half_lat_long(int width, int height) {
   const std::size_t half = 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
-  return filled(lat_long_of(width, height), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
+  return filled(grey_lat_long(width, height, 0.0F), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
 }
 
 namespace {
@@ -239,7 +223,7 @@ SkyTableOptions single_order() {
 }
 
 const std::shared_ptr<const SkyTables>& earth_tables() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), single_order()));
+  static const auto tables = sky_tables_of(earth_bruneton(), single_order());
   return tables;
 }
 
@@ -277,9 +261,11 @@ double radiance_error(const SkyView& view, const std::vector<glm::dvec3>& direct
 
 double sky_error(const Atmosphere& atmosphere, double altitude_m, double sun_elevation_degrees,
                  const SkyTableOptions& options) {
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(atmosphere, options)), altitude_m,
-                     {.ground = false});
-  return radiance_error(view, hard_directions(atmosphere, altitude_m), sun_elevation_degrees);
+  // The next case is often of the same planet.
+  static std::shared_ptr<const SkyTables> last;
+  if (!last || last->atmosphere != atmosphere || last->options != options) last = sky_tables_of(atmosphere, options);
+  return radiance_error(SkyView(last, altitude_m, {.ground = false}), hard_directions(atmosphere, altitude_m),
+                        sun_elevation_degrees);
 }
 
 double unsound_values(const SkyTables& tables) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "standard_headers.h"
+#include "support/sun_maps.h"
 #include "support/values_of.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -15,8 +16,6 @@ namespace welkin::test::stability {
 /// In [0, 1), exact in float.
 [[nodiscard]] float noise(std::uint32_t seed, std::uint32_t index) noexcept;
 
-[[nodiscard]] Cubemap uniform_cube(int size, float value);
-[[nodiscard]] LatLongImage uniform_lat_long(int width, int height, float value);
 [[nodiscard]] Cubemap noise_cube(int size, std::uint32_t seed);
 [[nodiscard]] LatLongImage noise_lat_long(int width, int height, std::uint32_t seed);
 

@@ -20,20 +20,10 @@ constexpr int kSize = 32;
 constexpr std::size_t kTexel = 2 * 32 * 32 + 5 * 32 + 29;  ///< on +Y, near an edge; on a lat-long south of the equator
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-struct Value {
-  const char* text;
-  float value;
-};
+const std::vector<std::string> kValues{"1e-38", "1e-20", "1e-4", "1e4", "1e8", "1e20", "1e30", "1e38", "3.4e38"};
 
-constexpr std::array<Value, 9> kValues{{{"1e-38", 1e-38F},
-                                        {"1e-20", 1e-20F},
-                                        {"1e-4", 1e-4F},
-                                        {"1e4", 1e4F},
-                                        {"1e8", 1e8F},
-                                        {"1e20", 1e20F},
-                                        {"1e30", 1e30F},
-                                        {"1e38", 1e38F},
-                                        {"3.4e38", kLargest}}};
+/// The number in a name; 3.4e38 is the last float.
+float value_of(const std::string& text) { return text == "3.4e38" ? kLargest : static_cast<float>(std::stod(text)); }
 
 template <class Image>
 double projection_error(const Image& image) {
@@ -59,9 +49,9 @@ double half_error(std::uint16_t half, double value) {
 
 /// How wrong the light of the background is once that of the bright texel is known and subtracted.
 double background_error(float value) {
-  const Cubemap map = with_texel(uniform_cube(kSize, 1.0F), kTexel, value);
-  const Cubemap texel = with_texel(uniform_cube(kSize, 0.0F), kTexel, value);
-  const Cubemap rest = with_texel(uniform_cube(kSize, 1.0F), kTexel, 0.0F);
+  const Cubemap map = with_texel(grey_cubemap(kSize, 1.0F), kTexel, value);
+  const Cubemap texel = with_texel(grey_cubemap(kSize, 0.0F), kTexel, value);
+  const Cubemap rest = with_texel(grey_cubemap(kSize, 1.0F), kTexel, 0.0F);
   const SphericalHarmonics whole = project(map.view()).radiance;
   const SphericalHarmonics lone = reference_projection(texel.view());
   SphericalHarmonics difference(3);
@@ -70,23 +60,20 @@ double background_error(float value) {
 }
 
 double background_error_without_sun(float value) {
-  Cubemap map = with_texel(uniform_cube(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
+  Cubemap map = with_texel(grey_cubemap(64, 1.0F), 2 * 64 * 64 + 20 * 64 + 29, value);
   if (!extract_sun(map)) return std::numeric_limits<double>::infinity();
   return uniform_error(map.view(), 1.0);
 }
 
 void add_bright_texels(StabilityCases& cases) {
-  for (const Value& v : kValues) {
-    cases.push_back({std::string("range/cube-texel-") + v.text,
-                     "three bands of a cubemap of 1 with one texel of " + std::string(v.text),
-                     "reference_projection (double)", StabilityUnit::relative, kProjectionError, [v](const Control&) {
-                       return projection_error(with_texel(uniform_cube(kSize, 1.0F), kTexel, v.value));
-                     }});
-    cases.push_back({std::string("range/lat-long-texel-") + v.text,
-                     "three bands of a lat-long of 1 with one texel of " + std::string(v.text),
-                     "reference_projection (double)", StabilityUnit::relative, kProjectionError, [v](const Control&) {
-                       return projection_error(with_texel(uniform_lat_long(64, 32, 1.0F), 1500, v.value));
-                     }});
+  for (const std::string& text : kValues) {
+    const float value = value_of(text);
+    cases.add("cube-texel-" + text, "three bands of a cubemap of 1 with one texel of " + text,
+              "reference_projection (double)", {kProjectionError},
+              [value] { return projection_error(with_texel(grey_cubemap(kSize, 1.0F), kTexel, value)); });
+    cases.add("lat-long-texel-" + text, "three bands of a lat-long of 1 with one texel of " + text,
+              "reference_projection (double)", {kProjectionError},
+              [value] { return projection_error(with_texel(grey_lat_long(64, 32, 1.0F), 1500, value)); });
   }
 }
 
@@ -95,51 +82,37 @@ void add_backgrounds(StabilityCases& cases) {
       "A float product has 24 bits: what is 1e7 times fainter than the brightest sum is lost beside it. Take the sun "
       "out "
       "first (extract_sun) and give it to a directional light; then the rest is exact, whatever the sun was.";
-  const auto add = [&](const char* text, float value, const std::string& remedy) {
-    cases.push_back({std::string("range/background-under-") + text,
-                     "the light of a background of 1 is still right under one texel of " + std::string(text),
-                     "reference_projection of the background alone", StabilityUnit::relative, 1e-3,
-                     [value](const Control&) { return background_error(value); }, remedy});
-  };
-  add("1e4", 1e4F, "");
-  add("1e6", 1e6F, "");
-  add("1e12", 1e12F, advice);
-  cases.push_back({"range/background-without-sun-1e12",
-                   "after extract_sun a background of 1 is right, though the sun was 1e12", "closed form",
-                   StabilityUnit::relative, kProjectionError,
-                   [](const Control&) { return background_error_without_sun(1e12F); }});
+  for (const std::string text : {"1e4", "1e6", "1e12"}) {
+    cases.add("background-under-" + text, "the light of a background of 1 is still right under one texel of " + text,
+              "reference_projection of the background alone", {.bound = 1e-3, .advice = text == "1e12" ? advice : ""},
+              [value = value_of(text)] { return background_error(value); });
+  }
+  cases.add("background-without-sun-1e12", "after extract_sun a background of 1 is right, though the sun was 1e12",
+            "closed form", {kProjectionError}, [] { return background_error_without_sun(1e12F); });
 }
 
 void add_uniform(StabilityCases& cases) {
-  const auto add = [&](const char* name, const char* what, double bound, std::function<double()> measure,
+  const auto add = [&](const char* name, const std::string& what, std::function<double()> measure,
                        const std::string& advice = {}) {
-    cases.push_back({name, std::string("three bands of ") + what, "closed form: sqrt(4 pi) times the value",
-                     StabilityUnit::relative, bound, [measure](const Control&) { return measure(); }, advice});
+    cases.add(name, "three bands of " + what, "closed form: sqrt(4 pi) times the value",
+              {.bound = kProjectionError, .advice = advice}, std::move(measure));
   };
-  add("range/half-largest", "the largest half, 65504, everywhere", kProjectionError,
-      [] { return half_error(0x7BFF, 65504.0); });
-  add("range/half-smallest-normal", "the smallest normal half, 2^-14", kProjectionError,
-      [] { return half_error(0x0400, 0x1p-14); });
-  add("range/half-smallest-denormal", "the smallest denormal half, 2^-24", kProjectionError,
-      [] { return half_error(0x0001, 0x1p-24); });
-  add("range/float-largest", "the largest float everywhere", kProjectionError,
-      [] { return uniform_error(uniform_cube(kSize, kLargest).view(), kLargest); });
-  add("range/float-largest-lat-long", "the largest float everywhere on a lat-long", kProjectionError,
-      [] { return uniform_error(uniform_lat_long(64, 32, kLargest).view(), kLargest); });
-  add("range/float-1e-30", "1e-30 everywhere", kProjectionError,
-      [] { return uniform_error(uniform_cube(kSize, 1e-30F).view(), 1e-30F); });
+  const auto cube_of = [](float value) {
+    return [=] { return uniform_error(grey_cubemap(kSize, value).view(), value); };
+  };
+  add("half-largest", "the largest half, 65504, everywhere", [] { return half_error(0x7BFF, 65504.0); });
+  add("half-smallest-normal", "the smallest normal half, 2^-14", [] { return half_error(0x0400, 0x1p-14); });
+  add("half-smallest-denormal", "the smallest denormal half, 2^-24", [] { return half_error(0x0001, 0x1p-24); });
+  add("float-largest", "the largest float everywhere", cube_of(kLargest));
+  add("float-largest-lat-long", "the largest float everywhere on a lat-long",
+      [] { return uniform_error(grey_lat_long(64, 32, kLargest).view(), kLargest); });
+  add("float-1e-30", "1e-30 everywhere", cube_of(1e-30F));
   const std::string advice =
       "Radiance times a texel's solid angle falls below the normal floats and loses bits. Light that dark is no "
       "light; if it is meant, multiply the map by a power of two first and the coefficients by its inverse after.";
-  add(
-      "range/float-smallest-normal", "the smallest normal float, 2^-126", kProjectionError,
-      [] { return uniform_error(uniform_cube(kSize, 0x1p-126F).view(), 0x1p-126); }, advice);
-  add(
-      "range/float-denormal", "a denormal float, 1e-40", kProjectionError,
-      [] { return uniform_error(uniform_cube(kSize, 1e-40F).view(), 1e-40F); }, advice);
-  add(
-      "range/float-smallest-denormal", "the smallest denormal float, 2^-149", kProjectionError,
-      [] { return uniform_error(uniform_cube(kSize, 0x1p-149F).view(), 0x1p-149); }, advice);
+  add("float-smallest-normal", "the smallest normal float, 2^-126", cube_of(0x1p-126F), advice);
+  add("float-denormal", "a denormal float, 1e-40", cube_of(1e-40F), advice);
+  add("float-smallest-denormal", "the smallest denormal float, 2^-149", cube_of(0x1p-149F), advice);
 }
 
 }  // namespace
@@ -163,7 +136,7 @@ double worst_ulps(std::span<const float> values, double truth) {
 }
 
 double mips_ulps(float value) {
-  const Cubemap chain = build_mips(uniform_cube(31, value).view());
+  const Cubemap chain = build_mips(grey_cubemap(31, value).view());
   double worst = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
     for (const glm::dvec3& texel : texels(chain, level)) worst = worse(worst, float_ulps(texel.x, value));
@@ -193,11 +166,9 @@ Blurred blurred(const Image& source, double roughness) {
   return {found, reference_specular(source.view(), roughness, directions)};
 }
 
-Cubemap bright_cube(float value) { return with_texel(uniform_cube(32, 1.0F), kImageTexel, value); }
-LatLongImage bright_lat_long(float value) { return with_texel(uniform_lat_long(128, 64, 1.0F), 2500, value); }
-LatLongImage dark_lat_long(float factor) {
-  return with_texel(uniform_lat_long(128, 64, factor), 2500, 100.0F * factor);
-}
+Cubemap bright_cube(float value) { return with_texel(grey_cubemap(32, 1.0F), kImageTexel, value); }
+LatLongImage bright_lat_long(float value) { return with_texel(grey_lat_long(128, 64, 1.0F), 2500, value); }
+LatLongImage dark_lat_long(float factor) { return with_texel(grey_lat_long(128, 64, factor), 2500, 100.0F * factor); }
 
 double worst_error(const Blurred& mip) { return worst_relative_error(mip.found, mip.truth); }
 double rms_of(const Blurred& mip) { return rms_error(mip.found, mip.truth); }
@@ -222,7 +193,7 @@ double error_without_sun(double roughness) {
 double prefilter_uniform_ulps(float value) {
   PrefilterOptions options{.size = 8};
   options.roughness = {0.0, 0.3, 1.0};
-  const PrefilteredSpecular result = prefilter_specular(uniform_lat_long(32, 16, value).view(), options);
+  const PrefilteredSpecular result = prefilter_specular(grey_lat_long(32, 16, value).view(), options);
   double worst = 0.0;
   for (int level = 0; level < 3; ++level) {
     for (const glm::dvec3& texel : texels(result.cubemap, level)) worst = worse(worst, float_ulps(texel.y, value));
@@ -235,44 +206,24 @@ double irradiance_cubemap_ulps(float value) {
   return worst_ulps(irradiance_cubemap(irradiance, 4).pixels(), value * 3.14159265358979323846);
 }
 
-std::string name_of(const char* what, const std::string& value) {
-  return "image-range/" + std::string(what) + "-" + value;
-}
-
-std::string kept(const std::string& map, const std::string& value) {
-  return map + " of " + value + " stays what it is";
-}
-
 void add_uniform_images(StabilityCases& cases) {
-  constexpr std::array<std::pair<const char*, float>, 4> values{
-      {{"1e-40", 1e-40F}, {"1", 1.0F}, {"65504", 65504.0F}, {"3.4e38", kLargest}}};
-  for (const auto& [text, value] : values) {
-    const auto add = [&cases, word = std::string(text)](const char* what, const std::string& promise, double bound,
-                                                        std::function<double()> measure) {
-      cases.push_back({name_of(what, word),
-                       kept(promise, word),
-                       "closed form: the value",
-                       StabilityUnit::ulps,
-                       bound,
-                       [measure](const Control&) { return measure(); },
-                       {}});
+  for (const std::string text : {"1e-40", "1", "65504", "3.4e38"}) {
+    const float value = value_of(text);
+    const auto add = [&](const std::string& name, const std::string& map, double bound,
+                         std::function<double()> measure) {
+      cases.add(name + "-" + text, map + " of " + text + " stays what it is", "closed form: the value",
+                {bound, StabilityUnit::ulps}, std::move(measure));
     };
-    add("mips", "every mip of a uniform cubemap", 1.0, [value = value] { return mips_ulps(value); });
+    add("mips", "every mip of a uniform cubemap", 1.0, [value] { return mips_ulps(value); });
     add("to-cubemap", "a cubemap resampled from a uniform lat-long", 0.0,
-        [value = value] { return worst_ulps(to_cubemap(uniform_lat_long(37, 19, value).view(), 11).pixels(), value); });
+        [value] { return worst_ulps(to_cubemap(grey_lat_long(37, 19, value).view(), 11).pixels(), value); });
     add("prefilter-automatic", "a prefiltered uniform lat-long", kUniformUlps,
-        [value = value] { return prefilter_uniform_ulps(value); });
+        [value] { return prefilter_uniform_ulps(value); });
   }
 }
 
-struct Lobe {
-  const char* text;
-  double roughness;
-};
-constexpr std::array<Lobe, 2> kLobes{{{"0.3", 0.3}, {"0.8", 0.8}}};
-
 /// One texel over a background of 1: the dark side's own digits, the mip as a whole, the light's.
-void add_bright_image_texels(StabilityCases& cases) {
+void add_bright_image_texels(StabilityCases& cases, const std::string& roughness_text) {
   const std::string dark =
       "Floats keep some 1e-7 of the brightest light everywhere, and the points that stand for its texel cross the "
       "lobe's horizon one by one: what is a millionth of the light or darker has no digits of its own beside it. Take "
@@ -282,57 +233,57 @@ void add_bright_image_texels(StabilityCases& cases) {
       "A cubemap goes by rings twice as fine as its texels, whose means blur a lone texel a little: 0.6 % where the "
       "lobe is no wider than some texels. Give the source as a lat-long or a larger cubemap, take the light out "
       "first (extract_sun), or use method reference.";
-  for (const Lobe& lobe : kLobes) {
-    const double roughness = lobe.roughness;
-    const auto add = [&](const std::string& name, const std::string& promise, double bound,
-                         std::function<double()> measure, const std::string& advice = {}) {
-      cases.push_back({"image-range/" + name + "-roughness-" + lobe.text, promise + ", roughness " + lobe.text,
-                       "reference_specular (double)", StabilityUnit::relative, bound,
-                       [measure](const Control&) { return measure(); }, advice});
-    };
-    for (const auto& [text, value] : {std::pair{"1e-38", 1e-38F}, {"1e4", 1e4F}, {"1e8", 1e8F}}) {
-      const std::string over = std::string(", one texel of ") + text + " over 1";
-      const std::string advice = value > 1e6F ? dark : "";
-      add(
-          std::string("texel-cube-") + text, "each texel of a mip (maximum_error) of a cubemap of 32" + over, 1e-2,
-          [v = value, roughness] { return worst_error(blurred(bright_cube(v), roughness)); }, advice);
-      add(
-          std::string("texel-lat-long-") + text, "each texel of a mip (maximum_error) of a lat-long of 128 x 64" + over,
-          1e-2, [v = value, roughness] { return worst_error(blurred(bright_lat_long(v), roughness)); }, advice);
-    }
+  const double roughness = std::stod(roughness_text);
+  const auto add = [&](const std::string& name, const std::string& promise, double bound,
+                       std::function<double()> measure, const std::string& advice = {}) {
+    cases.add(name + "-roughness-" + roughness_text, promise + ", roughness " + roughness_text,
+              "reference_specular (double)", {.bound = bound, .advice = advice}, std::move(measure));
+  };
+  for (const std::string text : {"1e-38", "1e4", "1e8"}) {
+    const float value = value_of(text);
+    const std::string over = ", one texel of " + text + " over 1";
+    const std::string advice = value > 1e6F ? dark : "";
+    const auto cube = [=] { return blurred(bright_cube(value), roughness); };
+    const auto lat_long = [=] { return blurred(bright_lat_long(value), roughness); };
     add(
-        "rms-cube-1e4", "a mip as a whole, rms (rms_error), of a cubemap of 32, one texel of 1e4 over 1", 1e-3,
-        [roughness] { return rms_of(blurred(bright_cube(1e4F), roughness)); }, roughness < 0.5 ? rings : "");
-    add("rms-lat-long-1e4", "the same of a lat-long of 128 x 64", 1e-3,
-        [roughness] { return rms_of(blurred(bright_lat_long(1e4F), roughness)); });
-    for (const auto& [text, value] : {std::pair{"1e20", 1e20F}, {"1e30", 1e30F}, {"1e38", 1e38F}}) {
-      add(std::string("peak-lat-long-") + text,
-          std::string("error of any texel over the brightest one's light, lat-long, one texel of ") + text + " over 1",
-          1e-3, [v = value, roughness] { return error_of_peak(blurred(bright_lat_long(v), roughness)); });
-    }
-    for (const auto& [text, factor] : {std::pair{"1e-30", 1e-30F}, {"1e-36", 1e-36F}}) {
-      add(std::string("dark-lat-long-") + text,
-          std::string("each texel of a mip (maximum_error) of a lat-long, one texel of 100 over 1, all times ") + text,
-          1e-2, [f = factor, roughness] { return worst_error(blurred(dark_lat_long(f), roughness)); });
-    }
-    add("texel-without-sun-1e8", "each texel (maximum_error) of noise that had a texel of 1e8, after extract_sun", 1e-2,
-        [roughness] { return error_without_sun(roughness); });
+        "texel-cube-" + text, "each texel of a mip (maximum_error) of a cubemap of 32" + over, 1e-2,
+        [=] { return worst_error(cube()); }, advice);
+    add(
+        "texel-lat-long-" + text, "each texel of a mip (maximum_error) of a lat-long of 128 x 64" + over, 1e-2,
+        [=] { return worst_error(lat_long()); }, advice);
+    if (text != "1e4") continue;
+    add(
+        "rms-cube-1e4", "a mip as a whole, rms (rms_error), of a cubemap of 32" + over, 1e-3,
+        [=] { return rms_of(cube()); }, roughness < 0.5 ? rings : "");
+    add("rms-lat-long-1e4", "the same of a lat-long of 128 x 64", 1e-3, [=] { return rms_of(lat_long()); });
   }
+  for (const std::string text : {"1e20", "1e30", "1e38"}) {
+    add("peak-lat-long-" + text,
+        "error of any texel over the brightest one's light, lat-long, one texel of " + text + " over 1", 1e-3,
+        [=, value = value_of(text)] { return error_of_peak(blurred(bright_lat_long(value), roughness)); });
+  }
+  for (const std::string text : {"1e-30", "1e-36"}) {
+    add("dark-lat-long-" + text,
+        "each texel of a mip (maximum_error) of a lat-long, one texel of 100 over 1, all times " + text, 1e-2,
+        [=, factor = value_of(text)] { return worst_error(blurred(dark_lat_long(factor), roughness)); });
+  }
+  add("texel-without-sun-1e8", "each texel (maximum_error) of noise that had a texel of 1e8, after extract_sun", 1e-2,
+      [roughness] { return error_without_sun(roughness); });
 }
 
 }  // namespace
 
 void add_image_range_cases(StabilityCases& cases) {
   add_uniform_images(cases);
-  add_bright_image_texels(cases);
-  cases.push_back({"image-range/irradiance-cubemap-1e38", "irradiance of a radiance of 1e38 everywhere",
-                   "closed form: pi times the value", StabilityUnit::ulps, 4.0,
-                   [](const Control&) { return irradiance_cubemap_ulps(1e38F); }});
-  cases.push_back({"image-range/irradiance-cubemap-3.4e38",
-                   "irradiance of a radiance of 3.4e38 everywhere as a finite float", "closed form: pi times the value",
-                   StabilityUnit::ulps, 4.0, [](const Control&) { return irradiance_cubemap_ulps(kLargest); },
-                   "pi times the largest float is no float: the texels are infinite. The coefficients are doubles and "
-                   "right; scale them down before the cubemap is made."});
+  for (const char* const roughness : {"0.3", "0.8"}) add_bright_image_texels(cases, roughness);
+  cases.add("irradiance-cubemap-1e38", "irradiance of a radiance of 1e38 everywhere", "closed form: pi times the value",
+            {4.0, StabilityUnit::ulps}, [] { return irradiance_cubemap_ulps(1e38F); });
+  const std::string infinite =
+      "pi times the largest float is no float: the texels are infinite. The coefficients are doubles and right; scale "
+      "them down before the cubemap is made.";
+  cases.add("irradiance-cubemap-3.4e38", "irradiance of a radiance of 3.4e38 everywhere as a finite float",
+            "closed form: pi times the value", {4.0, StabilityUnit::ulps, infinite},
+            [] { return irradiance_cubemap_ulps(kLargest); });
 }
 
 // What is no number, and what is below zero, under each policy.
@@ -441,8 +392,8 @@ double miscounts() {
 }
 
 double all_nan() {
-  const Projection found = project(uniform_cube(16, kNaN).view());
-  const LatLongImage lat_long = uniform_lat_long(32, 16, kNaN);
+  const Projection found = project(grey_cubemap(16, kNaN).view());
+  const LatLongImage lat_long = grey_lat_long(32, 16, kNaN);
   return norm(found.radiance) + norm(project(lat_long.view()).radiance) +
          wrong_if(found.diagnostics.nans_replaced != 18 * 256);
 }
@@ -465,24 +416,20 @@ double alpha_error() {
 void add_policy_cases(StabilityCases& cases) {
   for (const Replacement& r : replacements()) {
     const auto add = [&](const std::string& where, std::function<double()> measure) {
-      cases.push_back({"policies/" + std::string(r.name) + "-" + where, std::string(r.promise) + " (" + where + ")",
-                       "the same map with that value in its place", StabilityUnit::relative, 1e-6,
-                       [measure](const Control&) { return measure(); }});
+      cases.add(std::string(r.name) + "-" + where, std::string(r.promise) + " (" + where + ")",
+                "the same map with that value in its place", {1e-6}, std::move(measure));
     };
     add("cube", [r] { return projected(noise_cube(32, 2), r); });
     add("lat-long", [r] { return projected(noise_lat_long(64, 32, 2), r); });
     add("irradiance", [r] { return irradiance_of(r); });
     add("prefilter", [r] { return prefiltered(r); });
   }
-  const auto count = [&](const char* name, const char* promise, double (*measure)()) {
-    cases.push_back({name, promise, "the error's code, the counts", StabilityUnit::count, 0.0,
-                     [measure](const Control&) { return measure(); }});
-  };
-  count("policies/rejected", "what a policy rejects is refused by projection, prefilter and irradiance", rejections);
-  count("policies/counted", "what was replaced is counted, by kind", miscounts);
-  count("policies/all-nan", "a map of NaN alone is black, and all of it counted", all_nan);
-  cases.push_back({"policies/alpha", "NaN and infinity in alpha change nothing", "the same map without alpha",
-                   StabilityUnit::relative, 0.0, [](const Control&) { return alpha_error(); }});
+  const std::string truth = "the error's code, the counts";
+  cases.add_count("rejected", "what a policy rejects is refused by projection, prefilter and irradiance", truth,
+                  rejections);
+  cases.add_count("counted", "what was replaced is counted, by kind", truth, miscounts);
+  cases.add_count("all-nan", "a map of NaN alone is black, and all of it counted", truth, all_nan);
+  cases.add("alpha", "NaN and infinity in alpha change nothing", "the same map without alpha", {0.0}, alpha_error);
 }
 
 }  // namespace welkin::test::stability

@@ -13,25 +13,30 @@ namespace {
 
 constexpr double kTableError = 1e-5;  ///< reflections.h
 
-/// Worst errors of one column of a table (0: the most grazing view): of scale and bias, and of sheen.
-struct ColumnError {
-  double ggx = 0.0;
-  double sheen = 0.0;
-};
-
-ColumnError column_error(int width, int height, int column) {
+/// The worst error of one column of a table (0: the most grazing view), of a row's entry by normal_view and the square
+/// of the roughness.
+template <class RowError>
+double column_error(int width, int height, int column, const RowError& error) {
   const auto table = brdf_table({.width = width, .height = height});
   const double normal_view = (column + 0.5) / width;
-  ColumnError worst;
+  double worst = 0.0;
   for (int row = 0; row < height; ++row) {
     const double roughness = (row + 0.5) / height;
     const float* const entry = table->values.data() + static_cast<std::ptrdiff_t>(3) * (row * width + column);
-    const report::BrdfTruth truth = report::ggx_truth(normal_view, roughness * roughness);
-    const double sheen = report::sheen_truth(normal_view, roughness * roughness);
-    worst.ggx = worse(worst.ggx, worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias)));
-    worst.sheen = worse(worst.sheen, std::abs(entry[2] - sheen) / std::max(1.0, sheen));
+    worst = worse(worst, error(entry, normal_view, roughness * roughness));
   }
   return worst;
+}
+
+/// The error of scale and bias.
+double ggx_error(const float* entry, double normal_view, double alpha) {
+  const report::BrdfTruth truth = report::ggx_truth(normal_view, alpha);
+  return worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias));
+}
+
+double sheen_error(const float* entry, double normal_view, double alpha) {
+  const double sheen = report::sheen_truth(normal_view, alpha);
+  return std::abs(entry[2] - sheen) / std::max(1.0, sheen);
 }
 
 /// The smoothest row of a table: a mirror, nearly, for which scale + bias is 1 and bias is (1 - n.v)^5.
@@ -71,23 +76,22 @@ double half_values_wrong() {
 }  // namespace
 
 void add_brdf_cases(StabilityCases& cases) {
-  for (const auto& [width, height, column] : {std::tuple{64, 8, 0}, {1024, 8, 0}, {4096, 8, 0}, {4096, 8, 4095}}) {
+  for (const auto& [width, column] : {std::pair{64, 0}, {1024, 0}, {4096, 0}, {4096, 4095}}) {
     const std::string at = std::to_string(column) + "-of-" + std::to_string(width);
     const std::string view = "n.v = " + std::string(column > 0 ? "1 - 0.5 / " : "0.5 / ") + std::to_string(width);
-    cases.push_back({"brdf/ggx-column-" + at, "scale and bias at " + view + ", 8 roughnesses, absolute",
-                     "integral over the light's hemisphere in double", StabilityUnit::relative, kTableError,
-                     [=, w = width, h = height, c = column](const Control&) { return column_error(w, h, c).ggx; }});
-    cases.push_back({"brdf/sheen-column-" + at, "sheen at " + view + ", absolute, of its value where above 1",
-                     "integral over the light's hemisphere in double", StabilityUnit::relative, kTableError,
-                     [=, w = width, h = height, c = column](const Control&) { return column_error(w, h, c).sheen; }});
+    cases.add("ggx-column-" + at, "scale and bias at " + view + ", 8 roughnesses, absolute",
+              "integral over the light's hemisphere in double", {kTableError},
+              [w = width, c = column] { return column_error(w, 8, c, ggx_error); });
+    cases.add("sheen-column-" + at, "sheen at " + view + ", absolute, of its value where above 1",
+              "integral over the light's hemisphere in double", {kTableError},
+              [w = width, c = column] { return column_error(w, 8, c, sheen_error); });
   }
-  cases.push_back({"brdf/mirror", "at roughness 1.2e-4 scale + bias is 1 and bias (1 - n.v)^5 (n.v above 0.07)",
-                   "closed form of a mirror", StabilityUnit::relative, kTableError,
-                   [](const Control&) { return mirror_error(); }});
-  cases.push_back({"brdf/energy", "scale and bias are not negative and their sum not above 1, n.v from 1.2e-4",
-                   "energy", StabilityUnit::relative, kTableError, [](const Control&) { return energy_excess(); }});
-  cases.push_back({"brdf/half-values", "sheen of hundreds at grazing angles is finite, as halves too", "65504 at most",
-                   StabilityUnit::count, 0.0, [](const Control&) { return half_values_wrong(); }});
+  cases.add("mirror", "at roughness 1.2e-4 scale + bias is 1 and bias (1 - n.v)^5 (n.v above 0.07)",
+            "closed form of a mirror", {kTableError}, mirror_error);
+  cases.add("energy", "scale and bias are not negative and their sum not above 1, n.v from 1.2e-4", "energy",
+            {kTableError}, energy_excess);
+  cases.add_count("half-values", "sheen of hundreds at grazing angles is finite, as halves too", "65504 at most",
+                  half_values_wrong);
 }
 
 // Lobes from a point to the whole hemisphere: roughness 0, 1e-6, 1e-3, about the change of methods, 1.
@@ -115,7 +119,7 @@ double narrow_error(double roughness) {
 
 /// How far a texel leaves the range of the source's, 1 to 1000, over the end that it leaves.
 double outside_of_range(double roughness) {
-  const Cubemap source = with_texel(uniform_cube(16, 1.0F), 300, 1000.0F);
+  const Cubemap source = with_texel(grey_cubemap(16, 1.0F), 300, 1000.0F);
   double worst = 0.0;
   for (const glm::dvec3& texel : texels(prefiltered(source, 16, roughness, PrefilterMethod::automatic).cubemap, 0)) {
     worst = worse(worst, worse(1.0 - texel.x, texel.x / 1000.0 - 1.0));
@@ -161,49 +165,36 @@ double schedules_unsound() {
   return wrong;
 }
 
-struct Roughness {
-  const char* text;
-  double value;
-};
-
 }  // namespace
 
 void add_roughness_cases(StabilityCases& cases) {
-  cases.push_back({"roughness/0", "roughness 0 at the source's size is a copy", "the source, bit for bit",
-                   StabilityUnit::count, 0.0, [](const Control&) { return copy_differs(); }});
-  constexpr std::array<Roughness, 7> all{
-      {{"1e-6", 1e-6}, {"1e-3", 1e-3}, {"0.05", 0.05}, {"0.06", 0.06}, {"0.1", 0.1}, {"0.999", 0.999}, {"1", 1.0}}};
-  for (const Roughness& r : all) {
-    const bool is_narrow = r.value < 0.055;
-    cases.push_back({std::string("roughness/automatic-") + r.text,
-                     is_narrow ? std::string("faces of 8 of noise at roughness ") + r.text + ", rms (rms_error)"
-                               : std::string("every texel of 4 x 4 faces of noise of 16 at roughness ") + r.text +
-                                     " (maximum_error)",
-                     "reference_specular (double)", StabilityUnit::relative, is_narrow ? 1e-3 : 1e-2,
-                     [r, is_narrow](const Control&) {
-                       return is_narrow ? narrow_error(r.value) : error_of(r.value, 4, PrefilterMethod::automatic);
-                     },
-                     ""});
-    cases.push_back({std::string("roughness/range-") + r.text,
-                     std::string("one texel of 1000 over 1 at roughness ") + r.text +
-                         ": nothing below 1 or above 1000 by more than maximum_error of it",
-                     "the source's range", StabilityUnit::relative, 1e-2,
-                     [r](const Control&) { return outside_of_range(r.value); }});
+  cases.add_count("0", "roughness 0 at the source's size is a copy", "the source, bit for bit", copy_differs);
+  for (const std::string text : {"1e-6", "1e-3", "0.05", "0.06", "0.1", "0.999", "1"}) {
+    const double roughness = std::stod(text);
+    if (roughness < 0.055) {
+      cases.add("automatic-" + text, "faces of 8 of noise at roughness " + text + ", rms (rms_error)",
+                "reference_specular (double)", {1e-3}, [=] { return narrow_error(roughness); });
+    } else {
+      cases.add(
+          "automatic-" + text, "every texel of 4 x 4 faces of noise of 16 at roughness " + text + " (maximum_error)",
+          "reference_specular (double)", {1e-2}, [=] { return error_of(roughness, 4, PrefilterMethod::automatic); });
+    }
+    cases.add("range-" + text,
+              "one texel of 1000 over 1 at roughness " + text +
+                  ": nothing below 1 or above 1000 by more than maximum_error of it",
+              "the source's range", {1e-2}, [=] { return outside_of_range(roughness); });
   }
-  for (const Roughness& r : {Roughness{"1e-3", 1e-3}, {"0.1", 0.1}, {"1", 1.0}}) {
-    cases.push_back({std::string("roughness/reference-") + r.text,
-                     std::string("method `reference` at roughness ") + r.text + " is the truth, in float",
-                     "reference_specular (double)", StabilityUnit::relative, 1e-7,
-                     [r](const Control&) { return error_of(r.value, 4, PrefilterMethod::reference); }});
+  for (const std::string text : {"1e-3", "0.1", "1"}) {
+    cases.add("reference-" + text, "method `reference` at roughness " + text + " is the truth, in float",
+              "reference_specular (double)", {1e-7},
+              [value = std::stod(text)] { return error_of(value, 4, PrefilterMethod::reference); });
   }
-  for (const Roughness& r : {Roughness{"1e-6", 1e-6}, {"1e-3", 1e-3}, {"0.01", 0.01}}) {
-    cases.push_back({std::string("roughness/narrow-truth-") + r.text,
-                     std::string("the truth itself at roughness ") + r.text + " is the texel it points at",
-                     "the source's texels", StabilityUnit::relative, 1e-2,
-                     [r](const Control&) { return narrow_truth(r.value); }});
+  for (const std::string text : {"1e-6", "1e-3", "0.01"}) {
+    cases.add("narrow-truth-" + text, "the truth itself at roughness " + text + " is the texel it points at",
+              "the source's texels", {1e-2}, [value = std::stod(text)] { return narrow_truth(value); });
   }
-  cases.push_back({"roughness/schedules", "every schedule rises from 0 and stays in [0, 1], for 1 to 16 mips",
-                   "its definition", StabilityUnit::count, 0.0, [](const Control&) { return schedules_unsound(); }});
+  cases.add_count("schedules", "every schedule rises from 0 and stays in [0, 1], for 1 to 16 mips", "its definition",
+                  schedules_unsound);
 }
 
 // Kernels on the horizon: cosine and GGX lobes over a half-lit sphere, where all of the light is at grazing angles.
@@ -284,44 +275,34 @@ double lobe_behind(double roughness) {
 }
 
 void add_cosine(StabilityCases& cases) {
-  for (const char* const degrees : {"0", "1e-3", "1", "30", "89.999", "90", "90.001", "179", "180"}) {
+  const std::string truth = "closed form: pi sin^2 of half the angle";
+  for (const std::string degrees : {"0", "1e-3", "1", "30", "89.999", "90", "90.001", "179", "180"}) {
     const double angle = std::stod(degrees);
-    cases.push_back({std::string("grazing/cosine-cube-") + degrees,
-                     "irradiance of a lit upper half on a normal " + std::string(degrees) +
-                         " degrees from the nadir, over pi (cubemap of 64)",
-                     "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-5,
-                     [angle](const Control&) { return cosine_error(upper_half_cube(64), angle); }});
-    cases.push_back({std::string("grazing/cosine-lat-long-") + degrees, "the same on a lat-long of 256 x 128",
-                     "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-5,
-                     [angle](const Control&) { return cosine_error(upper_half_lat_long(256, 128), angle); }});
+    cases.add(
+        "cosine-cube-" + degrees,
+        "irradiance of a lit upper half on a normal " + degrees + " degrees from the nadir, over pi (cubemap of 64)",
+        truth, {1e-5}, [angle] { return cosine_error(upper_half_cube(64), angle); });
+    cases.add("cosine-lat-long-" + degrees, "the same on a lat-long of 256 x 128", truth, {1e-5},
+              [angle] { return cosine_error(upper_half_lat_long(256, 128), angle); });
   }
-  cases.push_back({"grazing/cosine-sliver-1e-3",
-                   "of a normal 1e-3 degrees from the nadir the sliver of light itself is right to 1 %",
-                   "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-2,
-                   [](const Control&) { return cosine_relative_error(upper_half_lat_long(256, 128), 1e-3); }});
-  cases.push_back({"grazing/cosine-sliver-5", "of a normal 5 degrees from the nadir it is right to 1 %",
-                   "closed form: pi sin^2 of half the angle", StabilityUnit::relative, 1e-2,
-                   [](const Control&) { return cosine_relative_error(upper_half_lat_long(256, 128), 5.0); }});
+  cases.add("cosine-sliver-1e-3", "of a normal 1e-3 degrees from the nadir the sliver of light itself is right to 1 %",
+            truth, {1e-2}, [] { return cosine_relative_error(upper_half_lat_long(256, 128), 1e-3); });
+  cases.add("cosine-sliver-5", "of a normal 5 degrees from the nadir it is right to 1 %", truth, {1e-2},
+            [] { return cosine_relative_error(upper_half_lat_long(256, 128), 5.0); });
 }
 
 void add_lobes(StabilityCases& cases) {
-  for (const char* const text : {"0.1", "0.5", "1"}) {
+  for (const std::string text : {"0.1", "0.5", "1"}) {
     const double roughness = std::stod(text);
-    cases.push_back(
-        {std::string("grazing/ggx-truth-") + text,
-         "reference_specular of a half-lit sphere on the horizon and its mirror image add up to 1, roughness " +
-             std::string(text),
-         "closed form: 1", StabilityUnit::relative, 1e-5,
-         [roughness](const Control&) { return mirrored_lobes(roughness, grazing_directions()); }});
-    cases.push_back({std::string("grazing/ggx-behind-") + text,
-                     "a lobe that looks away from all light sees none, roughness " + std::string(text),
-                     "closed form: 0", StabilityUnit::relative, 1e-12,
-                     [roughness](const Control&) { return lobe_behind(roughness); }});
-    cases.push_back(
-        {std::string("grazing/ggx-spectral-") + text,
-         "prefiltered texels and their mirror images add up to 1, roughness " + std::string(text) + " (maximum_error)",
-         "closed form: 1", StabilityUnit::relative, 1e-2,
-         [roughness](const Control&) { return mirrored_texels(roughness); }});
+    cases.add(
+        "ggx-truth-" + text,
+        "reference_specular of a half-lit sphere on the horizon and its mirror image add up to 1, roughness " + text,
+        "closed form: 1", {1e-5}, [roughness] { return mirrored_lobes(roughness, grazing_directions()); });
+    cases.add("ggx-behind-" + text, "a lobe that looks away from all light sees none, roughness " + text,
+              "closed form: 0", {1e-12}, [roughness] { return lobe_behind(roughness); });
+    cases.add("ggx-spectral-" + text,
+              "prefiltered texels and their mirror images add up to 1, roughness " + text + " (maximum_error)",
+              "closed form: 1", {1e-2}, [roughness] { return mirrored_texels(roughness); });
   }
 }
 

@@ -4,6 +4,7 @@
 #include "stability/measures.h"
 #include "standard_headers.h"
 #include "support/random_harmonics.h"
+#include "support/small_skies.h"
 #include "welkin/sky.h"
 
 namespace welkin::test::stability {
@@ -62,7 +63,7 @@ double sun_error(double elevation, double altitude) {
 
 /// Tables of as many heights as the default.
 const std::shared_ptr<const SkyTables>& usual_tables() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), {.orders = 1}));
+  static const auto tables = sky_tables_of(earth_bruneton(), {.orders = 1});
   return tables;
 }
 
@@ -94,55 +95,57 @@ double lanes_error(double altitude) {
 }  // namespace
 
 void add_sky_ray_cases(StabilityCases& cases) {
-  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
-                       std::function<double()> measure) {
-    cases.push_back({"sky-rays/" + name, promise, truth, StabilityUnit::relative, bound,
-                     [measure](const Control&) { return measure(); }});
+  struct Air {
+    std::string text;
+    double radius, height;
   };
-  for (const auto& [text, radius, height] : {std::tuple{"earth-10m", 6.36e6, 10.0},
-                                             {"earth-1km", 6.36e6, 1e3},
-                                             {"earth-8km", 6.36e6, 8e3},
-                                             {"earth-100km", 6.36e6, 1e5},
-                                             {"giant-1km", 1e9, 1e3},
-                                             {"one-metre", 1.0, 0.01}}) {
-    add(std::string("grazing-depth-") + text, "optical depth of a horizontal ray from the ground",
-        "closed form: beta R e^x K1(x), x = R / H", 1e-9,
-        [=, r = radius, h = height] { return grazing_depth_error(r, h); });
-    add(std::string("vertical-depth-") + text, "optical depth of a vertical ray",
-        "closed form: beta H (1 - e^(-T / H))", 1e-9,
-        [=, r = radius, h = height] { return vertical_depth_error(r, h); });
+  for (const Air& air : {Air{"earth-10m", 6.36e6, 10.0},
+                         {"earth-1km", 6.36e6, 1e3},
+                         {"earth-8km", 6.36e6, 8e3},
+                         {"earth-100km", 6.36e6, 1e5},
+                         {"giant-1km", 1e9, 1e3},
+                         {"one-metre", 1.0, 0.01}}) {
+    cases.add("grazing-depth-" + air.text, "optical depth of a horizontal ray from the ground",
+              "closed form: beta R e^x K1(x), x = R / H", {1e-9},
+              [=] { return grazing_depth_error(air.radius, air.height); });
+    cases.add("vertical-depth-" + air.text, "optical depth of a vertical ray", "closed form: beta H (1 - e^(-T / H))",
+              {1e-9}, [=] { return vertical_depth_error(air.radius, air.height); });
   }
-  for (const auto& [text, cosine] : {std::pair{"1e-12", 1e-12}, {"1e-8", 1e-8}}) {
-    add(std::string("grazing-step-") + text,
-        std::string("a ray with zenith cosine ") + text + " meets what the horizontal one does", "the horizontal ray",
-        1e-6, [c = cosine] { return depth_step_at_horizon(c); });
+  for (const std::string cosine : {"1e-12", "1e-8"}) {
+    cases.add("grazing-step-" + cosine, "a ray with zenith cosine " + cosine + " meets what the horizontal one does",
+              "the horizontal ray", {1e-6}, [c = std::stod(cosine)] { return depth_step_at_horizon(c); });
   }
-  for (const auto& [text, words, elevation, altitude] : {std::tuple{"90", "90 degrees", 90.0, 0.0},
-                                                         {"1", "1 degree", 1.0, 0.0},
-                                                         {"0.3", "0.3 degrees", 0.3, 0.0},
-                                                         {"0", "0 degrees", 0.0, 0.0},
-                                                         {"minus-0.1", "-0.1 degrees", -0.1, 0.0},
-                                                         {"minus-3-at-10km", "-3 degrees, from 10 km", -3.0, 1e4}}) {
-    add(std::string("sun-at-") + text, std::string("direct sun through the tables' air at ") + words,
-        "reference_sun_irradiance", 1e-3, [e = elevation, a = altitude] { return sun_error(e, a); });
+  struct SunPlace {
+    std::string text, words;
+    double elevation, altitude;
+  };
+  for (const SunPlace& sun : {SunPlace{"90", "90 degrees", 90.0, 0.0},
+                              {"1", "1 degree", 1.0, 0.0},
+                              {"0.3", "0.3 degrees", 0.3, 0.0},
+                              {"0", "0 degrees", 0.0, 0.0},
+                              {"minus-0.1", "-0.1 degrees", -0.1, 0.0},
+                              {"minus-3-at-10km", "-3 degrees, from 10 km", -3.0, 1e4}}) {
+    cases.add("sun-at-" + sun.text, "direct sun through the tables' air at " + sun.words, "reference_sun_irradiance",
+              {1e-3}, [=] { return sun_error(sun.elevation, sun.altitude); });
   }
-  cases.push_back({"sky-rays/horizon-from-2m-few-heights",
-                   "radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from 2 m, by tables of 8 "
-                   "heights instead of 32, rms",
-                   "reference_sky_radiance", StabilityUnit::relative, 1e-2,
-                   [](const Control&) { return horizon_error(earth_tables(), 2.0); },
-                   "Below the horizon from some metres up a ray is kilometres of air, which few heights do not tell "
-                   "from none: in the worst direction half of its light is wrong with 8, a twentieth with 32, a "
-                   "thousandth with 128. Take at least the default's heights; 128 where the haze between viewer and "
-                   "ground is looked at."});
-  for (const auto& [text, altitude] : {std::pair{"0", 0.0}, {"2m", 2.0}, {"10km", 1e4}, {"59km", 5.9e4}}) {
-    add(std::string("horizon-from-") + text,
-        std::string("radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from ") + text +
-            ", default sizes, rms",
-        "reference_sky_radiance", 1e-2, [a = altitude] { return horizon_error(usual_tables(), a); });
-    add(std::string("lanes-from-") + text,
-        "many directions at once give what one after another do, from " + std::string(text),
-        "SkyView::radiance, one direction", 1e-6, [a = altitude] { return lanes_error(a); });
+  const std::string few =
+      "Below the horizon from some metres up a ray is kilometres of air, which few heights do not tell from none: in "
+      "the worst direction half of its light is wrong with 8, a twentieth with 32, a thousandth with 128. Take at "
+      "least "
+      "the default's heights; 128 where the haze between viewer and ground is looked at.";
+  cases.add("horizon-from-2m-few-heights",
+            "radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from 2 m, by tables of 8 heights "
+            "instead of 32, rms",
+            "reference_sky_radiance", {.bound = 1e-2, .advice = few},
+            [] { return horizon_error(earth_tables(), 2.0); });
+  for (const Named& altitude : {Named{"0", 0.0}, {"2m", 2.0}, {"10km", 1e4}, {"59km", 5.9e4}}) {
+    cases.add("horizon-from-" + altitude.text,
+              "radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from " + altitude.text +
+                  ", default sizes, rms",
+              "reference_sky_radiance", {1e-2}, [=] { return horizon_error(usual_tables(), altitude.value); });
+    cases.add("lanes-from-" + altitude.text,
+              "many directions at once give what one after another do, from " + altitude.text,
+              "SkyView::radiance, one direction", {1e-6}, [=] { return lanes_error(altitude.value); });
   }
 }
 
@@ -180,7 +183,7 @@ double curve_error(double elevation) {
 
 /// By tables of the default sizes and orders.
 double default_curve_error(double elevation) {
-  static const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton())), 0.0);
+  static const SkyView view = sky_view_of(earth_bruneton());
   const glm::dvec3 sun = sun_direction(elevation, 40.0);
   return relative_error(SkyCurve(view).at(sun), SkyProjector(view, SkyCurveOptions{}.projection).project(sun));
 }
@@ -206,7 +209,7 @@ double unsound_nights() {
 }
 
 struct Elevation {
-  const char* text;  ///< in names
+  std::string text;  ///< in names
   double degrees;
   double radiance;   ///< bound of radiance, most of it next to the horizon: percents at the planet's shadow's edges
   double harmonics;  ///< of the projector, by sky.h
@@ -231,40 +234,31 @@ void add_sky_sun_cases(StabilityCases& cases) {
                              {"minus-9", -9.0, 5e-2, 3e-3, 6e-3},
                              {"minus-12", -12.0, 5e-2, 1e-1, 2e-2},
                              {"minus-18", -18.0, 5e-2, 1e-1, 1e-1}}) {
-    const std::string words = e.text;
-    const std::string degrees = words.starts_with("minus") ? words.substr(5) : words;
-    const std::string name_end = "-at-" + words;
-    const std::string promise_end = ", sun at " + degrees + " degrees";
-    const auto add = [&](const char* what, const std::string& promise, const char* truth, double bound,
-                         double (*measure)(double)) {
-      cases.push_back({std::string("sky-sun/").append(what).append(name_end), promise + promise_end, truth,
-                       StabilityUnit::relative, bound,
-                       [measure, elevation = e.degrees](const Control&) { return measure(elevation); },
-                       std::string(what) != "radiance" && e.degrees < -15.0 ? night : ""});
-    };
-    add("radiance", "singly scattered radiance of the Earth, rms", "reference_sky_radiance", e.radiance,
-        sky_radiance_error);
-    add("harmonics", "nine coefficients at the default setting", "128 x 128 nodes of the same view", e.harmonics,
-        harmonics_error);
-    add("curve", "nine coefficients of the curve", "the projection it is made of", e.curve, curve_error);
+    const std::string promise_end =
+        ", sun at " + (e.text.starts_with("minus") ? e.text.substr(5) : e.text) + " degrees";
+    const std::string advice = e.degrees < -15.0 ? night : "";
+    cases.add("radiance-at-" + e.text, "singly scattered radiance of the Earth, rms" + promise_end,
+              "reference_sky_radiance", {e.radiance}, [=] { return sky_radiance_error(e.degrees); });
+    cases.add("harmonics-at-" + e.text, "nine coefficients at the default setting" + promise_end,
+              "128 x 128 nodes of the same view", {.bound = e.harmonics, .advice = advice},
+              [=] { return harmonics_error(e.degrees); });
+    cases.add("curve-at-" + e.text, "nine coefficients of the curve" + promise_end, "the projection it is made of",
+              {.bound = e.curve, .advice = advice}, [=] { return curve_error(e.degrees); });
   }
-  cases.push_back({"sky-sun/curve-at-minus-18-default",
-                   "nine coefficients of the curve at -18 degrees, tables of the default sizes and orders",
-                   "the projection it is made of", StabilityUnit::relative, 1e-1,
-                   [](const Control&) { return default_curve_error(-18.0); }});
+  cases.add("curve-at-minus-18-default",
+            "nine coefficients of the curve at -18 degrees, tables of the default sizes and orders",
+            "the projection it is made of", {1e-1}, [] { return default_curve_error(-18.0); });
   const auto add_step = [&](const char* name, const char* promise, const glm::dvec3& one, const glm::dvec3& other) {
-    cases.push_back({name, promise, "the neighbouring sun", StabilityUnit::relative, 1e-6,
-                     [=](const Control&) { return step(one, other); }});
+    cases.add(name, promise, "the neighbouring sun", {1e-6}, [=] { return step(one, other); });
   };
-  add_step("sky-sun/step-zenith", "suns 1e-9 degrees from the zenith, on opposite sides",
-           sun_direction(90.0 - 1e-9, 0.0), sun_direction(90.0 - 1e-9, 180.0));
-  add_step("sky-sun/step-horizon", "suns 1e-9 degrees above and below the horizon", sun_direction(1e-9, 30.0),
+  add_step("step-zenith", "suns 1e-9 degrees from the zenith, on opposite sides", sun_direction(90.0 - 1e-9, 0.0),
+           sun_direction(90.0 - 1e-9, 180.0));
+  add_step("step-horizon", "suns 1e-9 degrees above and below the horizon", sun_direction(1e-9, 30.0),
            sun_direction(-1e-9, 30.0));
-  add_step("sky-sun/step-lowest", "suns 1e-9 degrees above and below the tables' lowest",
-           sun_direction(-30.0 + 1e-9, 30.0), sun_direction(-30.0 - 1e-9, 30.0));
-  cases.push_back({"sky-sun/nights",
-                   "from -18 degrees to the nadir nothing is negative or not finite, and no sun shines",
-                   "what night is", StabilityUnit::count, 0.0, [](const Control&) { return unsound_nights(); }});
+  add_step("step-lowest", "suns 1e-9 degrees above and below the tables' lowest", sun_direction(-30.0 + 1e-9, 30.0),
+           sun_direction(-30.0 - 1e-9, 30.0));
+  cases.add_count("nights", "from -18 degrees to the nadir nothing is negative or not finite, and no sun shines",
+                  "what night is", unsound_nights);
 }
 
 // Extreme air: none and a thousand Earths', lobes of any sharpness, layers from 10 m to 100 km, many orders.
@@ -282,7 +276,7 @@ Atmosphere with_lobe(double asymmetry) {
 /// About the sun, from its centre to 20 degrees away, and elsewhere.
 double lobe_error(double asymmetry) {
   const Atmosphere air = with_lobe(asymmetry);
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, single_order())), 0.0, {.ground = false});
+  const SkyView view(sky_tables_of(air, single_order()), 0.0, {.ground = false});
   std::vector<glm::dvec3> directions = hard_directions(air, 0.0);
   for (const double off : {0.0, 0.05, 0.3, 1.0, 5.0, 20.0}) directions.push_back(sun_direction(30.0 + off, 0.0));
   return radiance_error(view, directions, 30.0);
@@ -290,7 +284,7 @@ double lobe_error(double asymmetry) {
 
 /// Light without air: none, and the sun as it is in space.
 double vacuum_wrong() {
-  const auto tables = std::make_shared<const SkyTables>(precompute_sky(dense_earth(0.0), single_order()));
+  const auto tables = sky_tables_of(dense_earth(0.0), single_order());
   const SkyView view(tables, 0.0, {.ground = false});
   double wrong = unsound_values(*tables);
   for (const float value : tables->scattering) wrong += wrong_if(value != 0.0F);
@@ -302,7 +296,7 @@ double vacuum_wrong() {
 
 double vacuum_sun_error() {
   const Atmosphere air = dense_earth(0.0);
-  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, single_order())), 0.0);
+  const SkyView view = sky_view_of(air, single_order());
   const auto& solar = air.solar_irradiance;
   return relative_error(view.sun_light(sun_direction(30.0, 0.0)).irradiance, glm::dvec3(solar[0], solar[1], solar[2]));
 }
@@ -354,41 +348,29 @@ double refusals() {
 }  // namespace
 
 void add_sky_air_cases(StabilityCases& cases) {
-  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
-                       std::function<double()> measure, StabilityUnit unit = StabilityUnit::relative,
-                       const std::string& advice = {}) {
-    cases.push_back(
-        {"sky-air/" + name, promise, truth, unit, bound, [measure](const Control&) { return measure(); }, advice});
-  };
-  for (const auto& [text, words, g] : {std::tuple{"0", "0", 0.0},
-                                       {"0.9", "0.9", 0.9},
-                                       {"0.99", "0.99", 0.99},
-                                       {"0.999", "0.999", 0.999},
-                                       {"minus-0.8", "-0.8", -0.8}}) {
-    add(std::string("lobe-") + text, std::string("radiance about the sun and elsewhere, g = ") + words + ", rms",
-        "reference_sky_radiance", 5e-3, [g = g] { return lobe_error(g); });
+  for (const std::string asymmetry : {"0", "0.9", "0.99", "0.999", "-0.8"}) {
+    cases.add("lobe-" + (asymmetry[0] == '-' ? "minus" + asymmetry : asymmetry),
+              "radiance about the sun and elsewhere, g = " + asymmetry + ", rms", "reference_sky_radiance", {5e-3},
+              [g = std::stod(asymmetry)] { return lobe_error(g); });
   }
-  add("density-0", "without matter the sky is black and nothing is unsound", "closed form: 0", 0.0, vacuum_wrong,
-      StabilityUnit::count);
-  add("density-0-sun", "without matter the sun is as in space", "closed form", 1e-6, vacuum_sun_error);
+  cases.add_count("density-0", "without matter the sky is black and nothing is unsound", "closed form: 0",
+                  vacuum_wrong);
+  cases.add("density-0-sun", "without matter the sun is as in space", "closed form", {1e-6}, vacuum_sun_error);
   const std::string opaque =
       "Through a thousand Earths' air 1e-28 of the sun's light comes scattered once; the tables have 0. The sky is "
       "what is scattered many times there: bake 16 orders or more (`convergence_threshold` says when to stop).";
-  for (const auto& [text, factor] : {std::pair{"1e-6", 1e-6}, {"10", 10.0}, {"100", 100.0}, {"1000", 1000.0}}) {
-    add(
-        std::string("density-") + text,
-        std::string("singly scattered radiance of the Earth's air times ") + text + ", rms", "reference_sky_radiance",
-        5e-2, [f = factor] { return sky_error(dense_earth(f), 0.0, 30.0); }, StabilityUnit::relative,
-        factor > 500.0 ? opaque : "");
+  for (const std::string text : {"1e-6", "10", "100", "1000"}) {
+    cases.add("density-" + text, "singly scattered radiance of the Earth's air times " + text + ", rms",
+              "reference_sky_radiance", {.bound = 5e-2, .advice = text == "1000" ? opaque : ""},
+              [factor = std::stod(text)] { return sky_error(dense_earth(factor), 0.0, 30.0); });
   }
-  for (const double factor : {1.0, 1000.0}) {
-    const std::string text = factor > 1.0 ? "1000" : "1";
-    add(
-        "orders-64-density-" + text, "64 orders over white ground, air times " + text + ": nothing unsound",
-        "not negative, finite", 0.0, [factor] { return unsound_tables(factor, 64, 1.0); }, StabilityUnit::count);
-    add("ground-light-density-" + text,
-        "16 orders, air times " + text + ": the sky's light on the ground over the sun's",
-        "energy: no more than comes (1.1 with tables)", 1.1, [factor] { return most_on_ground(factor); });
+  for (const std::string text : {"1", "1000"}) {
+    const double factor = std::stod(text);
+    cases.add_count("orders-64-density-" + text, "64 orders over white ground, air times " + text + ": nothing unsound",
+                    "not negative, finite", [factor] { return unsound_tables(factor, 64, 1.0); });
+    cases.add("ground-light-density-" + text,
+              "16 orders, air times " + text + ": the sky's light on the ground over the sun's",
+              "energy: no more than comes (1.1 with tables)", {1.1}, [factor] { return most_on_ground(factor); });
   }
   const std::string sparse =
       "All of the air lies in the lowest thousandth of the tables, whose nodes are spread from the ground to the top. "
@@ -396,22 +378,22 @@ void add_sky_air_cases(StabilityCases& cases) {
   const std::string shadow =
       "The planet's shadow is 15 km tall there, 155 scale heights: 1e-25 of the sun's light comes scattered once, and "
       "the tables have 1e-23. Neither is light: fade such a sky out when the sun has set.";
-  for (const auto& [text, height] :
-       {std::pair{"10m", 10.0}, {"100m", 100.0}, {"1km", 1e3}, {"8km", 8e3}, {"100km", 1e5}}) {
-    add(
-        std::string("scale-height-") + text,
-        std::string("radiance on the ground under 60 km of air of scale height ") + text + ", rms",
-        "reference_sky_radiance", 1e-2, [h = height] { return sky_error(plain_planet(6.36e6, 6e4, h), 0.0, 30.0); },
-        StabilityUnit::relative, height < 50.0 ? sparse : "");
-    add(
-        std::string("scale-height-") + text + "-twilight", std::string("the same with the sun at -4 degrees"),
-        "reference_sky_radiance", 1e-1, [h = height] { return sky_error(plain_planet(6.36e6, 6e4, h), 0.0, -4.0); },
-        StabilityUnit::relative, height == 100.0 ? shadow : "");
+  for (const Named& height : {Named{"10m", 10.0}, {"100m", 100.0}, {"1km", 1e3}, {"8km", 8e3}, {"100km", 1e5}}) {
+    const auto error = [metres = height.value](double sun) {
+      return sky_error(plain_planet(6.36e6, 6e4, metres), 0.0, sun);
+    };
+    cases.add("scale-height-" + height.text,
+              "radiance on the ground under 60 km of air of scale height " + height.text + ", rms",
+              "reference_sky_radiance", {.bound = 1e-2, .advice = height.value < 50.0 ? sparse : ""},
+              [=] { return error(30.0); });
+    cases.add("scale-height-" + height.text + "-twilight", "the same with the sun at -4 degrees",
+              "reference_sky_radiance", {.bound = 1e-1, .advice = height.value == 100.0 ? shadow : ""},
+              [=] { return error(-4.0); });
   }
-  add("scale-height-10m-low-top", "radiance on the ground under 500 m of air of scale height 10 m, rms",
-      "reference_sky_radiance", 1e-2, [] { return sky_error(plain_planet(6.36e6, 500.0, 10.0), 0.0, 30.0); });
-  add("refusals", "NaN, infinite and negative parameters are refused by tables and reference", "the error's code", 0.0,
-      refusals, StabilityUnit::count);
+  cases.add("scale-height-10m-low-top", "radiance on the ground under 500 m of air of scale height 10 m, rms",
+            "reference_sky_radiance", {1e-2}, [] { return sky_error(plain_planet(6.36e6, 500.0, 10.0), 0.0, 30.0); });
+  cases.add_count("refusals", "NaN, infinite and negative parameters are refused by tables and reference",
+                  "the error's code", refusals);
 }
 
 // Planets of any size, seen from the ground, the top and ten radii away.
@@ -429,9 +411,8 @@ double earth_error(double altitude) {
 /// A planet is the same sky at any scale: lengths times 1e6, coefficients over it.
 double scaled_difference() {
   const auto harmonics = [](double scale) {
-    const auto tables = std::make_shared<const SkyTables>(
-        precompute_sky(plain_planet(scale, 0.01 * scale, 0.00125 * scale), single_order()));
-    return SkyProjector(SkyView(tables, 0.0)).project(sun_direction(20.0, 0.0));
+    const SkyView view = sky_view_of(plain_planet(scale, 0.01 * scale, 0.00125 * scale), single_order());
+    return SkyProjector(view).project(sun_direction(20.0, 0.0));
   };
   return relative_error(harmonics(0x1p26), harmonics(0x1p4));
 }
@@ -453,46 +434,45 @@ double step_at_top() {
 }  // namespace
 
 void add_sky_planet_cases(StabilityCases& cases) {
-  const auto add = [&](const std::string& name, const std::string& promise, const std::string& truth, double bound,
-                       std::function<double()> measure, const std::string& advice = {}) {
-    cases.push_back({"sky-planet/" + name, promise, truth, StabilityUnit::relative, bound,
-                     [measure](const Control&) { return measure(); }, advice});
-  };
-  for (const auto& [text, radius] : {std::pair{"1m", 1.0}, {"1km", 1e3}, {"100km", 1e5}, {"1e9m", 1e9}}) {
-    add(std::string("radius-") + text,
-        std::string("radiance on a planet of radius ") + text + ", air of 1 % of it, rms", "reference_sky_radiance",
-        1e-2, [r = radius] { return planet_error(r, 0.01 * r, 0.0); });
-    add(std::string("radius-") + text + "-from-space", "the same from ten radii away, or 1e9 m",
-        "reference_sky_radiance", 1e-2, [r = radius] { return planet_error(r, 0.01 * r, std::min(1e9, 10.0 * r)); });
+  for (const Named& radius : {Named{"1m", 1.0}, {"1km", 1e3}, {"100km", 1e5}, {"1e9m", 1e9}}) {
+    const double r = radius.value;
+    cases.add("radius-" + radius.text, "radiance on a planet of radius " + radius.text + ", air of 1 % of it, rms",
+              "reference_sky_radiance", {1e-2}, [r] { return planet_error(r, 0.01 * r, 0.0); });
+    cases.add("radius-" + radius.text + "-from-space", "the same from ten radii away, or 1e9 m",
+              "reference_sky_radiance", {1e-2}, [r] { return planet_error(r, 0.01 * r, std::min(1e9, 10.0 * r)); });
   }
-  add("thick-air", "radiance on a planet of 1 km under 9 km of air, rms", "reference_sky_radiance", 1e-2,
-      [] { return planet_error(1e3, 9e3, 0.0); });
-  add(
-      "thin-air", "radiance on a planet of 1e6 m under 1 m of air, rms", "reference_sky_radiance", 1e-2,
-      [] { return planet_error(1e6, 1.0, 0.0); },
+  cases.add("thick-air", "radiance on a planet of 1 km under 9 km of air, rms", "reference_sky_radiance", {1e-2},
+            [] { return planet_error(1e3, 9e3, 0.0); });
+  const std::string flat =
       "The longest ray through such a shell is 1400 times the shortest (the Earth's: 15 times). View zeniths are "
       "spread "
-      "evenly by length, so that nearly all of the sky lies before the first one. Give such tables 1024 of them.");
+      "evenly by length, so that nearly all of the sky lies before the first one. Give such tables 1024 of them.";
+  cases.add("thin-air", "radiance on a planet of 1e6 m under 1 m of air, rms", "reference_sky_radiance",
+            {.bound = 1e-2, .advice = flat}, [] { return planet_error(1e6, 1.0, 0.0); });
   SkyTableOptions fine = single_order();
   fine.view_zeniths = 1024;
   fine.transmittance_zeniths = 1024;
-  add("thin-air-1024", "the same with tables of 1024 view zeniths", "reference_sky_radiance", 1e-2,
-      [fine] { return planet_error(1e6, 1.0, 0.0, fine); });
-  for (const auto& [text, words, altitude] : {std::tuple{"0", "the ground", 0.0},
-                                              {"1mm", "1 mm", 1e-3},
-                                              {"10km", "10 km", 1e4},
-                                              {"60km-less-1mm", "1 mm less than 60 km", 59'999.999},
-                                              {"60km", "60 km", 6e4},
-                                              {"60km-and-1mm", "60 km and 1 mm", 60'000.001},
-                                              {"400km", "400 km", 4e5},
-                                              {"ten-radii", "ten radii", 6.36e7},
-                                              {"1e9m", "a million km", 1e9}}) {
-    add(std::string("altitude-") + text, std::string("the Earth's radiance from ") + words + ", rms",
-        "reference_sky_radiance", 2e-2, [a = altitude] { return earth_error(a); });
+  cases.add("thin-air-1024", "the same with tables of 1024 view zeniths", "reference_sky_radiance", {1e-2},
+            [fine] { return planet_error(1e6, 1.0, 0.0, fine); });
+  struct Viewer {
+    std::string text, words;
+    double altitude;
+  };
+  for (const Viewer& viewer : {Viewer{"0", "the ground", 0.0},
+                               {"1mm", "1 mm", 1e-3},
+                               {"10km", "10 km", 1e4},
+                               {"60km-less-1mm", "1 mm less than 60 km", 59'999.999},
+                               {"60km", "60 km", 6e4},
+                               {"60km-and-1mm", "60 km and 1 mm", 60'000.001},
+                               {"400km", "400 km", 4e5},
+                               {"ten-radii", "ten radii", 6.36e7},
+                               {"1e9m", "a million km", 1e9}}) {
+    cases.add("altitude-" + viewer.text, "the Earth's radiance from " + viewer.words + ", rms",
+              "reference_sky_radiance", {2e-2}, [=] { return earth_error(viewer.altitude); });
   }
-  add("step-at-top", "radiance 1 mm below and above the top of the air", "the other side", 1e-3, step_at_top);
-  add("scale-free", "a planet 4 million times larger with its air is the same sky", "the small planet", 1e-6,
-      scaled_difference);
+  cases.add("step-at-top", "radiance 1 mm below and above the top of the air", "the other side", {1e-3}, step_at_top);
+  cases.add("scale-free", "a planet 4 million times larger with its air is the same sky", "the small planet", {1e-6},
+            scaled_difference);
 }
 
 }  // namespace welkin::test::stability

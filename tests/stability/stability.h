@@ -15,9 +15,6 @@ enum class StabilityUnit {
   ratio,     ///< how many times an error grew
 };
 
-/// "relative", "ulps", "wrong", "times"
-[[nodiscard]] const char* name(StabilityUnit unit) noexcept;
-
 /// One case, measured.
 struct StabilityResult {
   std::string name;       ///< subject/case, unique
@@ -36,8 +33,14 @@ struct StabilityResult {
 /// An exception in a case is its result (`failure`), not the end.
 [[nodiscard]] std::vector<StabilityResult> run_stability(const std::string& subject, bool quick);
 
+/// A group of cases.
+struct StabilitySubject {
+  const char* name;
+  const char* sentence;  ///< for the page
+};
+
 /// The subjects in order, "range" to "sky-planet".
-[[nodiscard]] std::vector<std::string> stability_subjects();
+[[nodiscard]] std::vector<StabilitySubject> stability_subjects();
 
 /// Where and when something was measured, for people.
 struct StabilityOrigin {

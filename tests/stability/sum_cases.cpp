@@ -97,27 +97,27 @@ SphericalHarmonics noise_truth(int size) {
   return sum;
 }
 
-double noise_error(int size, const Control& control) {
+double noise_error(int size) {
   ProjectionOptions midpoint;
   midpoint.quadrature = Quadrature::midpoint;
   const SharedFace face = noise_face(size);
-  return relative_error(project(face.view(), midpoint, control).radiance, noise_truth(size));
+  return relative_error(project(face.view(), midpoint).radiance, noise_truth(size));
 }
 
-double constant_error(int size, const Control& control) {
+double constant_error(int size) {
   const SharedFace face = constant_face(size);
-  return relative_error(project(face.view(), {}, control).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
+  return relative_error(project(face.view()).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
 }
 
-double constant_lat_long_error(int height, const Control& control) {
+double constant_lat_long_error(int height) {
   const std::vector<std::uint16_t> pixels(
       std::size_t{6} * static_cast<std::size_t>(height) * static_cast<std::size_t>(height), kTenth);
   const LatLongView view{pixels.data(), 2 * height, height, 0, PixelFormat::rgb16f};
-  return relative_error(project(view, {}, control).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
+  return relative_error(project(view).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
 }
 
 /// The worst error of larger sizes over that of smaller ones, errors below a rounding of float counting as that.
-double growth(const std::function<double(int)>& error, const std::vector<int>& small, const std::vector<int>& large) {
+double growth(double (*error)(int), const std::vector<int>& small, const std::vector<int>& large) {
   const auto worst = [&](const std::vector<int>& sizes) {
     double most = 0x1p-24;
     for (const int size : sizes) most = worse(most, error(size));
@@ -127,8 +127,8 @@ double growth(const std::function<double(int)>& error, const std::vector<int>& s
 }
 
 /// Mean of the sphere on each mip against that of the first.
-double mips_drift(int size, const Control& control) {
-  const Cubemap chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
+double mips_drift(int size) {
+  const Cubemap chain = build_mips(noise_cube(size, 9).view());
   const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
   double worst = 0.0;
   for (int level = 1; level < chain.levels(); ++level) {
@@ -137,45 +137,34 @@ double mips_drift(int size, const Control& control) {
   return worst;
 }
 
-double prefilter_drift(int height, const Control& control) {
-  PrefilterOptions options{.size = 64};
-  const PrefilteredSpecular result = prefilter_specular(noise_lat_long(2 * height, height, 4).view(), options, control);
+double prefilter_drift(int height) {
+  const PrefilteredSpecular result = prefilter_specular(noise_lat_long(2 * height, height, 4).view(), {.size = 64});
   double worst = 0.0;
   for (const MipRecord& mip : result.mips) worst = worse(worst, relative_error(mip.mean, result.mips[0].mean));
   return worst;
 }
 
-using SizedError = double (*)(int, const Control&);
+Effort effort_of(int size) { return size > 1024 ? Effort::full : Effort::quick; }
 
 /// `sizes` rise, with some below and some above 1024.
 void add_sized(StabilityCases& cases, const std::string& name, const std::string& what, const std::string& truth,
-               SizedError error, const std::vector<int>& sizes) {
+               double (*error)(int), const std::vector<int>& sizes) {
   for (const int size : sizes) {
-    cases.push_back({"accumulation/" + name + "-" + std::to_string(size),
-                     what + ", size " + std::to_string(size),
-                     truth,
-                     StabilityUnit::relative,
-                     kProjectionError,
-                     [error, size](const Control& control) { return error(size, control); },
-                     {},
-                     size > 1024 ? Effort::full : Effort::quick});
+    cases.add(name + "-" + std::to_string(size), what + ", size " + std::to_string(size), truth,
+              {.bound = kProjectionError, .effort = effort_of(size)}, [=] { return error(size); });
   }
-  const auto add_growth = [&](const std::vector<int>& small, const std::vector<int>& large, Effort effort) {
+  const auto add_growth = [&](const std::vector<int>& small, const std::vector<int>& large) {
     const std::string most = std::to_string(large.back());
-    cases.push_back(
-        {"accumulation/" + name + "-growth-" + most,
-         "the worst error of sizes " + std::to_string(large.front()) + " to " + most + " over that of " +
-             std::to_string(small.front()) + " to " + std::to_string(small.back()) + " (below 2^-24 counts as 2^-24)",
-         truth,
-         StabilityUnit::ratio,
-         4.0,
-         [=](const Control& control) { return growth([&](int size) { return error(size, control); }, small, large); },
-         {},
-         effort});
+    cases.add(name + "-growth-" + most,
+              "the worst error of sizes " + std::to_string(large.front()) + " to " + most + " over that of " +
+                  std::to_string(small.front()) + " to " + std::to_string(small.back()) +
+                  " (below 2^-24 counts as 2^-24)",
+              truth, {.bound = 4.0, .unit = StabilityUnit::ratio, .effort = effort_of(large.back())},
+              [=] { return growth(error, small, large); });
   };
-  add_growth({16, 64}, {256, 500, 512}, Effort::quick);
+  add_growth({16, 64}, {256, 500, 512});
   const auto first_large = std::find_if(sizes.begin(), sizes.end(), [](int size) { return size > 1024; });
-  add_growth({64, 256, 512}, {first_large, sizes.end()}, Effort::full);
+  add_growth({64, 256, 512}, {first_large, sizes.end()});
 }
 
 }  // namespace
@@ -187,28 +176,19 @@ void add_accumulation_cases(StabilityCases& cases) {
             constant_error, {16, 64, 256, 1024, 2048, 4096, 8192});
   add_sized(cases, "tenth-lat-long", "the same on a lat-long, twice as wide as high", "closed form",
             constant_lat_long_error, {16, 64, 256, 1024, 2048, 4096});
-  cases.push_back({"accumulation/mips-256", "the sphere's total radiance is the same on every mip of 256",
-                   "total radiance of the first mip", StabilityUnit::relative, 1e-6,
-                   [](const Control& control) { return mips_drift(256, control); }});
-  cases.push_back({"accumulation/mips-2048",
-                   "the sphere's total radiance is the same on every mip of 2048",
-                   "total radiance of the first mip",
-                   StabilityUnit::relative,
-                   1e-6,
-                   [](const Control& control) { return mips_drift(2048, control); },
-                   {},
-                   Effort::full});
-  cases.push_back({"accumulation/prefilter-mean-128", "a prefiltered chain keeps the mean (source 256 x 128)",
-                   "mean of the first mip", StabilityUnit::relative, 1e-3,
-                   [](const Control& control) { return prefilter_drift(128, control); }});
-  cases.push_back({"accumulation/prefilter-mean-2048",
-                   "a prefiltered chain keeps the mean (source 4096 x 2048)",
-                   "mean of the first mip",
-                   StabilityUnit::relative,
-                   1e-3,
-                   [](const Control& control) { return prefilter_drift(2048, control); },
-                   {},
-                   Effort::full});
+  for (const int size : {256, 2048}) {
+    const std::string text = std::to_string(size);
+    cases.add("mips-" + text, "the sphere's total radiance is the same on every mip of " + text,
+              "total radiance of the first mip", {.bound = 1e-6, .effort = effort_of(size)},
+              [size] { return mips_drift(size); });
+  }
+  for (const int height : {128, 2048}) {
+    const std::string text = std::to_string(height);
+    cases.add("prefilter-mean-" + text,
+              "a prefiltered chain keeps the mean (source " + std::to_string(2 * height) + " x " + text + ")",
+              "mean of the first mip", {.bound = 1e-3, .effort = effort_of(height)},
+              [height] { return prefilter_drift(height); });
+  }
 }
 
 // Cancellation: sums whose terms are large and whose result is small.
@@ -225,11 +205,11 @@ ProjectionOptions bands(int count) {
 double leak(const SphericalHarmonics& c) { return norm(c, 1) / glm::length(c.at(0, 0)); }
 
 double uniform_leak(int size, int band_count) {
-  return leak(project(uniform_cube(size, 1.0F).view(), bands(band_count)).radiance);
+  return leak(project(grey_cubemap(size, 1.0F).view(), bands(band_count)).radiance);
 }
 
 double uniform_lat_long_leak(int height, int band_count) {
-  return leak(project(uniform_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
+  return leak(project(grey_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
 }
 
 /// 1 + amplitude * noise, which is a map of floats like any other: truth and result read the same ones.
@@ -267,65 +247,56 @@ double checkerboard_irradiance() {
 double directions_from_nothing() {
   double wrong = 0.0;
   for (const int size : {1, 2, 3, 16, 31, 64, 128}) {
-    wrong += wrong_if(dominant_light(project(uniform_cube(size, 0.7F).view()).radiance).has_value());
-    wrong += wrong_if(dominant_light(project(uniform_lat_long(2 * size, size, 0.7F).view()).radiance).has_value());
+    wrong += wrong_if(dominant_light(project(grey_cubemap(size, 0.7F).view()).radiance).has_value());
+    wrong += wrong_if(dominant_light(project(grey_lat_long(2 * size, size, 0.7F).view()).radiance).has_value());
   }
   return wrong;
 }
 
 void add_uniform(StabilityCases& cases) {
   for (const int size : {1, 2, 7, 64, 257}) {
-    cases.push_back(
-        {"cancellation/uniform-cube-" + std::to_string(size),
-         "a uniform cubemap of " + std::to_string(size) + " has nothing above band 0 (3 bands), over band 0",
-         "closed form: 0", StabilityUnit::relative, 2e-7, [size](const Control&) { return uniform_leak(size, 3); }});
+    cases.add("uniform-cube-" + std::to_string(size),
+              "a uniform cubemap of " + std::to_string(size) + " has nothing above band 0 (3 bands), over band 0",
+              "closed form: 0", {2e-7}, [size] { return uniform_leak(size, 3); });
   }
-  cases.push_back({"cancellation/uniform-cube-64-bands-16", "the same with 16 bands, face size 64", "closed form: 0",
-                   StabilityUnit::relative, 1e-6, [](const Control&) { return uniform_leak(64, 16); }});
-  cases.push_back({"cancellation/uniform-lat-long-128", "a uniform lat-long of 256 x 128, 3 bands, over band 0",
-                   "closed form: 0", StabilityUnit::relative, 2e-7,
-                   [](const Control&) { return uniform_lat_long_leak(128, 3); }});
-  cases.push_back({"cancellation/uniform-lat-long-128-bands-16", "the same with 16 bands", "closed form: 0",
-                   StabilityUnit::relative, 1e-6, [](const Control&) { return uniform_lat_long_leak(128, 16); }});
-  cases.push_back({"cancellation/no-direction-from-rounding",
-                   "dominant_light finds no light in uniform maps of any size: rounding is no direction",
-                   "there is none", StabilityUnit::count, 0.0,
-                   [](const Control&) { return directions_from_nothing(); }});
+  cases.add("uniform-cube-64-bands-16", "the same with 16 bands, face size 64", "closed form: 0", {1e-6},
+            [] { return uniform_leak(64, 16); });
+  cases.add("uniform-lat-long-128", "a uniform lat-long of 256 x 128, 3 bands, over band 0", "closed form: 0", {2e-7},
+            [] { return uniform_lat_long_leak(128, 3); });
+  cases.add("uniform-lat-long-128-bands-16", "the same with 16 bands", "closed form: 0", {1e-6},
+            [] { return uniform_lat_long_leak(128, 16); });
+  cases.add_count("no-direction-from-rounding",
+                  "dominant_light finds no light in uniform maps of any size: rounding is no direction",
+                  "there is none", directions_from_nothing);
 }
 
 void add_nearly_uniform(StabilityCases& cases) {
   const std::string advice =
       "Rounding leaves some 1e-7 of band 0 in every band. Below that bands have no digits of their own: treat l > 0 as "
       "zero under 1e-6 of band 0 (dominant_light does), or subtract the mean from the map before projecting.";
-  const auto add = [&](const char* text, float amplitude, const std::string& remedy) {
-    cases.push_back({std::string("cancellation/nearly-uniform-") + text,
-                     "bands 1 and 2 of 1 + " + std::string(text) + " x noise are right to 1 % of themselves",
-                     "reference_projection (double)", StabilityUnit::relative, 1e-2,
-                     [amplitude](const Control&) { return upper_band_error(amplitude); }, remedy});
-  };
-  add("1e-1", 1e-1F, "");
-  add("1e-2", 1e-2F, "");
-  add("1e-3", 1e-3F, "");
-  add("1e-6", 1e-6F, advice);
+  for (const std::string amplitude : {"1e-1", "1e-2", "1e-3", "1e-6"}) {
+    cases.add("nearly-uniform-" + amplitude,
+              "bands 1 and 2 of 1 + " + amplitude + " x noise are right to 1 % of themselves",
+              "reference_projection (double)", {.bound = 1e-2, .advice = amplitude == "1e-6" ? advice : ""},
+              [value = std::stof(amplitude)] { return upper_band_error(value); });
+  }
 }
 
 void add_boards(StabilityCases& cases) {
+  const auto add = [&](const std::string& name, const std::string& promise, std::function<double()> measure) {
+    cases.add("checkerboard-" + name, promise, "reference_projection (double)", {kProjectionError}, std::move(measure));
+  };
   for (const int size : {2, 3, 32, 63}) {
-    cases.push_back(
-        {"cancellation/checkerboard-cube-" + std::to_string(size),
-         "+1 and -1 by turns, face size " + std::to_string(size) + ": error over the light of its magnitude",
-         "reference_projection (double)", StabilityUnit::relative, kProjectionError,
-         [size](const Control&) { return checkerboard_error(checkerboard_cube(size, 1.0F), 1.0); }});
+    add("cube-" + std::to_string(size),
+        "+1 and -1 by turns, face size " + std::to_string(size) + ": error over the light of its magnitude",
+        [size] { return checkerboard_error(checkerboard_cube(size, 1.0F), 1.0); });
   }
-  cases.push_back({"cancellation/checkerboard-lat-long-64x32", "the same on a lat-long of 64 x 32",
-                   "reference_projection (double)", StabilityUnit::relative, kProjectionError,
-                   [](const Control&) { return checkerboard_error(checkerboard_lat_long(64, 32, 1.0F), 1.0); }});
-  cases.push_back({"cancellation/checkerboard-1e38", "+1e38 and -1e38 by turns: no infinities meet",
-                   "reference_projection (double)", StabilityUnit::relative, kProjectionError,
-                   [](const Control&) { return checkerboard_error(checkerboard_cube(32, 1e38F), 1e38F); }});
-  cases.push_back({"cancellation/checkerboard-irradiance",
-                   "direct irradiance of a board and of its negative add up to nothing, over pi", "closed form: 0",
-                   StabilityUnit::relative, 1e-12, [](const Control&) { return checkerboard_irradiance(); }});
+  add("lat-long-64x32", "the same on a lat-long of 64 x 32",
+      [] { return checkerboard_error(checkerboard_lat_long(64, 32, 1.0F), 1.0); });
+  add("1e38", "+1e38 and -1e38 by turns: no infinities meet",
+      [] { return checkerboard_error(checkerboard_cube(32, 1e38F), 1e38F); });
+  cases.add("checkerboard-irradiance", "direct irradiance of a board and of its negative add up to nothing, over pi",
+            "closed form: 0", {1e-12}, checkerboard_irradiance);
 }
 
 }  // namespace
@@ -383,7 +354,7 @@ double small_results() {
 }
 
 double one_texel_irradiance() {
-  const Cubemap map = uniform_cube(1, 2.0F);
+  const Cubemap map = grey_cubemap(1, 2.0F);
   const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
   double worst = 0.0;
   const Cubemap irradiance = irradiance_cubemap(light, 1);
@@ -414,8 +385,7 @@ double one_mip_copy() {
 
 void add_projections(StabilityCases& cases) {
   const auto add = [&](const std::string& name, const std::string& what, std::function<double()> measure) {
-    cases.push_back({"sizes/" + name, what, "reference_projection (double)", StabilityUnit::relative, 5e-7,
-                     [measure](const Control&) { return measure(); }});
+    cases.add(name, what, "reference_projection (double)", {5e-7}, std::move(measure));
   };
   for (const int size : {1, 2, 3}) {
     const std::string number = std::to_string(size);
@@ -428,12 +398,11 @@ void add_projections(StabilityCases& cases) {
   }
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 2}, {3, 2}}) {
     const std::string shape = std::to_string(width) + "x" + std::to_string(height);
-    add("lat-long-" + shape, "three bands of a lat-long of " + shape, [width = width, height = height] {
-      return projection_error(noise_lat_long(width, height, 1), 3, Quadrature::exact);
-    });
-    add("lat-long-" + shape + "-bands-16", "16 bands of a lat-long of " + shape, [width = width, height = height] {
-      return projection_error(noise_lat_long(width, height, 1), 16, Quadrature::exact);
-    });
+    const LatLongImage map = noise_lat_long(width, height, 1);
+    add("lat-long-" + shape, "three bands of a lat-long of " + shape,
+        [map] { return projection_error(map, 3, Quadrature::exact); });
+    add("lat-long-" + shape + "-bands-16", "16 bands of a lat-long of " + shape,
+        [map] { return projection_error(map, 16, Quadrature::exact); });
   }
 }
 
@@ -442,29 +411,25 @@ void add_projections(StabilityCases& cases) {
 void add_size_cases(StabilityCases& cases) {
   add_projections(cases);
   for (const auto& [source, size] : {std::pair{1, 1}, {2, 1}, {1, 2}, {2, 8}, {32, 1}}) {
-    cases.push_back({"sizes/prefilter-" + std::to_string(source) + "-to-" + std::to_string(size),
-                     "faces of " + std::to_string(source) + " texels prefiltered at roughness 0.4 to faces of " +
-                         std::to_string(size) + " (maximum_error)",
-                     "reference_specular (double)", StabilityUnit::relative, 1e-2,
-                     [source = source, size = size](const Control&) { return prefilter_error(source, size); }});
+    const std::string from = std::to_string(source);
+    const std::string to = std::to_string(size);
+    cases.add("prefilter-" + from + "-to-" + to,
+              "faces of " + from + " texels prefiltered at roughness 0.4 to faces of " + to + " (maximum_error)",
+              "reference_specular (double)", {1e-2},
+              [source = source, size = size] { return prefilter_error(source, size); });
   }
-  for (const double roughness : {0.3, 1.0}) {
-    cases.push_back({std::string("sizes/one-mip-") + (roughness < 1.0 ? "0.3" : "1"),
-                     std::string("a chain whose only mip has roughness ") + (roughness < 1.0 ? "0.3" : "1"),
-                     "reference_specular (double)", StabilityUnit::relative, 1e-2,
-                     [roughness](const Control&) { return one_mip_error(roughness); }});
+  for (const std::string roughness : {"0.3", "1"}) {
+    cases.add("one-mip-" + roughness, "a chain whose only mip has roughness " + roughness,
+              "reference_specular (double)", {1e-2}, [value = std::stod(roughness)] { return one_mip_error(value); });
   }
-  cases.push_back({"sizes/one-mip-copy", "a chain of one mip without roughness is the source's texels",
-                   "the source, bit for bit", StabilityUnit::count, 0.0,
-                   [](const Control&) { return one_mip_copy(); }});
-  cases.push_back({"sizes/small-results", "resampling, mips and BRDF tables of 1 and 2 texels are finite, not negative",
-                   "what the sizes ask for", StabilityUnit::count, 0.0,
-                   [](const Control&) { return small_results(); }});
-  cases.push_back({"sizes/round-trip-1", "a cubemap of 1 to a lat-long and back keeps its total radiance",
-                   "total radiance of the source", StabilityUnit::relative, 1e-6,
-                   [](const Control&) { return round_trip_error(); }});
-  cases.push_back({"sizes/irradiance-1", "irradiance cubemap of 1 texel of a uniform cubemap of 1", "closed form: 2 pi",
-                   StabilityUnit::ulps, 4.0, [](const Control&) { return one_texel_irradiance(); }});
+  cases.add_count("one-mip-copy", "a chain of one mip without roughness is the source's texels",
+                  "the source, bit for bit", one_mip_copy);
+  cases.add_count("small-results", "resampling, mips and BRDF tables of 1 and 2 texels are finite, not negative",
+                  "what the sizes ask for", small_results);
+  cases.add("round-trip-1", "a cubemap of 1 to a lat-long and back keeps its total radiance",
+            "total radiance of the source", {1e-6}, round_trip_error);
+  cases.add("irradiance-1", "irradiance cubemap of 1 texel of a uniform cubemap of 1", "closed form: 2 pi",
+            {4.0, StabilityUnit::ulps}, one_texel_irradiance);
 }
 
 }  // namespace welkin::test::stability

@@ -5,6 +5,14 @@
 
 namespace welkin::test {
 
+std::shared_ptr<const SkyTables> sky_tables_of(const Atmosphere& atmosphere, const SkyTableOptions& options) {
+  return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options));
+}
+
+SkyView sky_view_of(const Atmosphere& atmosphere, const SkyTableOptions& options, double altitude_m) {
+  return {sky_tables_of(atmosphere, options), altitude_m};
+}
+
 SkyTableOptions tiny_tables() {
   SkyTableOptions options{.heights = 4,
                           .view_zeniths = 16,
@@ -19,11 +27,8 @@ SkyTableOptions tiny_tables() {
 }
 
 std::shared_ptr<const SkyTables> small_earth() {
-  static const std::shared_ptr<const SkyTables> tables = [] {
-    SkyTableOptions options{.heights = 8, .orders = 2};
-    options.truncate_orders = true;  // these two, and no estimate of others
-    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
-  }();
+  // these two orders, and no estimate of others
+  static const auto tables = sky_tables_of(earth_bruneton(), {.heights = 8, .orders = 2, .truncate_orders = true});
   return tables;
 }
 

@@ -12,6 +12,13 @@ namespace welkin::test {
 /// Bruneton's Earth, two orders, at the default sizes along zeniths and suns; few heights.
 [[nodiscard]] std::shared_ptr<const SkyTables> small_earth();
 
+/// Tables of an atmosphere, to share among views.
+[[nodiscard]] std::shared_ptr<const SkyTables> sky_tables_of(const Atmosphere& atmosphere,
+                                                             const SkyTableOptions& options = {});
+/// The sky of an atmosphere, seen from an altitude.
+[[nodiscard]] SkyView sky_view_of(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
+                                  double altitude_m = 0.0);
+
 /// Sizes that take milliseconds.
 [[nodiscard]] SkyTableOptions tiny_tables();
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "image/geometry.h"
-#include "support/catch.h"
+#include "standard_headers.h"
 #include "welkin/image.h"
 
 namespace welkin::test {
