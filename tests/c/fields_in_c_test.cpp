@@ -311,11 +311,20 @@ TEST_CASE("C: every field of options of files and textures is read", "[c_interfa
 
 TEST_CASE("C: every field of options of workers and posts is read", "[c_interface]") {
   using Workers = welkin_worker_options;
+  struct Task {
+    int concurrency = 0;
+    void* user = nullptr;
+    int runs = 0;
+    bool operator==(const Task&) const = default;
+  };
   const auto worker = [](const Workers* options) {
     const WorkerOptions read = c_interface::worker_options(options);
-    void* user = nullptr;  // what `enqueue` receives
-    if (read.executor) read.executor->enqueue([](void*) {}, &user);
-    return std::tuple(read.threads, read.thread_priority, read.name, user, read.max_jobs, read.max_bytes);
+    Task task;  // what `enqueue` receives
+    if (read.executor) {
+      task.concurrency = read.executor->concurrency();
+      read.executor->enqueue([](void* given) { ++static_cast<Task*>(given)->runs; }, &task);
+    }
+    return std::tuple(read.threads, read.thread_priority, read.name, task, read.max_jobs, read.max_bytes);
   };
   int user = 0;
   const auto of_worker = c_struct<Workers>();
@@ -323,12 +332,18 @@ TEST_CASE("C: every field of options of workers and posts is read", "[c_interfac
                         {{"threads", [](Workers& w) { w.threads = 3; }},
                          {"thread_priority", [](Workers& w) { w.thread_priority = WELKIN_THREAD_PRIORITY_IDLE; }},
                          {"name", [](Workers& w) { w.name = "sky"; }},
-                         {"enqueue and enqueue_user",
+                         {"threads, enqueue and enqueue_user",
                           [&](Workers& w) {
-                            w.enqueue = [](void* given, void (*)(void*), void* told) {
-                              *static_cast<void**>(told) = given;
+                            w.threads = 3;
+                            w.enqueue = [](void* given, void (*run)(void*), void* argument) {
+                              static_cast<Task*>(argument)->user = given;
+                              run(argument);
                             };
                             w.enqueue_user = &user;
+                          },
+                          [&](auto& wanted) {
+                            std::get<int>(wanted) = 3;
+                            std::get<Task>(wanted) = Task{3, &user, 1};
                           }},
                          {"max_jobs", [](Workers& w) { w.max_jobs = kBothWords; }},
                          {"max_bytes", [](Workers& w) { w.max_bytes = kBothWords; }}},
