@@ -39,7 +39,7 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
   const TestLatLong wide = make_lat_long(Content::high_range, 64, 32, 5);
   const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 6);
   const auto check = [](const auto& view, const OctahedralOptions& how) {
-    BakeOptions options = bake_of(how);
+    const BakeOptions options = bake_of(how);
     const OctahedralMap truth = to_octahedral(prefilter_specular(view, *options.specular).cubemap, how);
     const BakeResult result = bake(view, options);
     CHECK(same_map(result.octahedral, truth));
@@ -53,19 +53,18 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
     const BakeResult stored = bake_to({.specular = upload_targets(layout, memory)}, view, options);
     CHECK(stored.specular->cubemap.levels() == 0);
     CHECK(same_map(stored.octahedral, truth));
-    options.specular->lobe = LobeFamily::phong;
-    CHECK(same_map(bake(view, options).octahedral,
-                   to_octahedral(prefilter_specular(view, *options.specular).cubemap, how)));
-    BakeResult reused = bake(view, options);
-    options.octahedral.reset();
-    bake_into(reused, view, options);
-    CHECK_FALSE(reused.octahedral.has_value());
   };
-  for (const OctahedralOptions& how : {OctahedralOptions{.size = 32, .levels = 3}, OctahedralOptions{.size = 9},
-                                       OctahedralOptions{.size = 24, .levels = 2, .border = 4}}) {
-    check(wide.view(), how);
-    check(cube.view(), how);
-  }
+  check(wide.view(), {.size = 32, .levels = 3});
+  check(cube.view(), {.size = 9});
+  check(cube.view(), {.size = 24, .levels = 2, .border = 4});
+  BakeOptions options = bake_of({.size = 9});
+  options.specular->lobe = LobeFamily::phong;
+  BakeResult reused = bake(cube.view(), options);
+  CHECK(same_map(reused.octahedral,
+                 to_octahedral(prefilter_specular(cube.view(), *options.specular).cubemap, *options.octahedral)));
+  options.octahedral.reset();
+  bake_into(reused, cube.view(), options);
+  CHECK_FALSE(reused.octahedral.has_value());
 }
 
 TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, and no other",
@@ -82,13 +81,14 @@ TEST_CASE("octahedral: a cache finds the map of the same options and cubemap, an
   all[6].specular->roughness[1] = 0.5;
   all[6].specular->lobe = LobeFamily::phong;
   all[7].pixels.clamp = RadianceClamp{2.0F};
+  std::vector<OctahedralMap> truths;
+  for (const BakeOptions& options : all) truths.push_back(*bake(cube.view(), options).octahedral);
   for (const PassAction expected : {PassAction::run, PassAction::reuse}) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       INFO(k);
       const BakeResult found = cache.bake(cube.view(), all[k]);
       CHECK(action_of(found) == expected);
-      const BakeResult truth = bake(cube.view(), all[k]);
-      CHECK(same_map(found.octahedral, *truth.octahedral));
+      CHECK(same_map(found.octahedral, truths[k]));
       for (std::size_t other = 0; other < k; ++other)
         CHECK(cache::hash_options(all[k]) != cache::hash_options(all[other]));
     }
