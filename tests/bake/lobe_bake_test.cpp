@@ -58,13 +58,6 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
   return roughness;
 }
 
-PassAction action_of(const BakeResult& result) {
-  for (const PassRecord& pass : result.diagnostics.passes) {
-    if (pass.name == "specular") return pass.action;
-  }
-  return PassAction::skip;
-}
-
 std::vector<std::byte> stored(const Cubemap& chain) {
   const UploadLayout layout{.format = TexelFormat::rgba32f, .size = chain.size(), .levels = chain.levels()};
   std::vector<std::byte> memory(upload_bytes(layout));
@@ -179,7 +172,7 @@ TEST_CASE("lobes: a cache finds the chain of a lobe, and of no other", "[bake][c
     for (std::size_t k = 0; k < all.size(); ++k) {
       INFO(k << ' ' << name(all[k].lobe));
       const BakeResult found = cache.bake(cube.view(), bake_of(all[k]));
-      CHECK(action_of(found) == expected);
+      CHECK(pass_named(found, "specular").action == expected);
       CHECK(same_bits(found.specular->cubemap, prefilter_specular(cube.view(), all[k]).cubemap));
       CHECK(same_bits(cache.prefilter_specular(cube.view(), all[k]).cubemap, found.specular->cubemap));
       for (std::size_t other = 0; other < k; ++other)
