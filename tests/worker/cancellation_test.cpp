@@ -162,16 +162,8 @@ TEST_CASE("who gives up a continuation gives up the job that it follows", "[work
 
 TEST_CASE("who gives up a continuation stops the job that it follows", "[worker]") {
   Worker worker(options_with(1));
-  std::atomic<bool> inside{false};
   bool followed = false;
-  auto job = worker
-                 .post([&](const Control& control) {
-                   inside = true;
-                   run_until_stopped(control);
-                   return 1;
-                 })
-                 .then([&](int) { followed = true; });
-  CHECK(eventually([&] { return inside.load(); }));
+  auto job = running_job(worker).then([&](int) { followed = true; });
   CHECK(job.cancel());
   CHECK(outcome(job) == "cancelled");
   worker.wait_until_idle();

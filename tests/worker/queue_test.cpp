@@ -9,22 +9,14 @@ namespace welkin::test {
 
 // Promise: of jobs with the same key the newest wins: it replaces one that waits and stops one that runs.
 
-namespace {
-
-auto value_request(int value) {
-  return [value](const Control&) { return value; };
-}
-
-}  // namespace
-
 TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
   Worker worker(options_with(1));
   std::atomic<bool> ran{false};
   Hold hold(worker);
   auto old = worker.post([&](const Control&) { ran = true; }, {.key = "probe 7"});
-  auto stranger = worker.post(value_request(1), {.key = "probe 8"});
-  auto keyless = worker.post(value_request(2));
-  auto newer = worker.post(value_request(3), {.key = "probe 7"});
+  auto stranger = post_value(worker, 1, {.key = "probe 8"});
+  auto keyless = post_value(worker, 2);
+  auto newer = post_value(worker, 3, {.key = "probe 7"});
   CHECK(old.ready());  // at once, with the only thread busy
   CHECK(outcome(old) == "replaced");
   CHECK_FALSE(old.cancel());
@@ -37,16 +29,8 @@ TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
 
 TEST_CASE("a newer job stops one of its key that runs", "[worker]") {
   Worker worker(options_with(1));
-  std::atomic<bool> inside{false};
-  auto old = worker.post(
-      [&](const Control& control) {
-        inside = true;
-        run_until_stopped(control);
-        return 1;
-      },
-      {.key = "sky"});
-  CHECK(eventually([&] { return inside.load(); }));
-  auto newer = worker.post(value_request(2), {.key = "sky"});
+  auto old = running_job(worker, {.key = "sky"});
+  auto newer = post_value(worker, 2, {.key = "sky"});
   CHECK(outcome(old) == "replaced");
   CHECK(newer.get() == 2);
 }
@@ -59,7 +43,7 @@ TEST_CASE("the newest wins when posts race, and always gets its result", "[worke
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
       for (int k = 0; k < 300; ++k) {
-        jobs[static_cast<std::size_t>(t)].push_back(worker.post(value_request(k), {.key = "sky"}));
+        jobs[static_cast<std::size_t>(t)].push_back(post_value(worker, k, {.key = "sky"}));
       }
     });
   }
@@ -86,11 +70,11 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   Worker worker(options_with(1));
   Hold hold(worker);
   bool called = false;
-  auto follower = worker.post(value_request(1), {.key = "sky"}).then([&](int) { called = true; });
+  auto follower = post_value(worker, 1, {.key = "sky"}).then([&](int) { called = true; });
   std::string drained;
-  worker.post(value_request(2), {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
-  auto newer_sky = worker.post(value_request(3), {.key = "sky"});
-  auto newer_probe = worker.post(value_request(4), {.key = "probe"});
+  post_value(worker, 2, {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
+  auto newer_sky = post_value(worker, 3, {.key = "sky"});
+  auto newer_probe = post_value(worker, 4, {.key = "probe"});
   CHECK(worker.drain() == 1);
   CHECK(drained == "replaced");
   hold.let_go();
@@ -105,9 +89,9 @@ TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
   options.max_jobs = 2;
   Worker worker(options);
   Hold hold(worker);
-  auto old = worker.post(value_request(1), {.key = "sky"});
-  CHECK(outcome(worker.post(value_request(2))) == "queue_full");
-  auto newer = worker.post(value_request(3), {.key = "sky"});
+  auto old = post_value(worker, 1, {.key = "sky"});
+  CHECK(outcome(post_value(worker, 2)) == "queue_full");
+  auto newer = post_value(worker, 3, {.key = "sky"});
   CHECK(outcome(old) == "replaced");
   hold.let_go();
   CHECK(outcome(newer) == "result");
@@ -118,8 +102,8 @@ TEST_CASE("a job that can never be let in replaces nothing", "[worker]") {
   options.max_bytes = 1000;
   Worker worker(options);
   Hold hold(worker);
-  auto old = worker.post(value_request(1), {.key = "sky"});
-  CHECK(outcome(worker.post(value_request(2), {.key = "sky", .bytes = 1001})) == "limit_exceeded");
+  auto old = post_value(worker, 1, {.key = "sky"});
+  CHECK(outcome(post_value(worker, 2, {.key = "sky", .bytes = 1001})) == "limit_exceeded");
   hold.let_go();
   CHECK(outcome(old) == "result");
 }

@@ -42,20 +42,13 @@ class ThreadCount {
 /// Jobs in every state: one runs, some wait, some are followed.
 struct Jobs {
   std::vector<Job<int>> all;
-  std::shared_ptr<Gate> gate = std::make_shared<Gate>();
 
   void post(Worker& worker) {
-    all.push_back(worker.post([held = gate](const Control& control) {
-      held->pass();
-      run_until_stopped(control);
-      return 1;
-    }));
-    gate->wait_for_arrivals(1);
+    all.push_back(running_job(worker));
     for (int k = 0; k < 10; ++k) {
       all.push_back(worker.post([k](const Control&) { return k; }));
       all.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
     }
-    gate->open();
   }
 
   void expect_all_stopped() {

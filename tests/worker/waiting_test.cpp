@@ -14,10 +14,6 @@ namespace welkin::test {
 
 namespace {
 
-Job<int> post(Worker& worker, int value, TaskPriority priority = TaskPriority::normal) {
-  return worker.post([value](const Control&) { return value; }, {.priority = priority});
-}
-
 /// A request that waits for one that waits for one ...: `depth` of them.
 int nest(Worker& worker, int depth) {
   if (depth == 0) return 1;
@@ -45,8 +41,8 @@ TEST_CASE("waiting jobs may be nested", "[worker]") {
 TEST_CASE("a job of the lowest priority behind many others may be waited for", "[worker]") {
   Worker worker(options_with(1));
   auto job = worker.post([&](const Control&) {
-    for (int k = 0; k < 50; ++k) post(worker, k, TaskPriority::high);
-    return post(worker, 7, TaskPriority::low).get();
+    for (int k = 0; k < 50; ++k) post_value(worker, k, {.priority = TaskPriority::high});
+    return post_value(worker, 7, {.priority = TaskPriority::low}).get();
   });
   CHECK(take(job) == 7);
 }
@@ -57,7 +53,7 @@ TEST_CASE("all threads may wait at once", "[worker]") {
     Worker worker(options);
     std::vector<Job<int>> jobs;
     for (int k = 0; k < 12; ++k) {
-      jobs.push_back(worker.post([&worker, k](const Control&) { return post(worker, k).get(); }));
+      jobs.push_back(worker.post([&worker, k](const Control&) { return post_value(worker, k).get(); }));
     }
     for (int k = 0; k < 12; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)]) == k);
   }
@@ -68,7 +64,7 @@ TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[w
     Worker worker(options_with(threads));
     auto job = worker.post([&](const Control&) {
       std::atomic<int> sum{0};
-      tbb::parallel_for(0, 20, [&](int k) { sum += post(worker, k).get(); });
+      tbb::parallel_for(0, 20, [&](int k) { sum += post_value(worker, k).get(); });
       return sum.load();
     });
     CHECK(take(job) == 190);
@@ -97,10 +93,10 @@ TEST_CASE("tasks of one job may wait for another job whose tasks run beside them
 TEST_CASE("continuations, and those who wait for them, need no further thread", "[worker]") {
   Worker worker(options_with(1));
   auto job = worker.post([&](const Control&) {
-    return post(worker, 3).then([&](int value) { return value + post(worker, 4).get(); }).get();
+    return post_value(worker, 3).then([&](int value) { return value + post_value(worker, 4).get(); }).get();
   });
   CHECK(take(job) == 7);
-  auto follower = post(worker, 1).then([&](int value) { return value + post(worker, 10).get(); });
+  auto follower = post_value(worker, 1).then([&](int value) { return value + post_value(worker, 10).get(); });
   CHECK(take(follower) == 11);
 }
 
@@ -138,7 +134,7 @@ TEST_CASE("a waiting job can be given up by ending the worker", "[worker]") {
     outer = worker.post([&](const Control&) {
       auto inner = worker.post([&](const Control& control) {
         gate.pass();
-        while (!control.stop.stop_requested()) std::this_thread::yield();
+        run_until_stopped(control);
       });
       inner_end = outcome_of([&] { inner.get(); });
     });
@@ -153,7 +149,7 @@ TEST_CASE("a waiting job can be given up by ending the worker", "[worker]") {
 TEST_CASE("requests may wait for each other in a row", "[worker]") {
   Worker worker(options_with(3));
   for (int round = 0; round < (kSanitized ? 20 : 200); ++round) {
-    auto first = post(worker, 1);
+    auto first = post_value(worker, 1);
     auto second = worker.post([&](const Control&) { return first.get() + 1; });
     auto third = worker.post([&](const Control&) { return second.get() + 1; });
     auto fourth = worker.post([&](const Control&) { return third.get() + 1; });
