@@ -377,24 +377,28 @@ TEST_CASE("C: every field of options of dynamic skies and probes is read", "[c_i
   auto specular = c_struct<welkin_prefilter_options>();
   specular.size = 8;
   using Light = welkin_sky_light_options;
-  const auto light = [](const Light* options) {
-    const SkyLightOptions read = c_interface::light_options(options);
-    return std::tuple(read.tables, read.curve, read.altitude_m, read.specular, read.sun_threshold_degrees,
-                      read.specular_threshold_degrees, read.altitude_threshold_m, read.blend_seconds, read.priority);
+  struct Wanted : SkyLightOptions {
+    [[nodiscard]] auto fields() const {
+      return std::tie(tables, curve, altitude_m, specular, sun_threshold_degrees, specular_threshold_degrees,
+                      altitude_threshold_m, blend_seconds, priority);
+    }
+    bool operator==(const Wanted& other) const { return fields() == other.fields(); }
   };
-  const auto of_light = c_struct<Light>();
-  check_fields<Light>(of_light, light(&of_light), light,
-                      {{"priority", [](Light& l) { l.priority = WELKIN_PRIORITY_HIGH; }},
-                       {"tables", [&](Light& l) { l.tables = &tables; }},
-                       {"curve", [&](Light& l) { l.curve = &curve; }},
-                       {"specular", [&](Light& l) { l.specular = &specular; }},
-                       {"without_specular", [](Light& l) { l.without_specular = 1; }},
-                       {"altitude_m", [](Light& l) { l.altitude_m = kAllBytes; }},
-                       {"sun_threshold_degrees", [](Light& l) { l.sun_threshold_degrees = kAllBytes; }},
-                       {"specular_threshold_degrees", [](Light& l) { l.specular_threshold_degrees = kAllBytes; }},
-                       {"altitude_threshold_m", [](Light& l) { l.altitude_threshold_m = kAllBytes; }},
-                       {"blend_seconds", [](Light& l) { l.blend_seconds = kAllBytes; }}},
-                      1);
+  const auto light = [](const Light* options) { return Wanted{c_interface::light_options(options)}; };
+  check_fields<Light>(
+      c_struct<Light>(), Wanted{}, light,
+      {FIELD(priority, WELKIN_PRIORITY_HIGH, priority = TaskPriority::high), FIELD(tables, &tables, tables.heights = 5),
+       FIELD(curve, &curve, curve.bands = 5), FIELD(specular, &specular, specular.size = 8),
+       FIELD(without_specular, 1, specular.size = 0), FIELD(altitude_m, kAllBytes, altitude_m = kAllBytes),
+       FIELD(sun_threshold_degrees, kAllBytes, sun_threshold_degrees = kAllBytes),
+       FIELD(specular_threshold_degrees, kAllBytes, specular_threshold_degrees = kAllBytes),
+       FIELD(altitude_threshold_m, kAllBytes, altitude_threshold_m = kAllBytes),
+       FIELD(blend_seconds, kAllBytes, blend_seconds = kAllBytes),
+       // below zero: none
+       FIELD(sun_threshold_degrees, -1.0, sun_threshold_degrees = 0.0),
+       FIELD(specular_threshold_degrees, -1.0, specular_threshold_degrees = 0.0),
+       FIELD(altitude_threshold_m, -1.0, altitude_threshold_m = 0.0), FIELD(blend_seconds, -1.0, blend_seconds = 0.0)},
+      1);
   using Grid = welkin_probe_grid;
   auto unit = c_struct<Grid>();
   std::fill(std::begin(unit.counts), std::end(unit.counts), 2);
