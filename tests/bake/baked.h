@@ -51,4 +51,28 @@ inline BakeOptions small_bake(int size = 16) {
   return options;
 }
 
+constexpr std::byte kUntouched{0xcd};
+
+/// Memory of one chain, to which nothing was written yet, and targets in it.
+struct TargetMemory {
+  explicit TargetMemory(const UploadLayout& layout)
+      : memory(upload_bytes(layout), kUntouched), targets(upload_targets(layout, memory)) {}
+
+  [[nodiscard]] bool untouched() const {
+    return std::ranges::all_of(memory, [](std::byte byte) { return byte == kUntouched; });
+  }
+
+  std::vector<std::byte> memory;
+  std::vector<CubemapTarget> targets;
+};
+
+/// The bytes that `store_texels` makes of a chain, whose size and levels the layout gets.
+inline std::vector<std::byte> stored(const Cubemap& chain, UploadLayout layout = {.format = TexelFormat::rgba32f}) {
+  layout.size = chain.size();
+  layout.levels = chain.levels();
+  TargetMemory block(layout);
+  static_cast<void>(store_texels(chain, block.targets));
+  return block.memory;
+}
+
 }  // namespace welkin::test

@@ -58,13 +58,6 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
   return roughness;
 }
 
-std::vector<std::byte> stored(const Cubemap& chain) {
-  const UploadLayout layout{.format = TexelFormat::rgba32f, .size = chain.size(), .levels = chain.levels()};
-  std::vector<std::byte> memory(upload_bytes(layout));
-  static_cast<void>(store_texels(chain, upload_targets(layout, memory)));
-  return memory;
-}
-
 }  // namespace
 
 TEST_CASE("lobes: bakes, plans and prefilters have the bits of the direct call", "[bake][lobes]") {
@@ -139,13 +132,13 @@ TEST_CASE("lobes: bakes into targets and of many probes have the bits of the dir
     INFO(name(family.options.lobe));
     const std::vector<std::byte> truth = stored(direct(cube.view(), family).cubemap);
     const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 8, .levels = default_mip_count(family.options)};
-    std::vector<std::byte> memory(upload_bytes(layout));
-    static_cast<void>(bake_to({.specular = upload_targets(layout, memory)}, cube.view(), bake_of(family.options)));
-    CHECK(memory == truth);
-    std::vector<std::byte> of_many(memory.size());
+    TargetMemory block(layout);
+    static_cast<void>(bake_to({.specular = block.targets}, cube.view(), bake_of(family.options)));
+    CHECK(block.memory == truth);
+    TargetMemory of_many(layout);
     const CubemapView probe = cube.view();
-    static_cast<void>(bake_many({&probe, 1}, upload_targets(layout, of_many), {}, family.options, 0));
-    CHECK(of_many == truth);
+    static_cast<void>(bake_many({&probe, 1}, of_many.targets, {}, family.options, 0));
+    CHECK(of_many.memory == truth);
   }
 }
 

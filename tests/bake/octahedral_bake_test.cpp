@@ -48,11 +48,10 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
     CHECK(same_bits(bake(view, planned), result));
     CHECK(planned.pass("octahedral").bytes > 0);
     // It stays where the cubemap goes to targets.
-    const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 16, .levels = 4};
-    std::vector<std::byte> memory(upload_bytes(layout));
-    const BakeResult stored = bake_to({.specular = upload_targets(layout, memory)}, view, options);
-    CHECK(stored.specular->cubemap.levels() == 0);
-    CHECK(same_map(stored.octahedral, truth));
+    TargetMemory block({.format = TexelFormat::rgba32f, .size = 16, .levels = 4});
+    const BakeResult rest = bake_to({.specular = block.targets}, view, options);
+    CHECK(rest.specular->cubemap.levels() == 0);
+    CHECK(same_map(rest.octahedral, truth));
   };
   check(wide.view(), {.size = 32, .levels = 3});
   check(cube.view(), {.size = 9});

@@ -8,8 +8,6 @@
 namespace welkin::test {
 namespace {
 
-constexpr std::byte kUntouched{0xcd};
-
 BakeOptions bake_of(int size = 8) {
   BakeOptions options{.background = BackgroundOptions{.size = 16},
                       .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}},
@@ -19,17 +17,9 @@ BakeOptions bake_of(int size = 8) {
 }
 
 /// One chain in memory, with bytes between its rows that nobody may write to.
-struct Block {
+struct Block : TargetMemory {
   Block(TexelFormat format, int size, int levels)
-      : memory(upload_bytes({format, size, levels, UploadOrder::face_by_face, 96, 128}), kUntouched),
-        targets(upload_targets({format, size, levels, UploadOrder::face_by_face, 96, 128}, memory)) {}
-
-  [[nodiscard]] bool untouched() const {
-    return std::all_of(memory.begin(), memory.end(), [](std::byte byte) { return byte == kUntouched; });
-  }
-
-  std::vector<std::byte> memory;
-  std::vector<CubemapTarget> targets;
+      : TargetMemory({format, size, levels, UploadOrder::face_by_face, 96, 128}) {}
 };
 
 /// Memory for all cubemaps of a small bake.
