@@ -129,10 +129,10 @@ TEST_CASE("Errors of many bakes name the first probe that they are about", "[bak
 }
 
 TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slow]") {
-  const Probes probes(60);
+  const Probes probes(20);
   const PrefilterOptions options = small_chain();
-  Room room(options, 60);
-  std::vector<dvec3> coefficients(9 * 60);
+  Room room(options, 20);
+  std::vector<dvec3> coefficients(9 * 20);
   double last = 0.0;
   bake_many(probes.views, room.targets, coefficients, options, 3, {.progress = [&](double done) {
               CHECK(done >= last);

@@ -137,18 +137,8 @@ class Stress {
 
   void check(std::future<Number> future, const Expected& expected) {
     ++checked_;
-    std::string end;
     Number value = 0;
-    try {
-      value = future.get();
-      end = "result";
-    } catch (const Error& error) {
-      end = name(error.code());
-    } catch (const std::exception& exception) {
-      end = exception.what();
-    } catch (const int thrown) {
-      end = std::to_string(thrown);
-    }
+    const std::string end = outcome_of([&] { value = future.get(); });
     if (end == "result") {
       ++results_;
       if (!expected.thrown.empty() || value != expected.value) fail("a wrong result");
@@ -243,7 +233,7 @@ class Stress {
           return worker->post(Project{Cubemap(*stress_.images_[image])}, options).then(&digest);
         }
         case 5: {
-          expected.thrown = value % 2 == 0 ? "on purpose" : "7";
+          expected.thrown = value % 2 == 0 ? "on purpose" : "something";
           return worker->post(
               [value, kept = Kept()](const Control&) -> Number {
                 if (value % 2 == 0) throw std::runtime_error("on purpose");
