@@ -233,9 +233,6 @@ TEST_CASE("A bake's tiles allocate nothing", "[bake]") {
 
 namespace {
 
-/// Tables by size that are kept between calls (weights, rules), TBB's own, and what is too small to be predicted.
-constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
-
 void check_memory(const EnvironmentView& view, const BakeOptions& options) {
   if (kSanitized) return;
   std::uint64_t peak = 0;
@@ -262,7 +259,7 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
   for (const int width : {128, 1024}) {
     const TestLatLong wide = make_lat_long(Content::high_range, width, width / 2, 3);
     const TestCubemap cube = make_cubemap(Content::high_range, width / 4, 3, 3);
-    for (const int size : {16, 256}) {  // octahedral_bake_test.cpp has 128
+    for (const int size : {16, 256}) {  // lobe_bake_test.cpp has 128, with an octahedral map
       INFO("size " << size << ", lat-long " << width);
       check_memory(wide.view(), small_bake(size));
       check_memory(cube.view(), small_bake(size));

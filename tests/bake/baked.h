@@ -51,6 +51,10 @@ inline BakeOptions small_bake(int size = 16) {
   return options;
 }
 
+/// Memory that bakes may take beyond what is predicted: tables by size that are kept between calls (weights, rules),
+/// TBB's own, and what is too small to be predicted.
+constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
+
 constexpr std::byte kUntouched{0xcd};
 
 /// Memory of one chain, to which nothing was written yet, and targets in it.
