@@ -3,6 +3,7 @@
 #include "c/c_support.h"
 #include "support/catch.h"
 #include "support/pfm_files.h"
+#include "support/process_threads.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "welkin/environment_file.h"
@@ -322,25 +323,22 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
     options.max_jobs = 16;
     welkin_worker* worker = nullptr;
     REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
-    std::vector<std::thread> threads;
-    for (unsigned i = 0; i < kThreads; ++i) {
-      threads.emplace_back([&, i] {
-        std::mt19937 random(seed + round * kThreads + i);
-        for (unsigned k = 0; k < kPosts; ++k) {
-          welkin_post_options post = post_for(slots[i * kPosts + k]);
-          const std::array<const char*, 4> keys{nullptr, nullptr, "one", "two"};
-          post.key = keys.at(random() % keys.size());
-          post.priority = static_cast<welkin_priority>(random() % 3) - 1;
-          welkin_job* job = nullptr;
-          if (welkin_post_project(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK) posted.fetch_add(1);
-          if (random() % 3 == 0) welkin_job_cancel(job, nullptr);
-          if (random() % 4 == 0) welkin_worker_drain(worker, 0, nullptr);
-          if (i == 0 && k == kPosts / 2 && round % 2 == 0) welkin_worker_terminate(worker);
-          welkin_job_release(job);
-        }
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
+    on_threads(kThreads, [&](std::size_t thread) {
+      const auto i = static_cast<unsigned>(thread);
+      std::mt19937 random(seed + round * kThreads + i);
+      for (unsigned k = 0; k < kPosts; ++k) {
+        welkin_post_options post = post_for(slots[i * kPosts + k]);
+        const std::array<const char*, 4> keys{nullptr, nullptr, "one", "two"};
+        post.key = keys.at(random() % keys.size());
+        post.priority = static_cast<welkin_priority>(random() % 3) - 1;
+        welkin_job* job = nullptr;
+        if (welkin_post_project(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK) posted.fetch_add(1);
+        if (random() % 3 == 0) welkin_job_cancel(job, nullptr);
+        if (random() % 4 == 0) welkin_worker_drain(worker, 0, nullptr);
+        if (i == 0 && k == kPosts / 2 && round % 2 == 0) welkin_worker_terminate(worker);
+        welkin_job_release(job);
+      }
+    });
     welkin_worker_wait_until_idle(worker);
     REQUIRE(welkin_worker_terminate(worker) == WELKIN_OK);
     REQUIRE(welkin_worker_drain(worker, WELKIN_NO_LIMIT, nullptr) == WELKIN_OK);

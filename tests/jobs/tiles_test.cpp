@@ -116,20 +116,16 @@ TEST_CASE("What a tile throws comes out, and the next job runs", "[jobs]") {
 TEST_CASE("Threads that share an arena for one keep their workers apart", "[jobs][slow]") {
   tbb::task_arena arena(1);
   std::atomic<bool> shared{false};
-  std::vector<std::thread> threads;
-  for (int k = 0; k < 3; ++k) {
-    threads.emplace_back([&] {
-      arena.execute([&] {
-        std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
-        jobs::run_tiles(300, Placement::arena, inside.size(), {}, [&](std::size_t, std::size_t worker) {
-          if (worker >= inside.size() || inside[worker].fetch_add(1) != 0) shared = true;
-          std::this_thread::yield();
-          if (worker < inside.size()) inside[worker].fetch_sub(1);
-        });
+  on_threads(3, [&](std::size_t) {
+    arena.execute([&] {
+      std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
+      jobs::run_tiles(300, Placement::arena, inside.size(), {}, [&](std::size_t, std::size_t worker) {
+        if (worker >= inside.size() || inside[worker].fetch_add(1) != 0) shared = true;
+        std::this_thread::yield();
+        if (worker < inside.size()) inside[worker].fetch_sub(1);
       });
     });
-  }
-  for (std::thread& thread : threads) thread.join();
+  });
   CHECK_FALSE(shared);
 }
 

@@ -2,6 +2,7 @@
 #include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/jobs.h"
+#include "support/process_threads.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -98,13 +99,9 @@ TEST_CASE("of many who cancel a job one did it", "[worker]") {
   for (int repetition = 0; repetition < 100; ++repetition) {
     auto job = worker.post([](const Control&) { return 3; });
     std::atomic<int> did_it{0};
-    std::vector<std::thread> threads;
-    for (int k = 0; k < 3; ++k) {
-      threads.emplace_back([&, handle = JobHandle(job)] {
-        if (handle.cancel()) ++did_it;
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
+    on_threads(3, [&did_it, handle = JobHandle(job)](std::size_t) {
+      if (handle.cancel()) ++did_it;
+    });
     const std::string end = outcome(job);
     CHECK(did_it == (end == "cancelled" ? 1 : 0));
     CHECK((end == "cancelled" || end == "result"));

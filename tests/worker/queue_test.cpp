@@ -1,6 +1,7 @@
 // Of jobs with the same key the latest wins.
 #include "support/catch.h"
 #include "support/jobs.h"
+#include "support/process_threads.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/worker.h"
@@ -37,17 +38,10 @@ TEST_CASE("a newer job stops one of its key that runs", "[worker]") {
 
 TEST_CASE("the newest wins when posts race, and always gets its result", "[worker]") {
   Worker worker(options_with(2));
-  constexpr int kThreads = 4;
-  std::vector<std::vector<Job<int>>> jobs(kThreads);
-  std::vector<std::thread> threads;
-  for (int t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&, t] {
-      for (int k = 0; k < 300; ++k) {
-        jobs[static_cast<std::size_t>(t)].push_back(post_value(worker, k, {.key = "sky"}));
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  std::vector<std::vector<Job<int>>> jobs(4);
+  on_threads(jobs.size(), [&](std::size_t t) {
+    for (int k = 0; k < 300; ++k) jobs[t].push_back(post_value(worker, k, {.key = "sky"}));
+  });
   std::uint64_t newest = 0;
   for (const auto& own : jobs) newest = std::max(newest, own.back().id());
   for (auto& own : jobs) {

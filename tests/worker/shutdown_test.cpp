@@ -116,15 +116,11 @@ TEST_CASE("terminate from several threads at once", "[worker]") {
     Worker worker(options_with(2));
     std::vector<Job<int>> jobs;
     for (int k = 0; k < 20; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
-    std::vector<std::thread> enders;
     std::atomic<int> unready{0};
-    for (int t = 0; t < 3; ++t) {
-      enders.emplace_back([&] {
-        worker.terminate();
-        for (const auto& job : jobs) unready += job.ready() ? 0 : 1;
-      });
-    }
-    for (std::thread& ender : enders) ender.join();
+    on_threads(3, [&](std::size_t) {
+      worker.terminate();
+      for (const auto& job : jobs) unready += job.ready() ? 0 : 1;
+    });
     CHECK(unready == 0);
   }
 }

@@ -88,11 +88,7 @@ class Stress {
   }
 
   void run() {
-    std::vector<std::thread> threads;
-    for (unsigned t = 0; t < kThreads; ++t) {
-      threads.emplace_back([this, t] { Thread(*this, seed_ * 1000U + t).run(); });
-    }
-    for (std::thread& thread : threads) thread.join();
+    on_threads(kThreads, [this](std::size_t t) { Thread(*this, seed_ * 1000U + static_cast<unsigned>(t)).run(); });
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
       const auto worker = exchange(slot, nullptr);
       if (slot % 2 == 0) worker->wait_until_idle();
