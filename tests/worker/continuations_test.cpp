@@ -479,7 +479,9 @@ TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]"
     WorkerOptions options = options_with(1);
     options.max_jobs = 2 * kJobs;
     Worker worker(options);
+    Hold hold(worker);  // its thread does not contend for the queue with each post
     for (int k = 0; k < kJobs; ++k) jobs.push_back(worker.post([k](const Control&) { return k >= 0 ? 1 : 0; }));
+    hold.let_go();
     worker.wait_until_idle();
   }
   await_all_drained(std::move(jobs), sum);
