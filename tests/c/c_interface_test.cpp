@@ -85,26 +85,6 @@ TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]
   welkin_job_release(job);
 }
 
-TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_interface][slow]") {
-  auto options = c_struct<welkin_worker_options>();
-  options.threads = 1;
-  options.max_bytes = 1000;
-  welkin_worker* worker = nullptr;
-  REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
-  const auto cube = make_cubemap(Content::random, 8, 3, 1);
-  const welkin_environment view = c_view(cube.view());
-  welkin_job* job = nullptr;
-  REQUIRE(welkin_post_project(worker, &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
-  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_LIMIT_EXCEEDED);
-  welkin_job_release(job);
-  auto post = c_struct<welkin_post_options>();
-  post.bytes = 10;  // the caller knows better
-  REQUIRE(welkin_post_project(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK);
-  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
-  welkin_job_release(job);
-  welkin_worker_destroy(worker);
-}
-
 TEST_CASE("C: what a callback throws stays inside", "[c_interface][slow]") {
   const CWorker worker(1);
   welkin_job* job = nullptr;
