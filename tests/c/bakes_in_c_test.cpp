@@ -1,5 +1,6 @@
 // Reflections, bakes and tables through the C interface: the bits of the C++ calls.
 #include "c/c_calls.h"
+#include "c/c_worker.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
@@ -19,26 +20,16 @@ const std::vector<double> kLobes{0.0, 0.31, 0.9};
 const std::vector<double> kWide{0.5, 0.8};
 const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
-struct WantedReflections {
-  PrefilterOptions options;
-  welkin_prefilter_options c_options;
-};
-
-/// The defaults, and what callers give by pointers, in both languages. (fields_in_c_test.cpp has each option alone.)
-std::array<WantedReflections, 2> wanted_reflections(const welkin_pixel_policy* policy) {
-  std::array<WantedReflections, 2> both;
-  both.fill({{.size = 16}, c_struct<welkin_prefilter_options>()});
-  for (auto& wanted : both) wanted.c_options.size = 16;
-  both[1].options = {.size = 16,
-                     .roughness = kRoughness,
-                     .lobe_roughness = kLobes,
-                     .method = PrefilterMethod::reference,
-                     .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
-  both[1].c_options.roughness = kRoughness.data();
-  both[1].c_options.lobe_roughness = kLobes.data();
-  both[1].c_options.roughness_count = 3;
-  both[1].c_options.method = WELKIN_PREFILTER_REFERENCE;
-  both[1].c_options.pixels = policy;
+/// The defaults, and what callers give by pointers. (fields_in_c_test.cpp has what each option is in C++.)
+std::array<welkin_prefilter_options, 2> wanted_reflections(const welkin_pixel_policy* policy) {
+  std::array<welkin_prefilter_options, 2> both;
+  both.fill(c_struct<welkin_prefilter_options>());
+  for (auto& wanted : both) wanted.size = 16;
+  both[1].roughness = kRoughness.data();
+  both[1].lobe_roughness = kLobes.data();
+  both[1].roughness_count = 3;
+  both[1].method = WELKIN_PREFILTER_REFERENCE;
+  both[1].pixels = policy;
   return both;
 }
 
@@ -89,15 +80,16 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]
   const welkin_environment lat_long_view = c_view(picture.view());
   const auto policy = clamping_policy();
   bool posts = false;  // one kind of source each time, the other the next time
-  for (const auto& [options, c_options] : wanted_reflections(&policy)) {
-    const auto check = [&, asked = &c_options](const welkin_environment& view, const PrefilteredSpecular& expected) {
+  for (const welkin_prefilter_options& asked : wanted_reflections(&policy)) {
+    const PrefilterOptions options = c_interface::prefilter_options(&asked, 256, true);
+    const auto check = [&](const welkin_environment& view, const PrefilteredSpecular& expected) {
       welkin_chain* chain = nullptr;
       if (posts) {
         chain = posted_handle<welkin_chain>(
-            [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &view, asked, nullptr, job); },
+            [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &view, &asked, nullptr, job); },
             welkin_job_get_chain);
       } else {
-        REQUIRE(welkin_prefilter(&view, asked, nullptr, &chain) == WELKIN_OK);
+        REQUIRE(welkin_prefilter(&view, &asked, nullptr, &chain) == WELKIN_OK);
       }
       require_same(chain, expected);
       welkin_chain_destroy(chain);
@@ -140,11 +132,6 @@ TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refuse
 
 namespace {
 
-struct WantedBake {
-  BakeOptions options;
-  welkin_bake_options c_options;
-};
-
 /// What the C options point to.
 struct BakeParts {
   welkin_prefilter_options specular = c_struct<welkin_prefilter_options>();
@@ -153,42 +140,29 @@ struct BakeParts {
 };
 
 /// Everything at once, and irradiance alone.
-std::array<WantedBake, 2> wanted_bakes(BakeParts& parts) {
+std::array<welkin_bake_options, 2> wanted_bakes(BakeParts& parts) {
   parts.specular.size = 16;
   parts.brdf.width = 16;
   parts.brdf.height = 8;
   parts.brdf.multiple_scattering = 1;
   parts.brdf.without_sheen = 1;
-  std::array<WantedBake, 2> both;
-  both.fill({{}, c_struct<welkin_bake_options>()});
-  both[0].options = {.background = BackgroundOptions{.size = 8, .mips = false, .mip_filter = MipFilter::box},
-                     .specular = PrefilterOptions{.size = 16},
-                     .octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4},
-                     .irradiance = IrradianceOptions{.size = 8, .method = IrradianceMethod::harmonics},
-                     .bands = 5,
-                     .brdf = BrdfTableOptions{16, 8, BrdfModel::multiple_scattering, false},
-                     .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
-  both[0].c_options.background_size = 8;
-  both[0].c_options.background_without_mips = 1;
-  both[0].c_options.background_box_filter = 1;
-  both[0].c_options.specular = &parts.specular;
-  both[0].c_options.octahedral_size = 24;
-  both[0].c_options.octahedral_levels = 2;
-  both[0].c_options.octahedral_border = 4;
-  both[0].c_options.irradiance_size = 8;
-  both[0].c_options.irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
-  both[0].c_options.bands = 5;
-  both[0].c_options.brdf = &parts.brdf;
-  both[0].c_options.pixels = &parts.pixels;
-  both[1].options = {.background = std::nullopt,
-                     .specular = std::nullopt,
-                     .irradiance = IrradianceOptions{.size = 4, .method = IrradianceMethod::direct},
-                     .bands = 0,
-                     .brdf = std::nullopt};
-  both[1].c_options.leave_out =
-      WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
-  both[1].c_options.irradiance_size = 4;
-  both[1].c_options.irradiance_method = WELKIN_IRRADIANCE_DIRECT;
+  std::array<welkin_bake_options, 2> both;
+  both.fill(c_struct<welkin_bake_options>());
+  both[0].background_size = 8;
+  both[0].background_without_mips = 1;
+  both[0].background_box_filter = 1;
+  both[0].specular = &parts.specular;
+  both[0].octahedral_size = 24;
+  both[0].octahedral_levels = 2;
+  both[0].octahedral_border = 4;
+  both[0].irradiance_size = 8;
+  both[0].irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
+  both[0].bands = 5;
+  both[0].brdf = &parts.brdf;
+  both[0].pixels = &parts.pixels;
+  both[1].leave_out = WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
+  both[1].irradiance_size = 4;
+  both[1].irradiance_method = WELKIN_IRRADIANCE_DIRECT;
   return both;
 }
 
@@ -270,15 +244,16 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
   const welkin_environment lat_long_view = c_view(picture.view());
   BakeParts parts;
   bool posts = false;  // one kind of source each time, the other the next time
-  for (const auto& [options, c_options] : wanted_bakes(parts)) {
-    const auto check = [&, asked = &c_options](const welkin_environment& view, const BakeResult& expected) {
+  for (const welkin_bake_options& asked : wanted_bakes(parts)) {
+    const BakeOptions options = c_interface::bake_options(&asked);
+    const auto check = [&](const welkin_environment& view, const BakeResult& expected) {
       welkin_bake_result* result = nullptr;
       if (posts) {
         result = posted_handle<welkin_bake_result>(
-            [&](welkin_job** job) { return welkin_post_bake(worker.get(), &view, asked, nullptr, nullptr, job); },
+            [&](welkin_job** job) { return welkin_post_bake(worker.get(), &view, &asked, nullptr, nullptr, job); },
             welkin_job_get_bake);
       } else {
-        REQUIRE(welkin_bake(&view, asked, nullptr, &result) == WELKIN_OK);
+        REQUIRE(welkin_bake(&view, &asked, nullptr, &result) == WELKIN_OK);
       }
       require_same(result, expected);
       welkin_bake_result_destroy(result);

@@ -335,29 +335,21 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
 
 namespace {
 
-struct Wanted {
-  ProjectionOptions options;
-  welkin_projection_options c_options;
-};
-
-/// Two sets of options in both languages. (fields_in_c_test.cpp has each option alone.)
-std::array<Wanted, 2> all_wanted() {
+/// Two sets of options. (fields_in_c_test.cpp has what each option is in C++.)
+std::array<welkin_projection_options, 2> all_wanted() {
   static std::array<welkin_pixel_policy, 2> policies;
   for (welkin_pixel_policy& policy : policies) policy = c_struct<welkin_pixel_policy>();
   policies[0].clamp_maximum = 100.0F;
   policies[0].clamp_preserve_colour = 1;
   policies[0].negative = WELKIN_NEGATIVE_REPLACE;
   policies[1].gamma = 1;
-  std::array<Wanted, 2> both;
-  both.fill({{}, c_struct<welkin_projection_options>()});
-  both[0].options = {.bands = 16,
-                     .pixels = {.clamp = RadianceClamp{100.0F, true}, .negative = NegativePolicy::replace}};
-  both[0].c_options.bands = 16;
-  both[0].c_options.pixels = &policies[0];
-  both[1].options = {.quadrature = Quadrature::midpoint, .target_size = 8, .pixels = {.gamma = true}};
-  both[1].c_options.midpoint = 1;
-  both[1].c_options.target_size = 8;
-  both[1].c_options.pixels = &policies[1];
+  std::array<welkin_projection_options, 2> both;
+  both.fill(c_struct<welkin_projection_options>());
+  both[0].bands = 16;
+  both[0].pixels = &policies[0];
+  both[1].midpoint = 1;
+  both[1].target_size = 8;
+  both[1].pixels = &policies[1];
   return both;
 }
 
@@ -365,13 +357,13 @@ std::array<Wanted, 2> all_wanted() {
 void check_projections(const std::function<Projection(const ProjectionOptions&)>& expected,
                        const std::function<welkin_status(const welkin_projection_options*, welkin_projection*)>& call,
                        const std::function<welkin_status(const welkin_projection_options*, welkin_job**)>& post) {
-  for (const auto& [options, c_options] : all_wanted()) {
-    const Projection wanted = expected(options);
+  for (const welkin_projection_options& asked : all_wanted()) {
+    const Projection wanted = expected(c_interface::projection_options(&asked));
     auto light = c_struct<welkin_projection>();
-    REQUIRE(call(&c_options, &light) == WELKIN_OK);
+    REQUIRE(call(&asked, &light) == WELKIN_OK);
     require_same_projection(light, wanted);
     welkin_job* job = nullptr;
-    REQUIRE(post(&c_options, &job) == WELKIN_OK);
+    REQUIRE(post(&asked, &job) == WELKIN_OK);
     REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
     light = c_struct<welkin_projection>();
     REQUIRE(welkin_job_projection(job, &light) == WELKIN_OK);
@@ -405,19 +397,20 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
   const std::vector<CubemapView> views{first.view(), second.view(), first.view()};
   std::vector<welkin_environment> probes;
   for (const CubemapView& view : views) probes.push_back(c_view(view));
-  for (const auto& [options, c_options] : all_wanted()) {
+  for (const welkin_projection_options& asked : all_wanted()) {
+    const ProjectionOptions options = c_interface::projection_options(&asked);
     std::vector<dvec3> expected(static_cast<std::size_t>(3 * options.bands * options.bands));
     const ProjectionDiagnostics sum = project_many(views, expected, options);
     std::vector<double> found(3 * expected.size());
     auto totals = c_struct<welkin_projection>();
-    REQUIRE(welkin_project_many(probes.data(), 3, &c_options, nullptr, found.data(), &totals) == WELKIN_OK);
+    REQUIRE(welkin_project_many(probes.data(), 3, &asked, nullptr, found.data(), &totals) == WELKIN_OK);
     CHECK(std::memcmp(expected.data(), found.data(), found.size() * sizeof(double)) == 0);
     CHECK(totals.texels == sum.texels);
     CHECK(totals.nans_replaced == sum.nans_replaced);
     CHECK(totals.bands == 0);
     CHECK(totals.total_radiance[1] == sum.total_radiance[1]);
     CHECK(totals.error_estimate == sum.error_estimate);
-    CHECK(welkin_project_many(probes.data(), 3, &c_options, nullptr, found.data(), nullptr) == WELKIN_OK);
+    CHECK(welkin_project_many(probes.data(), 3, &asked, nullptr, found.data(), nullptr) == WELKIN_OK);
   }
   CHECK(welkin_project_many(nullptr, 0, nullptr, nullptr, nullptr, nullptr) == WELKIN_OK);
   for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{1} << 31, std::numeric_limits<std::int64_t>::max()}) {

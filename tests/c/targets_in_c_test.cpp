@@ -196,9 +196,6 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
   const auto wide = make_lat_long(Content::one_texel_sun, 16, 8, 1);
   const welkin_environment cube_view = c_view(cube.view());
   const welkin_environment wide_view = c_view(wide.view());
-  BakeOptions options{.specular = PrefilterOptions{.size = 4, .roughness = {0.5}}};
-  options.irradiance->size = 2;
-  options.brdf.reset();
   const double roughness = 0.5;
   auto specular = c_struct<welkin_prefilter_options>();
   specular.size = 4;
@@ -208,6 +205,7 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
   asked.specular = &specular;
   asked.irradiance_size = 2;
   asked.leave_out = WELKIN_PART_BRDF;
+  const BakeOptions options = c_interface::bake_options(&asked);
 
   const CWorker worker(2);
   const auto check = [&](const auto& view, const auto& post) {
@@ -284,13 +282,12 @@ TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c
   const auto picture = make_lat_long(Content::high_range, 64, 32, 4);
   write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
   const std::string path = directory.file("sky.pfm").string();
-  const BakeResult expected =
-      bake_file(path, {}, {.specular = PrefilterOptions{.size = 16}, .irradiance = IrradianceOptions{.size = 8}});
   auto specular = c_struct<welkin_prefilter_options>();
   specular.size = 16;
   auto options = c_struct<welkin_bake_options>();
   options.specular = &specular;
   options.irradiance_size = 8;
+  const BakeResult expected = bake_file(path, {}, c_interface::bake_options(&options));
   auto reading = c_struct<welkin_read_options>();
   reading.layout = WELKIN_LAYOUT_LAT_LONG;
   welkin_bake_result* at_once = nullptr;
