@@ -367,34 +367,6 @@ class Stress {
   std::atomic<Number> results_{0};
 };
 
-/// Ends the program, with the seed, if the test does not end.
-class Watchdog {
- public:
-  explicit Watchdog(unsigned seed)
-      : thread_([this, seed] {
-          std::unique_lock lock(mutex_);
-          if (!over_.wait_for(lock, kLongest + kPatience, [this] { return is_over_; })) {
-            give_up(("stress test, WELKIN_STRESS_SEED=" + std::to_string(seed)).c_str());
-          }
-        }) {}
-  ~Watchdog() {
-    {
-      const std::scoped_lock lock(mutex_);
-      is_over_ = true;
-    }
-    over_.notify_one();
-    thread_.join();
-  }
-  Watchdog(const Watchdog&) = delete;
-  Watchdog& operator=(const Watchdog&) = delete;
-
- private:
-  std::mutex mutex_;
-  std::condition_variable over_;
-  bool is_over_ = false;
-  std::thread thread_;
-};
-
 unsigned chosen_seed() {
   const char* chosen = std::getenv("WELKIN_STRESS_SEED");
   return chosen != nullptr ? static_cast<unsigned>(std::strtoul(chosen, nullptr, 10))
@@ -405,8 +377,7 @@ unsigned chosen_seed() {
 
 TEST_CASE("workers stand whatever is done to them at once", "[worker][stress][slow]") {
   const unsigned seed = chosen_seed();
-  INFO("WELKIN_STRESS_SEED=" << seed);
-  const Watchdog watchdog(seed);
+  std::fprintf(stderr, "WELKIN_STRESS_SEED=%u\n", seed);  // at once: ctest ends a test that hangs and shows this
   Number posted = 0;
   Number checked = 0;
   {
