@@ -27,7 +27,7 @@ void run(std::size_t count, Placement placement, const Control& control,
   jobs::run_tiles(count, placement, jobs::worker_count(placement), control, tile);
 }
 
-/// Whether two of some tiles ever ran with the same worker's number at once, or one with a number that there is not.
+/// True if two tiles ever ran with the same worker's number at once, or one with a number that there is not.
 bool tiles_share_workers(std::size_t count) {
   std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
   std::atomic<bool> shared{false};

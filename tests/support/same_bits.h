@@ -21,7 +21,7 @@ inline bool same_bits(std::span<const float> wanted, const float* found) {
   return std::memcmp(wanted.data(), found, wanted.size() * sizeof(float)) == 0;
 }
 
-/// What was found in the pixels, without the passes.
+/// Compares the counts and sums of pixels, without the passes.
 inline bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {
   return a.texels == b.texels && a.nans_replaced == b.nans_replaced && a.infinities_replaced == b.infinities_replaced &&
          a.negatives_replaced == b.negatives_replaced && a.texels_clamped == b.texels_clamped &&
