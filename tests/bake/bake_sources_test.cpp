@@ -16,81 +16,6 @@
 
 namespace welkin::test {
 
-// Promise: a file bakes as what is in it; an .env file keeps its polynomial.
-
-TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
-  const TemporaryDirectory directory;
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
-  write_environment(directory.file("sky.pfm"), picture.view());
-  std::vector<double> reports;
-  const Control control{{}, [&](double done) { reports.push_back(done); }};
-  BakeResult found = bake_file(directory.file("sky.pfm"), {}, small_bake(), control);
-  REQUIRE(!reports.empty());
-  CHECK(std::is_sorted(reports.begin(), reports.end()));
-  CHECK(reports.back() == 1.0);
-  REQUIRE(!found.diagnostics.passes.empty());
-  CHECK(found.diagnostics.passes.front().name == "read");
-  CHECK(found.diagnostics.passes.front().reason.find("PFM") != std::string::npos);
-  CHECK(!found.stored_polynomial);
-  found.diagnostics.passes.erase(found.diagnostics.passes.begin());
-  CHECK(same_bits(found, bake(picture.view(), small_bake())));
-}
-
-TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][codec]") {
-  const TemporaryDirectory directory;
-  Cubemap chain(16, full_chain_levels(16));
-  for (int level = 0; level < chain.levels(); ++level) {
-    const TestCubemap pixels = make_cubemap(Content::smooth, chain.level_size(level), 3, 3);
-    std::memcpy(chain.face(level, 0), pixels.pixels.data(), pixels.pixels.size() * sizeof(float));
-  }
-  const SphericalHarmonics radiance = project(chain.view(0)).radiance;
-  BabylonEnvironment environment = to_babylon(chain, radiance);
-  environment.polynomial->xx = {41.0, 42.0, 43.0};  // one that no pixels have
-  write_babylon_environment(directory.file("sky.env"), environment);
-
-  BakeResult found = bake_file(directory.file("sky.env"), {}, small_bake());
-  REQUIRE(found.stored_polynomial);
-  CHECK(found.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
-  CHECK(pass_named(found, "project").action == PassAction::reuse);
-  CHECK(found.diagnostics.passes.front().name == "read");
-  // That is also where the coefficients and the irradiance come from.
-  const Projection stored = project_file(directory.file("sky.env"));
-  REQUIRE(found.radiance);
-  CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), stored.radiance.coefficients()));
-  CHECK(same_bits(*found.irradiance, irradiance_cubemap(irradiance_from_radiance(stored.radiance), 5)));
-  CHECK(same_bits(found.diagnostics.total_radiance, stored.diagnostics.total_radiance));
-  CHECK(found.diagnostics.texels == 6 * 16 * 16);
-
-  // More bands are not in it. RGBD rounds to some parts of a thousand: the same picture, the same way round.
-  BakeOptions more = small_bake();
-  more.bands = 4;
-  const BakeResult projected = bake_file(directory.file("sky.env"), {}, more);
-  CHECK(pass_named(projected, "project").action == PassAction::run);
-  CHECK(projected.stored_polynomial);
-  for (std::size_t k = 0; k < 9; ++k) {
-    INFO("coefficient " << k);
-    CHECK(glm::length(projected.radiance->coefficients()[k] - radiance.coefficients()[k]) < 0.01);
-  }
-}
-
-TEST_CASE("Files that cannot be baked say why", "[bake][codec]") {
-  const TemporaryDirectory directory;
-  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("none.hdr"))); }).code == ErrorCode::file_access);
-  write_bytes(directory.file("text.hdr"), {'n', 'o'});
-  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("text.hdr"))); }).says("text.hdr"));
-  const TestLatLong picture = make_lat_long(Content::nan_bearing, 64, 32, 3);
-  write_environment(directory.file("nan.pfm"), picture.view());
-  BakeOptions options = small_bake();
-  options.pixels.nan = NonFinitePolicy::reject;
-  const ThrownError error = thrown_by([&] { static_cast<void>(bake_file(directory.file("nan.pfm"), {}, options)); });
-  CHECK(error.code == ErrorCode::rejected_pixel);
-  CHECK(error.says("nan.pfm"));
-  CHECK(error.says("row"));
-}
-
-// Promise: what a file carries already is taken as it is and not computed again, and pixels that no pass wants are not
-// even read.
-
 namespace {
 
 constexpr int kSize = 16;
@@ -128,6 +53,74 @@ std::filesystem::path write_ktx2(const TemporaryDirectory& directory, const std:
 }
 
 }  // namespace
+
+// Promise: a file bakes as what is in it; an .env file keeps its polynomial.
+
+TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), picture.view());
+  std::vector<double> reports;
+  const Control control{{}, [&](double done) { reports.push_back(done); }};
+  BakeResult found = bake_file(directory.file("sky.pfm"), {}, small_bake(), control);
+  REQUIRE(!reports.empty());
+  CHECK(std::is_sorted(reports.begin(), reports.end()));
+  CHECK(reports.back() == 1.0);
+  REQUIRE(!found.diagnostics.passes.empty());
+  CHECK(found.diagnostics.passes.front().name == "read");
+  CHECK(found.diagnostics.passes.front().reason.find("PFM") != std::string::npos);
+  CHECK(!found.stored_polynomial);
+  found.diagnostics.passes.erase(found.diagnostics.passes.begin());
+  CHECK(same_bits(found, bake(picture.view(), small_bake())));
+}
+
+TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = write_env(directory);
+
+  BakeResult found = bake_file(path, {}, small_bake());
+  REQUIRE(found.stored_polynomial);
+  CHECK(found.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
+  CHECK(pass_named(found, "project").action == PassAction::reuse);
+  CHECK(found.diagnostics.passes.front().name == "read");
+  // That is also where the coefficients and the irradiance come from.
+  const Projection stored = project_file(path);
+  REQUIRE(found.radiance);
+  CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), stored.radiance.coefficients()));
+  CHECK(same_bits(*found.irradiance, irradiance_cubemap(irradiance_from_radiance(stored.radiance), 5)));
+  CHECK(same_bits(found.diagnostics.total_radiance, stored.diagnostics.total_radiance));
+  CHECK(found.diagnostics.texels == 6 * 16 * 16);
+
+  // More bands are not in it. RGBD rounds to some parts of a thousand: the same picture, the same way round.
+  BakeOptions more = small_bake();
+  more.bands = 4;
+  const BakeResult projected = bake_file(path, {}, more);
+  const SphericalHarmonics radiance = project(odd_chain().view(0)).radiance;
+  CHECK(pass_named(projected, "project").action == PassAction::run);
+  CHECK(projected.stored_polynomial);
+  for (std::size_t k = 0; k < 9; ++k) {
+    INFO("coefficient " << k);
+    CHECK(glm::length(projected.radiance->coefficients()[k] - radiance.coefficients()[k]) < 0.01);
+  }
+}
+
+TEST_CASE("Files that cannot be baked say why", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("none.hdr"))); }).code == ErrorCode::file_access);
+  write_bytes(directory.file("text.hdr"), {'n', 'o'});
+  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("text.hdr"))); }).says("text.hdr"));
+  const TestLatLong picture = make_lat_long(Content::nan_bearing, 64, 32, 3);
+  write_environment(directory.file("nan.pfm"), picture.view());
+  BakeOptions options = small_bake();
+  options.pixels.nan = NonFinitePolicy::reject;
+  const ThrownError error = thrown_by([&] { static_cast<void>(bake_file(directory.file("nan.pfm"), {}, options)); });
+  CHECK(error.code == ErrorCode::rejected_pixel);
+  CHECK(error.says("nan.pfm"));
+  CHECK(error.says("row"));
+}
+
+// Promise: what a file carries already is taken as it is and not computed again, and pixels that no pass wants are not
+// even read.
 
 TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[plan][codec]") {
   const TemporaryDirectory directory;

@@ -8,47 +8,32 @@
 
 namespace welkin::test {
 
-/// Everything but times and memory; the reasons of passes too, but for whether a table was made before.
+/// Everything but passes, times and memory.
+inline bool same_results(const BakeResult& a, const BakeResult& b) {
+  const auto same = [](const auto& x, const auto& y, const auto& compare) {
+    return static_cast<bool>(x) == static_cast<bool>(y) && (!x || compare(*x, *y));
+  };
+  const auto cubemaps = [](const Cubemap& x, const Cubemap& y) { return same_bits(x, y); };
+  return same(a.background, b.background, cubemaps) && same(a.irradiance, b.irradiance, cubemaps) &&
+         same(a.specular, b.specular, [](const auto& x, const auto& y) { return same_bits(x.cubemap, y.cubemap); }) &&
+         same(a.octahedral, b.octahedral,
+              [](const auto& x, const auto& y) {
+                return x.size == y.size && x.border == y.border && x.levels == y.levels;
+              }) &&
+         same(a.radiance, b.radiance,
+              [](const auto& x, const auto& y) { return same_bytes(x.coefficients(), y.coefficients()); }) &&
+         same(a.brdf, b.brdf, [](const auto& x, const auto& y) { return same_bytes<float>(x.values, y.values); }) &&
+         same(a.stored_polynomial, b.stored_polynomial,
+              [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; }) &&
+         same_pixels(a.diagnostics, b.diagnostics);
+}
+
+/// The reasons of passes too, but for whether a table was made before.
 inline bool same_bits(const BakeResult& a, const BakeResult& b) {
-  const auto same_radiance = [&] {
-    if (a.radiance.has_value() != b.radiance.has_value()) return false;
-    return !a.radiance || same_bytes(a.radiance->coefficients(), b.radiance->coefficients());
-  };
-  const auto same_specular = [&] {
-    if (a.specular.has_value() != b.specular.has_value()) return false;
-    return !a.specular || same_bits(a.specular->cubemap, b.specular->cubemap);
-  };
-  const auto same_table = [&] {
-    if ((a.brdf == nullptr) != (b.brdf == nullptr)) return false;
-    return !a.brdf || same_bytes<float>(a.brdf->values, b.brdf->values);
-  };
-  const auto same_polynomial = [&] {
-    if (a.stored_polynomial.has_value() != b.stored_polynomial.has_value()) return false;
-    return !a.stored_polynomial ||
-           std::memcmp(&*a.stored_polynomial, &*b.stored_polynomial, sizeof *a.stored_polynomial) == 0;
-  };
-  const ProjectionDiagnostics& x = a.diagnostics;
-  const ProjectionDiagnostics& y = b.diagnostics;
-  const bool same_diagnostics =
-      x.texels == y.texels && x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
-      x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
-      same_bits(x.total_radiance, y.total_radiance) &&
-      same_bits(x.total_radiance_before_clamp, y.total_radiance_before_clamp) &&
-      std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
-                 [](const PassRecord& p, const PassRecord& q) {
-                   return p.name == q.name && (p.name == "brdf" || (p.action == q.action && p.reason == q.reason));
-                 });
-  const auto same = [](const auto& x_or_none, const auto& y_or_none) {
-    if (x_or_none.has_value() != y_or_none.has_value()) return false;
-    return !x_or_none || same_bits(*x_or_none, *y_or_none);
-  };
-  const auto same_map = [&] {
-    if (a.octahedral.has_value() != b.octahedral.has_value()) return false;
-    return !a.octahedral || (a.octahedral->size == b.octahedral->size && a.octahedral->border == b.octahedral->border &&
-                             a.octahedral->levels == b.octahedral->levels);
-  };
-  return same(a.background, b.background) && same_specular() && same_map() && same(a.irradiance, b.irradiance) &&
-         same_radiance() && same_table() && same_diagnostics && same_polynomial();
+  return same_results(a, b) &&
+         std::ranges::equal(a.diagnostics.passes, b.diagnostics.passes, [](const PassRecord& p, const PassRecord& q) {
+           return p.name == q.name && (p.name == "brdf" || (p.action == q.action && p.reason == q.reason));
+         });
 }
 
 inline const PassRecord& pass_named(const BakeResult& result, const std::string& name) {
@@ -64,6 +49,34 @@ inline BakeOptions small_bake(int size = 16) {
   options.irradiance->size = 5;
   options.brdf = BrdfTableOptions{.width = 9, .height = 7};
   return options;
+}
+
+/// Memory that bakes may take beyond what is predicted: tables by size that are kept between calls (weights, rules),
+/// TBB's own, and what is too small to be predicted.
+constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
+
+constexpr std::byte kUntouched{0xcd};
+
+/// Memory of one chain, to which nothing was written yet, and targets in it.
+struct TargetMemory {
+  explicit TargetMemory(const UploadLayout& layout)
+      : memory(upload_bytes(layout), kUntouched), targets(upload_targets(layout, memory)) {}
+
+  [[nodiscard]] bool untouched() const {
+    return std::ranges::all_of(memory, [](std::byte byte) { return byte == kUntouched; });
+  }
+
+  std::vector<std::byte> memory;
+  std::vector<CubemapTarget> targets;
+};
+
+/// The bytes that `store_texels` makes of a chain, whose size and levels the layout gets.
+inline std::vector<std::byte> stored(const Cubemap& chain, UploadLayout layout = {.format = TexelFormat::rgba32f}) {
+  layout.size = chain.size();
+  layout.levels = chain.levels();
+  TargetMemory block(layout);
+  static_cast<void>(store_texels(chain, block.targets));
+  return block.memory;
 }
 
 }  // namespace welkin::test

@@ -1,5 +1,6 @@
 // Reflections, bakes and tables through the C interface: the bits of the C++ calls.
 #include "c/c_calls.h"
+#include "c/c_worker.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
@@ -19,48 +20,17 @@ const std::vector<double> kLobes{0.0, 0.31, 0.9};
 const std::vector<double> kWide{0.5, 0.8};
 const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
-/// Every option away from its default in one of them at least, in both languages.
-struct WantedReflections {
-  PrefilterOptions options;
-  welkin_prefilter_options c_options;
-};
-
-std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
-  std::vector<WantedReflections> all(8, {{.size = 16}, c_struct<welkin_prefilter_options>()});
-  for (auto& wanted : all) wanted.c_options.size = 16;
-  all[1].options = {.size = 16,
-                    .roughness = kRoughness,
-                    .method = PrefilterMethod::reference,
-                    .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
-  all[1].c_options.roughness = kRoughness.data();
-  all[1].c_options.roughness_count = 3;
-  all[1].c_options.method = WELKIN_PREFILTER_REFERENCE;
-  all[1].c_options.pixels = policy;
-  all[2].options = {.size = 16, .mips = 2, .rms_error = 1e-2, .maximum_error = 5e-2};
-  all[2].c_options.mips = 2;
-  all[2].c_options.rms_error = 1e-2;
-  all[2].c_options.maximum_error = 5e-2;
-  all[5].options = PrefilterOptions::at(Quality::fast);
-  all[5].options.size = 16;
-  all[5].c_options.quality = WELKIN_QUALITY_FAST;
-  all[6].options = {.size = 16, .mips = 3, .rms_error = 2e-3};  // which wins over the quality
-  all[6].c_options.mips = 3;
-  all[6].c_options.rms_error = 2e-3;
-  all[6].c_options.quality = WELKIN_QUALITY_REFERENCE;
-  all[7].options = {.size = 16, .roughness = kRoughness, .lobe_roughness = kLobes};
-  all[7].c_options.roughness = kRoughness.data();
-  all[7].c_options.lobe_roughness = kLobes.data();
-  all[7].c_options.roughness_count = 3;
-  all[3].options = {.size = 16, .roughness = {0.5, 0.8}, .lobe = LobeFamily::charlie};
-  all[3].c_options.roughness = kWide.data();
-  all[3].c_options.roughness_count = 2;
-  all[3].c_options.lobe = WELKIN_LOBE_FAMILY_CHARLIE;
-  all[4].options = {.size = 16, .mips = 2, .lobe = LobeFamily::spectra, .spectra = {{1.0, 0.5, 0.25}, {2.0, 0.5, 0.0}}};
-  all[4].c_options.mips = 2;
-  all[4].c_options.lobe = WELKIN_LOBE_FAMILY_SPECTRA;
-  all[4].c_options.spectra = kSpectra.data();
-  all[4].c_options.spectrum_bands = 3;
-  return all;
+/// The defaults, and what callers give by pointers. (fields_in_c_test.cpp has what each option is in C++.)
+std::array<welkin_prefilter_options, 2> wanted_reflections(const welkin_pixel_policy* policy) {
+  std::array<welkin_prefilter_options, 2> both;
+  both.fill(c_struct<welkin_prefilter_options>());
+  for (auto& wanted : both) wanted.size = 16;
+  both[1].roughness = kRoughness.data();
+  both[1].lobe_roughness = kLobes.data();
+  both[1].roughness_count = 3;
+  both[1].method = WELKIN_PREFILTER_REFERENCE;
+  both[1].pixels = policy;
+  return both;
 }
 
 welkin_pixel_policy clamping_policy() {
@@ -110,15 +80,16 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]
   const welkin_environment lat_long_view = c_view(picture.view());
   const auto policy = clamping_policy();
   bool posts = false;  // one kind of source each time, the other the next time
-  for (const auto& [options, c_options] : all_reflections(&policy)) {
-    const auto check = [&, asked = &c_options](const welkin_environment& view, const PrefilteredSpecular& expected) {
+  for (const welkin_prefilter_options& asked : wanted_reflections(&policy)) {
+    const PrefilterOptions options = c_interface::prefilter_options(&asked, 256, true);
+    const auto check = [&](const welkin_environment& view, const PrefilteredSpecular& expected) {
       welkin_chain* chain = nullptr;
       if (posts) {
         chain = posted_handle<welkin_chain>(
-            [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &view, asked, nullptr, job); },
+            [&](welkin_job** job) { return welkin_post_prefilter(worker.get(), &view, &asked, nullptr, job); },
             welkin_job_get_chain);
       } else {
-        REQUIRE(welkin_prefilter(&view, asked, nullptr, &chain) == WELKIN_OK);
+        REQUIRE(welkin_prefilter(&view, &asked, nullptr, &chain) == WELKIN_OK);
       }
       require_same(chain, expected);
       welkin_chain_destroy(chain);
@@ -157,53 +128,9 @@ TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refuse
   });
 }
 
-TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface][slow]") {
-  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_environment view = c_view(cube.view());
-  welkin_chain* chain = nullptr;
-  REQUIRE(welkin_prefilter(&view, nullptr, nullptr, &chain) == WELKIN_OK);
-  require_same(chain, prefilter_specular(cube.view()));
-  welkin_chain_destroy(chain);
-}
-
-TEST_CASE("C: chains by a schedule have its roughness and its number of mips", "[c_interface]") {
-  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
-  const welkin_environment view = c_view(cube.view());
-  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon,
-                              RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
-    for (const bool fitted : {false, true}) {
-      auto options = c_struct<welkin_prefilter_options>();
-      options.size = 8;
-      options.rms_error = 0.1;
-      options.schedule = static_cast<welkin_roughness_schedule>(schedule) + 1;
-      options.fitted = fitted ? 1 : 0;
-      welkin_chain* chain = nullptr;
-      REQUIRE(welkin_prefilter(&view, &options, nullptr, &chain) == WELKIN_OK);
-      const int mips = default_mip_count(schedule, 8);
-      auto info = c_struct<welkin_chain_info>();
-      REQUIRE(welkin_chain_get_info(chain, &info) == WELKIN_OK);
-      REQUIRE(info.levels == mips);
-      const std::vector<double> roughness = mip_roughness(schedule, mips, 8);
-      const std::vector<double> lobes = fitted ? fitted_mip_roughness(schedule, mips, 8) : roughness;
-      for (int level = 0; level < mips; ++level) {
-        auto mip = c_struct<welkin_mip>();
-        REQUIRE(welkin_chain_get_mip(chain, level, &mip) == WELKIN_OK);
-        CHECK(mip.roughness == roughness[static_cast<std::size_t>(level)]);
-        CHECK(mip.lobe_roughness == lobes[static_cast<std::size_t>(level)]);
-      }
-      welkin_chain_destroy(chain);
-    }
-  }
-}
-
 // Bakes.
 
 namespace {
-
-struct WantedBake {
-  BakeOptions options;
-  welkin_bake_options c_options;
-};
 
 /// What the C options point to.
 struct BakeParts {
@@ -212,56 +139,31 @@ struct BakeParts {
   welkin_pixel_policy pixels = clamping_policy();
 };
 
-std::vector<WantedBake> all_bakes(BakeParts& parts) {
+/// Everything at once, and irradiance alone.
+std::array<welkin_bake_options, 2> wanted_bakes(BakeParts& parts) {
   parts.specular.size = 16;
   parts.brdf.width = 16;
   parts.brdf.height = 8;
   parts.brdf.multiple_scattering = 1;
   parts.brdf.without_sheen = 1;
-  const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
-  const PrefilterOptions specular{.size = 16};
-  std::vector<WantedBake> all(7, {{.specular = specular}, c_struct<welkin_bake_options>()});
-  for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
-  all[4].options.irradiance->rms_error = 1e-6;
-  all[4].options.irradiance->size = 4;
-  all[4].c_options.irradiance_rms_error = 1e-6;
-  all[4].c_options.irradiance_size = 4;
-  all[6].options.specular = PrefilterOptions::at(Quality::fast);
-  all[6].options.specular->size = 16;
-  all[6].options.irradiance->rms_error = 1e-2;
-  all[6].c_options.quality = WELKIN_QUALITY_FAST;
-  all[5].options.octahedral = OctahedralOptions{.size = 24, .levels = 2, .border = 4};
-  all[5].c_options.octahedral_size = 24;
-  all[5].c_options.octahedral_levels = 2;
-  all[5].c_options.octahedral_border = 4;
-  all[1].options = {.background = BackgroundOptions{.size = 8, .mips = false, .mip_filter = MipFilter::box},
-                    .specular = specular,
-                    .irradiance = IrradianceOptions{.size = 8, .method = IrradianceMethod::harmonics},
-                    .bands = 5,
-                    .brdf = brdf,
-                    .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
-  all[1].c_options.background_size = 8;
-  all[1].c_options.background_without_mips = 1;
-  all[1].c_options.background_box_filter = 1;
-  all[1].c_options.irradiance_size = 8;
-  all[1].c_options.irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
-  all[1].c_options.bands = 5;
-  all[1].c_options.brdf = &parts.brdf;
-  all[1].c_options.pixels = &parts.pixels;
-  all[2].options = {.background = std::nullopt,
-                    .specular = std::nullopt,
-                    .irradiance = IrradianceOptions{.size = 4, .method = IrradianceMethod::direct},
-                    .bands = 0,
-                    .brdf = std::nullopt};
-  all[2].c_options.leave_out = WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
-  all[2].c_options.irradiance_size = 4;
-  all[2].c_options.irradiance_method = WELKIN_IRRADIANCE_DIRECT;
-  all[3].options = {.background = BackgroundOptions{.mip_filter = MipFilter::box},
-                    .specular = std::nullopt,
-                    .irradiance = std::nullopt};
-  all[3].c_options.background_box_filter = 1;
-  all[3].c_options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE;
-  return all;
+  std::array<welkin_bake_options, 2> both;
+  both.fill(c_struct<welkin_bake_options>());
+  both[0].background_size = 8;
+  both[0].background_without_mips = 1;
+  both[0].background_box_filter = 1;
+  both[0].specular = &parts.specular;
+  both[0].octahedral_size = 24;
+  both[0].octahedral_levels = 2;
+  both[0].octahedral_border = 4;
+  both[0].irradiance_size = 8;
+  both[0].irradiance_method = WELKIN_IRRADIANCE_HARMONICS;
+  both[0].bands = 5;
+  both[0].brdf = &parts.brdf;
+  both[0].pixels = &parts.pixels;
+  both[1].leave_out = WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
+  both[1].irradiance_size = 4;
+  both[1].irradiance_method = WELKIN_IRRADIANCE_DIRECT;
+  return both;
 }
 
 void require_same_table(const welkin_bake_result* result, const BrdfTable& expected) {
@@ -301,17 +203,17 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
   REQUIRE(welkin_bake_result_get_info(result, &info) == WELKIN_OK);
   REQUIRE(info.peak_bytes == expected.peak_bytes);
   const auto has = [&](welkin_parts part) { return (info.parts & part) != 0; };
-  const auto* const background = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
-  REQUIRE(has(WELKIN_PART_BACKGROUND) == expected.background.has_value());
-  REQUIRE((background != nullptr) == expected.background.has_value());
+  const auto chain = [&](welkin_parts part, bool wanted) {
+    const welkin_chain* const made = welkin_bake_result_chain(result, part);
+    REQUIRE(has(part) == wanted);
+    REQUIRE((made != nullptr) == wanted);
+    return made;
+  };
+  const auto* const background = chain(WELKIN_PART_BACKGROUND, expected.background.has_value());
   if (background != nullptr) require_same_chain(background, *expected.background);
-  const auto* const specular = welkin_bake_result_chain(result, WELKIN_PART_SPECULAR);
-  REQUIRE(has(WELKIN_PART_SPECULAR) == expected.specular.has_value());
-  REQUIRE((specular != nullptr) == expected.specular.has_value());
+  const auto* const specular = chain(WELKIN_PART_SPECULAR, expected.specular.has_value());
   if (specular != nullptr) require_same(specular, *expected.specular);
-  const auto* const irradiance = welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE);
-  REQUIRE(has(WELKIN_PART_IRRADIANCE) == expected.irradiance.has_value());
-  REQUIRE((irradiance != nullptr) == expected.irradiance.has_value());
+  const auto* const irradiance = chain(WELKIN_PART_IRRADIANCE, expected.irradiance.has_value());
   if (irradiance != nullptr) REQUIRE(same_texels(texels_of(irradiance, 0), expected.irradiance->pixels()));
   REQUIRE(has(WELKIN_PART_HARMONICS) == expected.radiance.has_value());
   auto light = c_struct<welkin_projection>();
@@ -342,15 +244,16 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
   const welkin_environment lat_long_view = c_view(picture.view());
   BakeParts parts;
   bool posts = false;  // one kind of source each time, the other the next time
-  for (const auto& [options, c_options] : all_bakes(parts)) {
-    const auto check = [&, asked = &c_options](const welkin_environment& view, const BakeResult& expected) {
+  for (const welkin_bake_options& asked : wanted_bakes(parts)) {
+    const BakeOptions options = c_interface::bake_options(&asked);
+    const auto check = [&](const welkin_environment& view, const BakeResult& expected) {
       welkin_bake_result* result = nullptr;
       if (posts) {
         result = posted_handle<welkin_bake_result>(
-            [&](welkin_job** job) { return welkin_post_bake(worker.get(), &view, asked, nullptr, nullptr, job); },
+            [&](welkin_job** job) { return welkin_post_bake(worker.get(), &view, &asked, nullptr, nullptr, job); },
             welkin_job_get_bake);
       } else {
-        REQUIRE(welkin_bake(&view, asked, nullptr, &result) == WELKIN_OK);
+        REQUIRE(welkin_bake(&view, &asked, nullptr, &result) == WELKIN_OK);
       }
       require_same(result, expected);
       welkin_bake_result_destroy(result);

@@ -1,6 +1,7 @@
 // What names an entry of the cache, and that no entry is believed.
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
+#include "cache/result_cache.h"
 #include "support/catch.h"
 #include "support/payload.h"
 #include "support/same_bits.h"
@@ -105,6 +106,9 @@ TEST_CASE("hash: files by their bytes") {
 
 namespace {
 
+/// A change of options.
+#define SET(...) [](auto& options) { options.__VA_ARGS__; }
+
 /// Every change gives a hash of its own.
 template <class Options>
 void check_changes(const Options& plain, const std::vector<std::function<void(Options&)>>& changes) {
@@ -127,52 +131,32 @@ void check_without_effect(const Options& plain, const std::function<void(Options
 TEST_CASE("options: every field of a projection counts") {
   using Options = ProjectionOptions;
   check_changes<Options>(
-      {}, {[](Options& o) { o.bands = 4; }, [](Options& o) { o.quadrature = Quadrature::midpoint; },
-           [](Options& o) { o.target_size = 4; }, [](Options& o) { o.pixels.clamp = RadianceClamp{}; },
-           [](Options& o) { o.pixels.clamp = RadianceClamp{2.0F}; },
-           [](Options& o) {
-             o.pixels.clamp = RadianceClamp{2.0F, true};
-           },
-           [](Options& o) { o.pixels.gamma = true; }, [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; },
-           [](Options& o) { o.pixels.infinity = NonFinitePolicy::reject; },
-           [](Options& o) { o.pixels.negative = NegativePolicy::replace; },
-           [](Options& o) { o.pixels.negative = NegativePolicy::reject; }});
+      {}, {SET(bands = 4), SET(quadrature = Quadrature::midpoint), SET(target_size = 4),
+           SET(pixels.clamp = RadianceClamp{}), SET(pixels.clamp = RadianceClamp{2.0F}),
+           SET(pixels.clamp = RadianceClamp{2.0F, true}), SET(pixels.gamma = true),
+           SET(pixels.nan = NonFinitePolicy::reject), SET(pixels.infinity = NonFinitePolicy::reject),
+           SET(pixels.negative = NegativePolicy::replace), SET(pixels.negative = NegativePolicy::reject)});
 }
 
 TEST_CASE("options: every field of a prefilter counts, but what it does not use of its pixels") {
   using Options = PrefilterOptions;
-  check_changes<Options>(
-      {}, {[](Options& o) { o.size = 4; }, [](Options& o) { o.mips = 4; }, [](Options& o) { o.roughness = {0.5}; },
-           [](Options& o) {
-             o.roughness = {0.5, 0.5};
-           },
-           [](Options& o) { o.lobe_roughness = {0.5}; }, [](Options& o) { o.lobe = LobeFamily::phong; },
-           [](Options& o) {
-             o.spectra = {{1.0, 0.5}};
-           },
-           [](Options& o) {
-             o.spectra = {{1.0}, {0.5}};
-           },
-           [](Options& o) { o.method = PrefilterMethod::spectral; }, [](Options& o) { o.rms_error = 0.5; },
-           [](Options& o) { o.maximum_error = 0.5; }, [](Options& o) { o.pixels.gamma = true; },
-           [](Options& o) { o.pixels.clamp = RadianceClamp{}; }});
+  check_changes<Options>({},
+                         {SET(size = 4), SET(mips = 4), SET(roughness = {0.5}), SET(roughness = {0.5, 0.5}),
+                          SET(lobe_roughness = {0.5}), SET(lobe = LobeFamily::phong), SET(spectra = {{1.0, 0.5}}),
+                          SET(spectra = {{1.0}, {0.5}}), SET(method = PrefilterMethod::spectral), SET(rms_error = 0.5),
+                          SET(maximum_error = 0.5), SET(pixels.gamma = true), SET(pixels.clamp = RadianceClamp{})});
 }
 
 TEST_CASE("options: every field of a bake counts, but its limit and what is not used") {
   using Options = BakeOptions;
   check_changes<Options>(
-      {},
-      {[](Options& o) { o.background->size = 4; }, [](Options& o) { o.background.reset(); },
-       [](Options& o) { o.background->mips = false; }, [](Options& o) { o.background->mip_filter = MipFilter::box; },
-       [](Options& o) { o.specular.reset(); }, [](Options& o) { o.specular->size = 4; },
-       [](Options& o) { o.irradiance->size = 4; }, [](Options& o) { o.irradiance.reset(); },
-       [](Options& o) { o.irradiance->method = IrradianceMethod::direct; },
-       [](Options& o) { o.irradiance->method = IrradianceMethod::harmonics; },
-       [](Options& o) { o.irradiance->rms_error = 1e-4; }, [](Options& o) { o.bands = 4; },
-       [](Options& o) { o.total_radiance = false; }, [](Options& o) { o.brdf.reset(); },
-       [](Options& o) { o.brdf->width = 4; }, [](Options& o) { o.brdf->height = 4; },
-       [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; }, [](Options& o) { o.brdf->sheen = false; },
-       [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});
+      {}, {SET(background->size = 4), SET(background.reset()), SET(background->mips = false),
+           SET(background->mip_filter = MipFilter::box), SET(specular.reset()), SET(specular->size = 4),
+           SET(irradiance->size = 4), SET(irradiance.reset()), SET(irradiance->method = IrradianceMethod::direct),
+           SET(irradiance->method = IrradianceMethod::harmonics), SET(irradiance->rms_error = 1e-4), SET(bands = 4),
+           SET(total_radiance = false), SET(brdf.reset()), SET(brdf->width = 4), SET(brdf->height = 4),
+           SET(brdf->model = BrdfModel::multiple_scattering), SET(brdf->sheen = false),
+           SET(pixels.nan = NonFinitePolicy::reject)});
   check_without_effect<Options>({}, [](Options& o) {
     o.memory_limit_bytes = 5;
     o.specular->pixels.gamma = true;
@@ -182,47 +166,34 @@ TEST_CASE("options: every field of a bake counts, but its limit and what is not 
 TEST_CASE("options: every field of reading counts, but its limit") {
   using Options = ReadOptions;
   check_changes<Options>(
-      {}, {[](Options& o) { o.layout = Layout::lat_long; }, [](Options& o) { o.part = std::string("a"); },
-           [](Options& o) { o.layer = std::string("a"); }, [](Options& o) { o.level = 1; },
-           [](Options& o) { o.transfer = Transfer::linear; }, [](Options& o) { o.primaries = Primaries::as_stored; }});
-  check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
+      {}, {SET(layout = Layout::lat_long), SET(part = std::string("a")), SET(layer = std::string("a")), SET(level = 1),
+           SET(transfer = Transfer::linear), SET(primaries = Primaries::as_stored)});
+  check_without_effect<Options>({}, SET(memory_limit_bytes = 5));
 }
 
 TEST_CASE("options: every field of sky tables counts, but their limit") {
   using Options = SkyTableOptions;
   check_changes<Options>(
-      {}, {[](Options& o) { o.layout = ScatteringLayout::compact; }, [](Options& o) { o.heights = 9; },
-           [](Options& o) { o.view_zeniths = 9; }, [](Options& o) { o.sun_zeniths = 9; },
-           [](Options& o) { o.sun_angles = 9; }, [](Options& o) { o.transmittance_heights = 9; },
-           [](Options& o) { o.transmittance_zeniths = 9; }, [](Options& o) { o.irradiance_heights = 9; },
-           [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.minimum_sun_elevation_degrees = -9.0; },
-           [](Options& o) { o.orders = 9; }, [](Options& o) { o.convergence_threshold = 0.5; },
-           [](Options& o) { o.truncate_orders = true; }, [](Options& o) { o.colour = SkyColour::linear_srgb; }});
-  check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
+      {},
+      {SET(layout = ScatteringLayout::compact), SET(heights = 9), SET(view_zeniths = 9), SET(sun_zeniths = 9),
+       SET(sun_angles = 9), SET(transmittance_heights = 9), SET(transmittance_zeniths = 9), SET(irradiance_heights = 9),
+       SET(irradiance_sun_zeniths = 9), SET(minimum_sun_elevation_degrees = -9.0), SET(orders = 9),
+       SET(convergence_threshold = 0.5), SET(truncate_orders = true), SET(colour = SkyColour::linear_srgb)});
+  check_without_effect<Options>({}, SET(memory_limit_bytes = 5));
 }
 
 TEST_CASE("options: every field of an atmosphere counts, but its name") {
   using Options = Atmosphere;
   check_changes<Options>(
-      earth(), {[](Options& o) { o.wavelengths_nm[1] = 500.0; }, [](Options& o) { o.bottom_radius_m += 1.0; },
-                [](Options& o) { o.top_radius_m += 1.0; }, [](Options& o) { o.rayleigh.scattering_per_m[2] *= 2.0; },
-                [](Options& o) {
-                  o.rayleigh.absorption_per_m = {0.0, 0.0, 1.0};
-                },
-                [](Options& o) { o.rayleigh.density[0].thickness_m += 1.0; },
-                [](Options& o) { o.rayleigh.density[0].exponential_term += 1.0; },
-                [](Options& o) { o.rayleigh.density[0].exponential_scale_per_m += 1.0; },
-                [](Options& o) { o.rayleigh.density[0].linear_term_per_m += 1.0; },
-                [](Options& o) { o.rayleigh.density[0].constant_term += 1.0; }, [](Options& o) { o.aerosol = {}; },
-                [](Options& o) { o.aerosol_phase = AerosolPhase::cornette_shanks; },
-                [](Options& o) { o.aerosol_asymmetry = 0.1; },
-                [](Options& o) {
-                  o.aerosol_asymmetries = {0.1, 0.2, 0.3};
-                },
-                [](Options& o) { o.night_zenith_luminance = 2e-4; }, [](Options& o) { o.absorbers.clear(); },
-                [](Options& o) { o.ground_albedo.clear(); }, [](Options& o) { o.solar_irradiance[0] *= 2.0; },
-                [](Options& o) { o.sun_angular_radius_degrees = 1.0; }});
-  check_without_effect<Options>(earth(), [](Options& o) { o.name = std::string("another"); });
+      earth(), {SET(wavelengths_nm[1] = 500.0), SET(bottom_radius_m += 1.0), SET(top_radius_m += 1.0),
+                SET(rayleigh.scattering_per_m[2] *= 2.0), SET(rayleigh.absorption_per_m = {0.0, 0.0, 1.0}),
+                SET(rayleigh.density[0].thickness_m += 1.0), SET(rayleigh.density[0].exponential_term += 1.0),
+                SET(rayleigh.density[0].exponential_scale_per_m += 1.0),
+                SET(rayleigh.density[0].linear_term_per_m += 1.0), SET(rayleigh.density[0].constant_term += 1.0),
+                SET(aerosol = {}), SET(aerosol_phase = AerosolPhase::cornette_shanks), SET(aerosol_asymmetry = 0.1),
+                SET(aerosol_asymmetries = {0.1, 0.2, 0.3}), SET(night_zenith_luminance = 2e-4), SET(absorbers.clear()),
+                SET(ground_albedo.clear()), SET(solar_irradiance[0] *= 2.0), SET(sun_angular_radius_degrees = 1.0)});
+  check_without_effect<Options>(earth(), SET(name = std::string("another")));
 }
 
 }  // namespace
@@ -382,6 +353,67 @@ TEST_CASE("entries: a folder that cannot be is no reason to fail") {
   CHECK(cache.statistics().write_failures == 2);
   CHECK_FALSE(cache.statistics().last_failure.empty());
   CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == PassAction::reuse);
+}
+
+// Entries that somebody else made: sizes that cannot be, no memory for what they state.
+
+TEST_CASE("entries: no memory is taken for more than an entry of its kind can have") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  EntryFolder folder(place, kLarge);
+  folder.store(named(1), std::vector<std::uint8_t>(100, 7));
+  CHECK(folder.find(named(1), 100).has_value());
+  CHECK_FALSE(folder.find(named(1), 99).has_value());
+  CHECK(folder.counts().damaged == 1);
+
+  // A sparse file of a terabyte whose header says so, under the name of a projection's entry.
+  const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
+  const CacheOptions options{.folder = place, .memory_bytes = 0, .disk_bytes = std::uint64_t{1} << 50U};
+  static_cast<void>(ResultCache(options).project(picture.view()));
+  REQUIRE(files_in(place).size() == 1);
+  const std::filesystem::path entry = files_in(place).front();
+  std::vector<char> bytes = read_bytes(entry);
+  bytes.resize(cache::kEntryHeaderBytes);
+  const std::uint64_t payload = std::uint64_t{1} << 40U;
+  std::memcpy(bytes.data() + 32, &payload, sizeof payload);
+  const std::uint64_t sum = hash_bytes(bytes.data(), cache::kEntryHeaderBytes - sizeof payload).low;
+  std::memcpy(bytes.data() + cache::kEntryHeaderBytes - sizeof sum, &sum, sizeof sum);
+  write_bytes(entry, bytes);
+  std::error_code unsupported;
+  std::filesystem::resize_file(entry, payload + cache::kEntryHeaderBytes, unsupported);
+  if (unsupported) return;  // a file system without sparse files
+  ResultCache cache(options);
+  CHECK(cache.project(picture.view()).radiance.at(1, 0) == project(picture.view()).radiance.at(1, 0));
+  CHECK(cache.statistics().damaged == 1);
+}
+
+TEST_CASE("entries: running out of memory for an entry is a miss") {
+  const TemporaryDirectory directory;
+  cache::ResultStore store({.folder = directory.file("cache"), .memory_bytes = 0});
+  const cache::EntryName name = named(1);
+  store.store(name, [] { return cache::Bytes(100, 7); });
+  const auto size = [](cache::ByteSpan bytes) { return std::optional(bytes.size()); };
+  REQUIRE(store.find(name, 100, size)->value == 100);
+  const auto no_memory = [](cache::ByteSpan) -> std::optional<std::size_t> { throw std::bad_alloc(); };
+  CHECK_FALSE(store.find(name, 100, no_memory).has_value());
+  CHECK(store.find(name, 100, size)->value == 100);  // it is still there
+  store.store(named(2), []() -> cache::Bytes { throw std::bad_alloc(); });
+  CHECK(store.statistics().write_failures == 1);
+  CHECK_FALSE(store.find(named(2), 100, size).has_value());
+}
+
+TEST_CASE("entries: bytes of the caller's are found again in another process's cache") {
+  const TemporaryDirectory directory;
+  const CacheOptions options{.folder = directory.file("cache"), .memory_bytes = 0};
+  const std::array bytes{std::byte{1}, std::byte{0}, std::byte{3}};
+  const ContentHash key = hash_bytes("key", 3);
+  ResultCache(options).keep_bytes(key, bytes);
+  ResultCache other(options);
+  const auto found = other.find_bytes(key, 3);
+  REQUIRE(found.has_value());
+  CHECK(std::ranges::equal(*found, bytes));
+  CHECK_FALSE(other.find_bytes(hash_bytes("kez", 3), 3).has_value());
+  CHECK_FALSE(other.find_bytes(key, 2).has_value());
 }
 
 }  // namespace

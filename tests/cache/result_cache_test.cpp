@@ -3,8 +3,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "bake/baked.h"
 #include "support/catch.h"
-#include "support/chains.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
@@ -19,28 +19,7 @@ namespace welkin::test {
 
 namespace {
 
-bool same_light(const Projection& a, const Projection& b) {
-  return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) &&
-         same_bits(a.diagnostics.total_radiance, b.diagnostics.total_radiance) &&
-         same_bits(a.diagnostics.total_radiance_before_clamp, b.diagnostics.total_radiance_before_clamp) &&
-         same_bits(a.diagnostics.error_estimate, b.diagnostics.error_estimate) &&
-         a.diagnostics.texels == b.diagnostics.texels && a.diagnostics.texels_clamped == b.diagnostics.texels_clamped &&
-         a.diagnostics.nans_replaced == b.diagnostics.nans_replaced &&
-         a.diagnostics.infinities_replaced == b.diagnostics.infinities_replaced &&
-         a.diagnostics.negatives_replaced == b.diagnostics.negatives_replaced;
-}
-
-bool same_bake(const BakeResult& a, const BakeResult& b) {
-  const auto same = [](const auto& x, const auto& y) {
-    return x.has_value() == y.has_value() && (!x || same_bits(*x, *y));
-  };
-  return same(a.background, b.background) && a.specular.has_value() == b.specular.has_value() &&
-         (!a.specular || same_bits(a.specular->cubemap, b.specular->cubemap)) && same(a.irradiance, b.irradiance) &&
-         a.radiance.has_value() == b.radiance.has_value() &&
-         (!a.radiance || same_bytes(a.radiance->coefficients(), b.radiance->coefficients())) &&
-         (a.brdf == nullptr) == (b.brdf == nullptr) && a.peak_bytes == b.peak_bytes &&
-         same_light({SphericalHarmonics(), a.diagnostics}, {SphericalHarmonics(), b.diagnostics});
-}
+bool same_bake(const BakeResult& a, const BakeResult& b) { return same_results(a, b) && a.peak_bytes == b.peak_bytes; }
 
 std::string action(const ProjectionDiagnostics& diagnostics, const std::string& pass) {
   for (const PassRecord& record : diagnostics.passes) {
@@ -49,7 +28,7 @@ std::string action(const ProjectionDiagnostics& diagnostics, const std::string& 
   return "none";
 }
 
-BakeOptions small_bake() {
+BakeOptions three_mips() {
   BakeOptions options{.specular = PrefilterOptions{.size = 16, .mips = 3}};
   options.irradiance->size = 8;
   options.brdf = BrdfTableOptions{8, 8};
@@ -120,7 +99,7 @@ TEST_CASE("cache: a bake is what it is without, and only what is missing is bake
   const TemporaryDirectory directory;
   const CacheOptions where{.folder = directory.file("cache"), .memory_bytes = 0};
   const TestLatLong lat_long = make_lat_long(Content::high_range, 64, 32, 5);
-  const BakeOptions options = small_bake();
+  const BakeOptions options = three_mips();
   ResultCache cache(where);
   const BakeResult first = cache.bake(lat_long.view(), options);
   CHECK(same_bake(first, bake(lat_long.view(), options)));
@@ -149,7 +128,7 @@ TEST_CASE("cache: a bake is what it is without, and only what is missing is bake
 TEST_CASE("cache: every option of a bake is part of some key", "[slow]") {
   ResultCache cache;
   const TestCubemap cubemap = make_cubemap(Content::special_values, 12, 3, 5);
-  std::vector<BakeOptions> all(17, small_bake());
+  std::vector<BakeOptions> all(17, three_mips());
   all[1].background->size = 10;
   all[2].background.reset();
   all[3].background->mips = false;
@@ -179,7 +158,7 @@ TEST_CASE("cache: every option of a bake is part of some key", "[slow]") {
 
 TEST_CASE("cache: mips that a plan leaves out are found in the whole chain, and those that it made are kept for it") {
   const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
-  BakeOptions options = small_bake();
+  BakeOptions options = three_mips();
   options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.3, 0.5, 0.8}};
   const Plan rest = plan(cubemap.view(), {.glossy = RoughnessRange{0.0, 0.5}}, options);
   REQUIRE(rest.options.specular->mips == 3);
@@ -192,9 +171,7 @@ TEST_CASE("cache: mips that a plan leaves out are found in the whole chain, and 
   static_cast<void>(rest_first.bake(cubemap.view(), rest));
   const BakeResult whole = rest_first.bake(cubemap.view(), options);
   CHECK(same_bake(whole, bake(cubemap.view(), options)));
-  for (const PassRecord& pass : whole.diagnostics.passes) {
-    if (pass.name == "specular") CHECK(pass.reason == "3 of 4 mips found in memory, the others computed");
-  }
+  CHECK(pass_named(whole, "specular").reason == "3 of 4 mips found in memory, the others computed");
 }
 
 TEST_CASE("cache: a prefilter and a file's projection are found again") {
@@ -247,7 +224,7 @@ TEST_CASE("cache: sky tables come back with the caller's own names and limits") 
 TEST_CASE("cache: what is refused without a cache is refused with one, hit or not") {
   ResultCache cache;
   const TestCubemap cubemap = make_cubemap(Content::smooth, 8, 3, 5);
-  BakeOptions options = small_bake();
+  BakeOptions options = three_mips();
   static_cast<void>(cache.bake(cubemap.view(), options));
   options.memory_limit_bytes = 1000;
   CHECK(thrown_by([&] { static_cast<void>(cache.bake(cubemap.view(), options)); }).code == ErrorCode::limit_exceeded);
@@ -272,17 +249,17 @@ TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever w
   TestCubemap cubemap = make_cubemap(Content::smooth, 16, 3, 2);
   for (std::size_t k = 0; k < cubemap.pixels.size(); ++k) cubemap.pixels[k] = k % 2 == 0 ? 1.0F : 1e-30F;
   cubemap.pixels[77] = 3e38F;
-  BakeOptions apart = small_bake();  // a background of another size than the chain's
+  BakeOptions apart = three_mips();  // a background of another size than the chain's
   apart.specular->size = 8;
   apart.background->size = 16;
-  const BakeResult truth = bake(cubemap.view(), small_bake());
+  const BakeResult truth = bake(cubemap.view(), three_mips());
   CHECK(truth.background->face(0, 0)[1] == 1e-30F);
   ResultCache cache;
-  CHECK(same_bits(*cache.bake(cubemap.view(), small_bake()).background, *truth.background));
+  CHECK(same_bits(*cache.bake(cubemap.view(), three_mips()).background, *truth.background));
   CHECK(same_bits(*cache.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
   ResultCache the_other_way;
   CHECK(same_bits(*the_other_way.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
-  CHECK(same_bits(*the_other_way.bake(cubemap.view(), small_bake()).background, *truth.background));
+  CHECK(same_bits(*the_other_way.bake(cubemap.view(), three_mips()).background, *truth.background));
 }
 
 TEST_CASE("cache: memory stays within its bound") {
@@ -317,18 +294,8 @@ bool same_mip(const MipRecord& a, const MipRecord& b) {
          a.lobe_roughness == b.lobe_roughness && a.error_between == b.error_between && same_bits(a.mean, b.mean);
 }
 
-bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {
-  return a.texels == b.texels && a.nans_replaced == b.nans_replaced && a.infinities_replaced == b.infinities_replaced &&
-         a.negatives_replaced == b.negatives_replaced && a.texels_clamped == b.texels_clamped &&
-         same_bits(a.total_radiance, b.total_radiance) &&
-         same_bits(a.total_radiance_before_clamp, b.total_radiance_before_clamp) &&
-         same_bits(a.error_estimate, b.error_estimate);
-}
-
 bool same_specular(const PrefilteredSpecular& a, const PrefilteredSpecular& b) {
-  const auto values = [](const Cubemap& c) { return std::span<const float>(c.face(0, 0), c.bytes() / 4); };
-  return a.cubemap.size() == b.cubemap.size() && a.cubemap.levels() == b.cubemap.levels() &&
-         same_bytes(values(a.cubemap), values(b.cubemap)) &&
+  return same_bits(a.cubemap, b.cubemap) &&
          std::equal(a.mips.begin(), a.mips.end(), b.mips.begin(), b.mips.end(), same_mip) &&
          same_pixels(a.pixels, b.pixels);
 }
@@ -475,11 +442,8 @@ TEST_CASE("chains: a bake with a mip more makes one mip, and says so") {
   const BakeResult made = cache.bake(cubemap.view(), options);
   CHECK(cache.statistics().misses == misses + 1);
   CHECK(same_specular(*made.specular, *bake(cubemap.view(), options).specular));
-  for (const PassRecord& pass : made.diagnostics.passes) {
-    if (pass.name != "specular") continue;
-    CHECK(pass.action == PassAction::run);
-    CHECK(pass.reason == "3 of 4 mips found in memory, the others computed");
-  }
+  CHECK(pass_named(made, "specular").action == PassAction::run);
+  CHECK(pass_named(made, "specular").reason == "3 of 4 mips found in memory, the others computed");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "cache/entry_store.h"
 #include "support/catch.h"
 #include "support/payload.h"
+#include "support/process_threads.h"
 #include "support/temporary_directory.h"
 
 namespace welkin::test {
@@ -144,11 +145,7 @@ TEST_CASE("entries: processes and threads that share a folder never see half an 
   kill(killed, SIGKILL);
   CHECK(exit_code(killed) == 256 + SIGKILL);
   std::vector<int> codes(3, -1);
-  std::vector<std::thread> threads;
-  for (unsigned k = 0; k < 3; ++k) {
-    threads.emplace_back([&, k] { codes[k] = work_among_others(place, 20 + k, 60); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  on_threads(3, [&](std::size_t k) { codes[k] = work_among_others(place, 20 + static_cast<unsigned>(k), 60); });
   CHECK(codes == std::vector<int>{0, 0, 0});
   EntryFolder folder(place, kLarge);
   for (unsigned number = 0; number < 12; ++number) {

@@ -54,15 +54,7 @@ void pixels_to_light() {
 }
 
 void sky_to_light() {
-  welkin::SkyTableOptions options{.heights = 4,
-                                  .view_zeniths = 16,
-                                  .sun_zeniths = 8,
-                                  .sun_angles = 4,
-                                  .transmittance_heights = 16,
-                                  .transmittance_zeniths = 64,
-                                  .irradiance_heights = 4,
-                                  .irradiance_sun_zeniths = 16,
-                                  .orders = 2};
+  welkin::SkyTableOptions options{.heights = 4, .view_zeniths = 16, .sun_zeniths = 8, .sun_angles = 4, .orders = 2};
   const auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth(), options));
   const welkin::SkyView view(tables, 0.0);
   const glm::dvec3 sun = welkin::sun_direction(30.0, 0.0);

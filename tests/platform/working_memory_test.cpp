@@ -4,6 +4,7 @@
 #include "platform/memory.h"
 #include "support/catch.h"
 #include "support/kept_memory.h"
+#include "support/process_threads.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/welkin.h"
@@ -168,21 +169,17 @@ TEST_CASE("Blocks below a mebibyte share huge pages, which are kept when none is
 
 TEST_CASE("A block belongs to one thread at a time", "[platform][memory][threads]") {
   const KeptMemory kept(8 * kMebi);
-  std::vector<std::thread> threads;
   std::vector<char> mixed(4, 0);
-  for (std::size_t k = 0; k < mixed.size(); ++k) {
-    threads.emplace_back([k, &mixed] {
-      for (std::size_t turn = 0; turn < 400; ++turn) {
-        const std::size_t bytes = turn % 8 == 7 ? platform::kMinOwnBlock : (1 + turn % 7) * platform::kMinKeptBlock;
-        platform::AlignedBuffer<std::size_t> buffer(bytes / sizeof(std::size_t));
-        std::fill_n(buffer.data(), buffer.size(), k);
-        if (std::any_of(buffer.data(), buffer.data() + buffer.size(), [&](std::size_t value) { return value != k; }))
-          mixed[k] = 1;
-        if (turn % 50 == 0) release_working_memory();
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  on_threads(mixed.size(), [&mixed](std::size_t k) {
+    for (std::size_t turn = 0; turn < 400; ++turn) {
+      const std::size_t bytes = turn % 8 == 7 ? platform::kMinOwnBlock : (1 + turn % 7) * platform::kMinKeptBlock;
+      platform::AlignedBuffer<std::size_t> buffer(bytes / sizeof(std::size_t));
+      std::fill_n(buffer.data(), buffer.size(), k);
+      if (std::any_of(buffer.data(), buffer.data() + buffer.size(), [&](std::size_t value) { return value != k; }))
+        mixed[k] = 1;
+      if (turn % 50 == 0) release_working_memory();
+    }
+  });
   CHECK(mixed == std::vector<char>(4, 0));
 }
 

@@ -109,6 +109,25 @@ class Gate {
   std::atomic<int> inside_{0};
 };
 
+/// A job that runs by now, and goes on until it is stopped.
+inline Job<int> running_job(Worker& worker, const PostOptions& options = {}) {
+  const auto gate = std::make_shared<Gate>();
+  gate->open();
+  Job<int> job = worker.post(
+      [gate](const Control& control) {
+        gate->pass();
+        run_until_stopped(control);
+        return 1;
+      },
+      options);
+  gate->wait_for_arrivals(1);
+  return job;
+}
+
+inline Job<int> post_value(Worker& worker, int value, const PostOptions& options = {}) {
+  return worker.post([value](const Control&) { return value; }, options);
+}
+
 /// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
 inline WorkerOptions options_with(int threads) {
   WorkerOptions options{.threads = threads, .thread_priority = ThreadPriority::normal};

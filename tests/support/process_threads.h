@@ -1,4 +1,5 @@
-// The threads of this process, as the system has them, and the functions of the libraries that it has loaded.
+// The threads of this process, as the system has them, work on several at once, and the functions of the libraries that
+// it has loaded.
 #pragma once
 
 #include "support/catch.h"
@@ -20,6 +21,14 @@ namespace welkin::test {
     if (before.count(thread) == 0) since.insert(thread);
   }
   return since;
+}
+
+/// Calls `work(0)` to `work(count - 1)`, each on a thread of its own, and waits for all.
+template <class Work>
+void on_threads(std::size_t count, const Work& work) {
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < count; ++k) threads.emplace_back([&work, k] { work(k); });
+  for (std::thread& thread : threads) thread.join();
 }
 
 /// A function of C that one of the libraries has; null: none does.

@@ -21,18 +21,24 @@ inline bool same_bits(std::span<const float> wanted, const float* found) {
   return std::memcmp(wanted.data(), found, wanted.size() * sizeof(float)) == 0;
 }
 
+/// Compares the counts and sums of pixels, without the passes.
+inline bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {
+  return a.texels == b.texels && a.nans_replaced == b.nans_replaced && a.infinities_replaced == b.infinities_replaced &&
+         a.negatives_replaced == b.negatives_replaced && a.texels_clamped == b.texels_clamped &&
+         same_bits(a.total_radiance_before_clamp, b.total_radiance_before_clamp) &&
+         same_bits(a.total_radiance, b.total_radiance) && same_bits(a.error_estimate, b.error_estimate);
+}
+
+/// All but the passes.
+inline bool same_light(const Projection& a, const Projection& b) {
+  return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) && same_pixels(a.diagnostics, b.diagnostics);
+}
+
 inline bool same_bits(const Projection& a, const Projection& b) {
-  const ProjectionDiagnostics& x = a.diagnostics;
-  const ProjectionDiagnostics& y = b.diagnostics;
-  return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) && x.texels == y.texels &&
-         x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
-         x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
-         same_bits(x.total_radiance_before_clamp, y.total_radiance_before_clamp) &&
-         same_bits(x.total_radiance, y.total_radiance) && same_bits(x.error_estimate, y.error_estimate) &&
-         std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
-                    [](const PassRecord& p, const PassRecord& q) {
-                      return p.name == q.name && p.action == q.action && p.reason == q.reason;
-                    });
+  return same_light(a, b) &&
+         std::ranges::equal(a.diagnostics.passes, b.diagnostics.passes, [](const PassRecord& p, const PassRecord& q) {
+           return p.name == q.name && p.action == q.action && p.reason == q.reason;
+         });
 }
 
 inline bool same_bits(const Cubemap& a, const Cubemap& b) {

@@ -185,20 +185,12 @@ TEST_CASE("callbacks can be drained after terminate", "[worker]") {
   Worker worker(options_with(1));
   std::vector<std::string> ends;
   const auto note_end = [&](Job<int> job) { ends.push_back(outcome(job)); };
-  worker.post([held = 1](const Control&) { return held; }).on_drain(note_end);
+  post_value(worker, 1).on_drain(note_end);
   worker.wait_until_idle();
-  auto gate = std::make_shared<Gate>();
-  auto held = worker.post([gate](const Control& control) {
-    gate->pass();
-    while (!control.stop.stop_requested()) std::this_thread::yield();
-    return 0;
-  });
-  gate->wait_for_arrivals(1);
-  std::move(held).on_drain(note_end);
-  worker.post([held = 2](const Control&) { return held; }).on_drain(note_end);
-  gate->open();
+  running_job(worker).on_drain(note_end);
+  post_value(worker, 2).on_drain(note_end);
   worker.terminate();
-  worker.post([held = 3](const Control&) { return held; }).on_drain(note_end);
+  post_value(worker, 3).on_drain(note_end);
   CHECK(ends.empty());
   CHECK(worker.drain() == 4);
   CHECK(std::count(ends.begin(), ends.end(), "result") == 1);
@@ -225,19 +217,11 @@ TEST_CASE("callbacks that were not drained are dropped with their worker", "[wor
 
 // Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
 
-namespace {
-
-Job<int> post(Worker& worker, int value) {
-  return worker.post([value](const Control&) { return value; });
-}
-
-}  // namespace
-
 TEST_CASE("continuations are chained, and run on the worker's threads", "[worker]") {
   WorkerOptions options = options_with(2);
   options.name = "chain";
   Worker worker(options);
-  auto job = post(worker, 2).then([](int value) { return value + 0.5; }).then([](double value) {
+  auto job = post_value(worker, 2).then([](int value) { return value + 0.5; }).then([](double value) {
     return std::to_string(value) + " on " + this_threads_name();
   });
   const std::string end = job.get();
@@ -259,7 +243,7 @@ TEST_CASE("nothing can be followed by nothing", "[worker]") {
 TEST_CASE("an error skips what follows", "[worker]") {
   Worker worker(options_with(1));
   int called = 0;
-  auto job = post(worker, 2)
+  auto job = post_value(worker, 2)
                  .then([](int) -> int { throw Error(ErrorCode::unsupported_file, "not this one"); })
                  .then([&](int value) {
                    ++called;
@@ -272,7 +256,7 @@ TEST_CASE("an error skips what follows", "[worker]") {
 
 TEST_CASE("a job that is ready can be followed", "[worker]") {
   Worker worker(options_with(1));
-  auto job = post(worker, 2);
+  auto job = post_value(worker, 2);
   CHECK(eventually([&] { return job.ready(); }));
   CHECK(std::move(job).then([](int value) { return value + 1; }).get() == 3);
 
@@ -283,20 +267,20 @@ TEST_CASE("a job that is ready can be followed", "[worker]") {
 
 TEST_CASE("after terminate what follows is stopped", "[worker]") {
   Worker worker(options_with(1));
-  auto ready = post(worker, 2);
+  auto ready = post_value(worker, 2);
   CHECK(eventually([&] { return ready.ready(); }));
   worker.terminate();
   bool called = false;
   auto follower = std::move(ready).then([&](int) { called = true; });
   CHECK(follower.ready());
   CHECK(outcome(follower) == "stopped");
-  CHECK(outcome(post(worker, 2).then([&](int) { called = true; })) == "stopped");
+  CHECK(outcome(post_value(worker, 2).then([&](int) { called = true; })) == "stopped");
   CHECK_FALSE(called);
 }
 
 TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
   Worker worker(options_with(2));
-  auto job = post(worker, 0);
+  auto job = post_value(worker, 0);
   for (int k = 0; k < 5000; ++k) {
     job = std::move(job).then([k](int value) { return value == k ? value + 1 : -1000000; });
   }
@@ -314,20 +298,13 @@ TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
 }
 
 TEST_CASE("a very long chain ends with its worker", "[worker][slow]") {
-  auto gate = std::make_shared<Gate>();
   Worker worker(options_with(1));
-  auto job = worker.post([gate](const Control& control) {
-    gate->pass();
-    while (!control.stop.stop_requested()) std::this_thread::yield();
-    return 0;
-  });
-  gate->wait_for_arrivals(1);
-  auto waiting = post(worker, 0);
+  auto job = running_job(worker);
+  auto waiting = post_value(worker, 0);
   for (int k = 0; k < 100'000; ++k) {
     job = std::move(job).then([](int value) { return value; });
     waiting = std::move(waiting).then([](int value) { return value; });
   }
-  gate->open();
   worker.terminate();
   CHECK(outcome(job) == "stopped");
   CHECK(outcome(waiting) == "stopped");
@@ -347,25 +324,16 @@ struct End {
   std::thread::id thread_id;
 };
 
-/// Awaits the job and tells `ended`.
+/// Awaits the job, in `drain()` if it is to, and says so to `ended`.
 template <class Result>
-Detached await_job(Job<Result> job, std::shared_ptr<std::promise<End>> ended) {
+Detached await_job(Job<Result> job, std::shared_ptr<std::promise<End>> ended, bool drained = false) {
   std::string outcome = "result";
   try {
-    static_cast<void>(co_await std::move(job));
-  } catch (const Error& error) {
-    outcome = name(error.code());
-  } catch (const std::exception& exception) {
-    outcome = exception.what();
-  }
-  ended->set_value({outcome, this_threads_name(), std::this_thread::get_id()});
-}
-
-template <class Result>
-Detached await_drained(Job<Result> job, std::shared_ptr<std::promise<End>> ended) {
-  std::string outcome = "result";
-  try {
-    static_cast<void>(co_await std::move(job).drained());
+    if (drained) {
+      static_cast<void>(co_await std::move(job).drained());
+    } else {
+      static_cast<void>(co_await std::move(job));
+    }
   } catch (const Error& error) {
     outcome = name(error.code());
   } catch (const std::exception& exception) {
@@ -430,10 +398,10 @@ TEST_CASE("a coroutine can ask to go on in drain", "[worker]") {
   auto ready = worker.post([](const Control&) { return 1; });
   CHECK(eventually([&] { return ready.ready(); }));
   Ended first;
-  await_drained(std::move(ready), first.promise);
+  await_job(std::move(ready), first.promise, true);
   CHECK_FALSE(first.there());
   Ended second;
-  await_drained(worker.post([](const Control&) -> int { throw std::runtime_error("enough"); }), second.promise);
+  await_job(worker.post([](const Control&) -> int { throw std::runtime_error("enough"); }), second.promise, true);
   worker.wait_until_idle();
   CHECK_FALSE(second.there());
   CHECK(worker.load().undrained == 2);
@@ -447,20 +415,12 @@ TEST_CASE("a coroutine can ask to go on in drain", "[worker]") {
 
 TEST_CASE("terminate goes on with coroutines, which find that they were stopped", "[worker]") {
   Worker worker(options_with(1));
-  auto gate = std::make_shared<Gate>();
   Ended running;
-  await_job(worker.post([gate](const Control& control) {
-    gate->pass();
-    while (!control.stop.stop_requested()) std::this_thread::yield();
-    return 1;
-  }),
-            running.promise);
-  gate->wait_for_arrivals(1);
+  await_job(running_job(worker), running.promise);
   Ended waiting;
   await_job(worker.post([](const Control&) { return 1; }), waiting.promise);
   Ended following;
   await_job(worker.post([](const Control&) { return 1; }).then([](int value) { return value; }), following.promise);
-  gate->open();
   worker.terminate();
   CHECK(running.there());
   CHECK(waiting.there());
@@ -480,10 +440,10 @@ TEST_CASE("the destructor goes on with coroutines that nobody drained", "[worker
   Ended stopped;
   {
     Worker worker(options_with(1));
-    await_drained(worker.post([](const Control&) { return 1; }), done.promise);
+    await_job(post_value(worker, 1), done.promise, true);
     worker.wait_until_idle();
     Hold hold(worker);
-    await_drained(worker.post([](const Control&) { return 1; }), stopped.promise);
+    await_job(post_value(worker, 1), stopped.promise, true);
     worker.post([](const Control&) {}).on_drain([](Job<void>) { FAIL("a callback is dropped"); });
   }
   CHECK(done.there());
@@ -519,7 +479,9 @@ TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]"
     WorkerOptions options = options_with(1);
     options.max_jobs = 2 * kJobs;
     Worker worker(options);
+    Hold hold(worker);  // its thread does not contend for the queue with each post
     for (int k = 0; k < kJobs; ++k) jobs.push_back(worker.post([k](const Control&) { return k >= 0 ? 1 : 0; }));
+    hold.let_go();
     worker.wait_until_idle();
   }
   await_all_drained(std::move(jobs), sum);

@@ -1,30 +1,28 @@
-// Of jobs with the same key the latest wins.
+// Which job runs when: of the same key the latest, of others by priority, as many as there is room for, and those that
+// other jobs wait for.
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include "support/catch.h"
 #include "support/jobs.h"
+#include "support/process_threads.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
 
 // Promise: of jobs with the same key the newest wins: it replaces one that waits and stops one that runs.
 
-namespace {
-
-auto value_request(int value) {
-  return [value](const Control&) { return value; };
-}
-
-}  // namespace
-
 TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
   Worker worker(options_with(1));
   std::atomic<bool> ran{false};
   Hold hold(worker);
   auto old = worker.post([&](const Control&) { ran = true; }, {.key = "probe 7"});
-  auto stranger = worker.post(value_request(1), {.key = "probe 8"});
-  auto keyless = worker.post(value_request(2));
-  auto newer = worker.post(value_request(3), {.key = "probe 7"});
+  auto stranger = post_value(worker, 1, {.key = "probe 8"});
+  auto keyless = post_value(worker, 2);
+  auto newer = post_value(worker, 3, {.key = "probe 7"});
   CHECK(old.ready());  // at once, with the only thread busy
   CHECK(outcome(old) == "replaced");
   CHECK_FALSE(old.cancel());
@@ -37,45 +35,27 @@ TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
 
 TEST_CASE("a newer job stops one of its key that runs", "[worker]") {
   Worker worker(options_with(1));
-  std::atomic<bool> inside{false};
-  auto old = worker.post(
-      [&](const Control& control) {
-        inside = true;
-        run_until_stopped(control);
-        return 1;
-      },
-      {.key = "sky"});
-  CHECK(eventually([&] { return inside.load(); }));
-  auto newer = worker.post(value_request(2), {.key = "sky"});
+  auto old = running_job(worker, {.key = "sky"});
+  auto newer = post_value(worker, 2, {.key = "sky"});
   CHECK(outcome(old) == "replaced");
   CHECK(newer.get() == 2);
 }
 
 TEST_CASE("the newest wins when posts race, and always gets its result", "[worker]") {
   Worker worker(options_with(2));
-  constexpr int kThreads = 4;
-  std::vector<std::vector<Job<int>>> jobs(kThreads);
-  std::vector<std::thread> threads;
-  for (int t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&, t] {
-      for (int k = 0; k < 300; ++k) {
-        jobs[static_cast<std::size_t>(t)].push_back(worker.post(value_request(k), {.key = "sky"}));
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  std::vector<std::vector<Job<int>>> jobs(4);
+  on_threads(jobs.size(), [&](std::size_t t) {
+    for (int k = 0; k < 300; ++k) jobs[t].push_back(post_value(worker, k, {.key = "sky"}));
+  });
   std::uint64_t newest = 0;
   for (const auto& own : jobs) newest = std::max(newest, own.back().id());
   for (auto& own : jobs) {
     for (int k = 0; k < 300; ++k) {
       auto& job = own[static_cast<std::size_t>(k)];
       const std::uint64_t id = job.id();
-      std::string end;
-      try {
-        end = take(job) == k ? "result" : "wrong";
-      } catch (const Error& error) {
-        end = name(error.code());
-      }
+      int value = k;
+      const std::string end = outcome_of([&] { value = take(job); });
+      CHECK(value == k);
       if (id == newest) CHECK(end == "result");
       CHECK((end == "result" || end == "replaced"));
     }
@@ -86,11 +66,11 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   Worker worker(options_with(1));
   Hold hold(worker);
   bool called = false;
-  auto follower = worker.post(value_request(1), {.key = "sky"}).then([&](int) { called = true; });
+  auto follower = post_value(worker, 1, {.key = "sky"}).then([&](int) { called = true; });
   std::string drained;
-  worker.post(value_request(2), {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
-  auto newer_sky = worker.post(value_request(3), {.key = "sky"});
-  auto newer_probe = worker.post(value_request(4), {.key = "probe"});
+  post_value(worker, 2, {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
+  auto newer_sky = post_value(worker, 3, {.key = "sky"});
+  auto newer_probe = post_value(worker, 4, {.key = "probe"});
   CHECK(worker.drain() == 1);
   CHECK(drained == "replaced");
   hold.let_go();
@@ -105,23 +85,12 @@ TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
   options.max_jobs = 2;
   Worker worker(options);
   Hold hold(worker);
-  auto old = worker.post(value_request(1), {.key = "sky"});
-  CHECK(outcome(worker.post(value_request(2))) == "queue_full");
-  auto newer = worker.post(value_request(3), {.key = "sky"});
+  auto old = post_value(worker, 1, {.key = "sky"});
+  CHECK(outcome(post_value(worker, 2)) == "queue_full");
+  auto newer = post_value(worker, 3, {.key = "sky"});
   CHECK(outcome(old) == "replaced");
   hold.let_go();
   CHECK(outcome(newer) == "result");
-}
-
-TEST_CASE("a job that can never be let in replaces nothing", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_bytes = 1000;
-  Worker worker(options);
-  Hold hold(worker);
-  auto old = worker.post(value_request(1), {.key = "sky"});
-  CHECK(outcome(worker.post(value_request(2), {.key = "sky", .bytes = 1001})) == "limit_exceeded");
-  hold.let_go();
-  CHECK(outcome(old) == "result");
 }
 
 // Which job starts next, and how many a worker holds.
@@ -241,13 +210,16 @@ Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std:
 
 }  // namespace
 
-TEST_CASE("a full worker refuses", "[worker]") {
+TEST_CASE("a full worker refuses requests, which never run and never wait to be moved", "[worker]") {
   Worker worker(options_for(2));
   Hold hold(worker);
   auto first = post(worker);
   auto second = post(worker);
-  auto third = post(worker, TaskPriority::high);
+  std::atomic<bool> ran{false};
+  auto third = worker.post([&](const Control&) { ran = true; }, {.priority = TaskPriority::low});
   CHECK(third.ready());
+  CHECK_FALSE(third.cancel());
+  third.set_priority(TaskPriority::high);
   CHECK(outcome(third) == "queue_full");
   CHECK(worker.load().jobs == 3);
 
@@ -259,6 +231,7 @@ TEST_CASE("a full worker refuses", "[worker]") {
   CHECK(outcome(fourth) == "result");
   worker.wait_until_idle();
   CHECK(worker.load().jobs == 0);
+  CHECK_FALSE(ran);
 }
 
 TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
@@ -285,13 +258,13 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
   CHECK(worker.load().bytes == 0);
 }
 
-TEST_CASE("a request larger than the limit can never be let in", "[worker]") {
+TEST_CASE("a request larger than the limit can never be let in, and replaces nothing", "[worker]") {
   WorkerOptions options = options_with(1);
   options.max_bytes = 100;
   Worker worker(options);
   Hold hold(worker);
-  auto bystander = post(worker, TaskPriority::low, 100);
-  auto large = post(worker, TaskPriority::high, 101);
+  auto bystander = post_value(worker, 1, {.priority = TaskPriority::low, .key = "sky", .bytes = 100});
+  auto large = post_value(worker, 2, {.priority = TaskPriority::high, .key = "sky", .bytes = 101});
   CHECK(large.ready());
   CHECK(outcome(large) == "limit_exceeded");
   hold.let_go();
@@ -327,26 +300,160 @@ TEST_CASE("continuations are never refused", "[worker]") {
   CHECK(take(last) == 11);
 }
 
-TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]") {
-  Worker worker(options_for(0));
-  Hold hold(worker);
-  std::atomic<bool> ran{false};
-  auto refused = worker.post([&](const Control&) { ran = true; });
-  CHECK(refused.ready());
-  CHECK_FALSE(refused.cancel());
-  refused.set_priority(TaskPriority::high);
-  hold.let_go();
-  worker.wait_until_idle();
-  CHECK(outcome(refused) == "queue_full");
-  CHECK_FALSE(ran);
-}
-
 TEST_CASE("a worker refuses options out of range", "[worker]") {
   for (const int threads : {-1, 1025}) {
     WorkerOptions options{.threads = threads};
     const ThrownError error = thrown_by([&] { const Worker worker(options); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says(std::to_string(threads)));
+  }
+}
+
+// Promise: a job may wait for another job of its worker by `get()`, however few threads there are: what is waited for
+// is run by the thread that waits.
+
+namespace {
+
+/// A request that waits for one that waits for one ...: `depth` of them.
+int nest(Worker& worker, int depth) {
+  if (depth == 0) return 1;
+  return 1 + worker.post([&worker, depth](const Control&) { return nest(worker, depth - 1); }).get();
+}
+
+/// Of its own thread, several threads, an arena that is lent.
+std::vector<WorkerOptions> kinds_of_workers(tbb::task_arena& arena) {
+  return {options_with(1), options_with(2), options_with(4), lent(arena)};
+}
+
+}  // namespace
+
+TEST_CASE("waiting jobs may be nested", "[worker]") {
+  tbb::task_arena arena(1);
+  for (const WorkerOptions& options : kinds_of_workers(arena)) {
+    Worker worker(options);
+    for (const int depth : {3, 8}) {
+      auto job = worker.post([&worker, depth](const Control&) { return nest(worker, depth); });
+      CHECK(take(job) == depth + 1);
+    }
+  }
+}
+
+TEST_CASE("a job of the lowest priority behind many others may be waited for", "[worker]") {
+  Worker worker(options_with(1));
+  auto job = worker.post([&](const Control&) {
+    for (int k = 0; k < 50; ++k) post_value(worker, k, {.priority = TaskPriority::high});
+    return post_value(worker, 7, {.priority = TaskPriority::low}).get();
+  });
+  CHECK(take(job) == 7);
+}
+
+TEST_CASE("all threads may wait at once", "[worker]") {
+  tbb::task_arena arena(1);
+  for (const WorkerOptions& options : kinds_of_workers(arena)) {
+    Worker worker(options);
+    std::vector<Job<int>> jobs;
+    for (int k = 0; k < 12; ++k) {
+      jobs.push_back(worker.post([&worker, k](const Control&) { return post_value(worker, k).get(); }));
+    }
+    for (int k = 0; k < 12; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)]) == k);
+  }
+}
+
+TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[worker]") {
+  for (const int threads : {1, 2, 3}) {
+    Worker worker(options_with(threads));
+    auto job = worker.post([&](const Control&) {
+      std::atomic<int> sum{0};
+      tbb::parallel_for(0, 20, [&](int k) { sum += post_value(worker, k).get(); });
+      return sum.load();
+    });
+    CHECK(take(job) == 190);
+  }
+}
+
+TEST_CASE("tasks of one job may wait for another job whose tasks run beside them", "[worker][slow]") {
+  // Who waits for its own tasks must not pick up one that waits for it.
+  Worker worker(options_with(3));
+  for (int round = 0; round < (kSanitized ? 20 : 100); ++round) {
+    auto waited_for = worker.post([round](const Control&) {
+      tbb::parallel_for(0, 12, [](int) {
+        for (int k = 0; k < 20; ++k) std::this_thread::yield();
+      });
+      return round;
+    });
+    auto waiting = worker.post([&waited_for, round](const Control&) {
+      std::atomic<int> sum{0};
+      tbb::parallel_for(0, 12, [&](int k) { sum += k == round % 12 ? waited_for.get() : 1; });
+      return sum.load();
+    });
+    CHECK(take(waiting) == 11 + round);
+  }
+}
+
+TEST_CASE("continuations, and those who wait for them, need no further thread", "[worker]") {
+  Worker worker(options_with(1));
+  auto job = worker.post([&](const Control&) {
+    return post_value(worker, 3).then([&](int value) { return value + post_value(worker, 4).get(); }).get();
+  });
+  CHECK(take(job) == 7);
+  auto follower = post_value(worker, 1).then([&](int value) { return value + post_value(worker, 10).get(); });
+  CHECK(take(follower) == 11);
+}
+
+TEST_CASE("what follows a running job is run by whoever waits for it, if all threads wait", "[worker]") {
+  Worker worker(options_with(2));
+  Gate gate;
+  auto first = worker.post([&](const Control&) {
+    gate.pass();
+    return 5;
+  });
+  gate.wait_for_arrivals(1);
+  auto second = std::move(first).then([](int value) { return value + 1; });
+  // One waits for the continuation while the first job runs. Once that is done, its thread starts the other, which goes
+  // before the continuation for its priority and waits until that has been run: by nobody else than the first waiter.
+  std::atomic<bool> taken{false};
+  auto waiting = worker.post([&](const Control&) {
+    const int value = second.get();
+    taken = true;
+    return value;
+  });
+  CHECK(eventually([&] { return worker.load().running == 2; }));
+  auto blocking = worker.post([&](const Control&) { return eventually([&] { return taken.load(); }); },
+                              {.priority = TaskPriority::high});
+  gate.open();
+  CHECK(take(waiting) == 6);
+  CHECK(take(blocking));
+}
+
+TEST_CASE("a waiting job can be given up by ending the worker", "[worker]") {
+  std::string inner_end;
+  Job<void> outer;
+  {
+    Worker worker(options_with(1));
+    Gate gate;
+    outer = worker.post([&](const Control&) {
+      auto inner = worker.post([&](const Control& control) {
+        gate.pass();
+        run_until_stopped(control);
+      });
+      inner_end = outcome_of([&] { inner.get(); });
+    });
+    gate.wait_for_arrivals(1);
+    gate.open();
+    worker.terminate();
+  }
+  CHECK(outcome(outer) == "stopped");
+  CHECK(inner_end == "stopped");
+}
+
+TEST_CASE("requests may wait for each other in a row", "[worker]") {
+  Worker worker(options_with(3));
+  for (int round = 0; round < (kSanitized ? 20 : 200); ++round) {
+    auto first = post_value(worker, 1);
+    auto second = worker.post([&](const Control&) { return first.get() + 1; });
+    auto third = worker.post([&](const Control&) { return second.get() + 1; });
+    auto fourth = worker.post([&](const Control&) { return third.get() + 1; });
+    CHECK(take(fourth) == 4);
   }
 }
 

@@ -88,11 +88,7 @@ class Stress {
   }
 
   void run() {
-    std::vector<std::thread> threads;
-    for (unsigned t = 0; t < kThreads; ++t) {
-      threads.emplace_back([this, t] { Thread(*this, seed_ * 1000U + t).run(); });
-    }
-    for (std::thread& thread : threads) thread.join();
+    on_threads(kThreads, [this](std::size_t t) { Thread(*this, seed_ * 1000U + static_cast<unsigned>(t)).run(); });
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
       const auto worker = exchange(slot, nullptr);
       if (slot % 2 == 0) worker->wait_until_idle();
@@ -137,18 +133,8 @@ class Stress {
 
   void check(std::future<Number> future, const Expected& expected) {
     ++checked_;
-    std::string end;
     Number value = 0;
-    try {
-      value = future.get();
-      end = "result";
-    } catch (const Error& error) {
-      end = name(error.code());
-    } catch (const std::exception& exception) {
-      end = exception.what();
-    } catch (const int thrown) {
-      end = std::to_string(thrown);
-    }
+    const std::string end = outcome_of([&] { value = future.get(); });
     if (end == "result") {
       ++results_;
       if (!expected.thrown.empty() || value != expected.value) fail("a wrong result");
@@ -243,7 +229,7 @@ class Stress {
           return worker->post(Project{Cubemap(*stress_.images_[image])}, options).then(&digest);
         }
         case 5: {
-          expected.thrown = value % 2 == 0 ? "on purpose" : "7";
+          expected.thrown = value % 2 == 0 ? "on purpose" : "something";
           return worker->post(
               [value, kept = Kept()](const Control&) -> Number {
                 if (value % 2 == 0) throw std::runtime_error("on purpose");
@@ -381,34 +367,6 @@ class Stress {
   std::atomic<Number> results_{0};
 };
 
-/// Ends the program, with the seed, if the test does not end.
-class Watchdog {
- public:
-  explicit Watchdog(unsigned seed)
-      : thread_([this, seed] {
-          std::unique_lock lock(mutex_);
-          if (!over_.wait_for(lock, kLongest + kPatience, [this] { return is_over_; })) {
-            give_up(("stress test, WELKIN_STRESS_SEED=" + std::to_string(seed)).c_str());
-          }
-        }) {}
-  ~Watchdog() {
-    {
-      const std::scoped_lock lock(mutex_);
-      is_over_ = true;
-    }
-    over_.notify_one();
-    thread_.join();
-  }
-  Watchdog(const Watchdog&) = delete;
-  Watchdog& operator=(const Watchdog&) = delete;
-
- private:
-  std::mutex mutex_;
-  std::condition_variable over_;
-  bool is_over_ = false;
-  std::thread thread_;
-};
-
 unsigned chosen_seed() {
   const char* chosen = std::getenv("WELKIN_STRESS_SEED");
   return chosen != nullptr ? static_cast<unsigned>(std::strtoul(chosen, nullptr, 10))
@@ -419,8 +377,7 @@ unsigned chosen_seed() {
 
 TEST_CASE("workers stand whatever is done to them at once", "[worker][stress][slow]") {
   const unsigned seed = chosen_seed();
-  INFO("WELKIN_STRESS_SEED=" << seed);
-  const Watchdog watchdog(seed);
+  std::fprintf(stderr, "WELKIN_STRESS_SEED=%u\n", seed);  // at once: ctest ends a test that hangs and shows this
   Number posted = 0;
   Number checked = 0;
   {

@@ -327,16 +327,6 @@ TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]
   CHECK(eventually([&] { return threads_since(before).empty(); }));
 }
 
-TEST_CASE("terminate does not wait for tasks that nobody calls", "[worker]") {
-  const auto engine = std::make_shared<LateExecutor>();
-  Worker worker(lent(engine));
-  auto job = worker.post([](const Control&) { return 1; });
-  worker.terminate();
-  CHECK(outcome(job) == "stopped");
-  engine->run_all();
-  CHECK(outcome(worker.post([](const Control&) { return 1; })) == "stopped");
-}
-
 TEST_CASE("a task may be called inside the call that lends it", "[worker]") {
   Worker worker(lent(std::make_shared<FunctionExecutor>([](void (*run)(void*), void* job) { run(job); })));
   for (int k = 0; k < 10; ++k) {
@@ -421,15 +411,16 @@ TEST_CASE("an engine that refuses tasks leaves no job without a result or an err
   }
 }
 
-TEST_CASE("a worker lets go of its executor when it ends", "[worker]") {
+TEST_CASE("terminate waits for no task that nobody calls, and lets go of the executor", "[worker]") {
   const auto engine = std::make_shared<LateExecutor>();
   Worker worker(lent(engine));
   auto job = worker.post([](const Control&) { return 1; });
   CHECK(engine.use_count() == 2);
   worker.terminate();
   CHECK(engine.use_count() == 1);
-  engine->run_all();
   CHECK(outcome(job) == "stopped");
+  engine->run_all();
+  CHECK(outcome(worker.post([](const Control&) { return 1; })) == "stopped");
 }
 
 }  // namespace welkin::test

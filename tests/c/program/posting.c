@@ -4,34 +4,6 @@
 
 #include "support.h"
 
-static void poll_until_ready(void) {
-  welkin_worker* worker = make_worker();
-  welkin_environment cubemap = uniform_cubemap(64, 1.0F, 1.0F, 1.0F);
-  welkin_job* job = NULL;
-  CHECK_STATUS(WELKIN_OK, welkin_post_project(worker, &cubemap, 1, NULL, NULL, &job));
-  double progress = -1.0, before = 0.0;
-  welkin_status status = WELKIN_NOT_READY;
-  while ((status = welkin_job_poll(job, &progress)) == WELKIN_NOT_READY) {
-    CHECK(progress >= before);
-    before = progress;
-    sleep_milliseconds(1);
-  }
-  CHECK(status == WELKIN_OK);
-  CHECK(progress == 1.0);
-
-  welkin_projection direct = {.struct_size = sizeof direct}, posted = {.struct_size = sizeof posted};
-  CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &direct));
-  for (int again = 0; again < 2; ++again) { /* results are copied, any number of times */
-    memset(&posted, 0, sizeof posted);
-    posted.struct_size = sizeof posted;
-    CHECK_STATUS(WELKIN_OK, welkin_job_projection(job, &posted));
-    CHECK(memcmp(&direct, &posted, sizeof direct) == 0);
-  }
-  welkin_job_release(job);
-  welkin_worker_destroy(worker);
-  free(pixels_of(&cubemap));
-}
-
 typedef struct received {
   uint64_t id;
   int calls;
@@ -88,6 +60,9 @@ static void waiting_has_a_limit_and_cancelling_works(void) {
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, &running));
   wait_until_entered(&closed);
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, &waiting));
+  double progress = -1.0;
+  CHECK_STATUS(WELKIN_NOT_READY, welkin_job_poll(running, &progress));
+  CHECK(progress == 0.0);
   CHECK_STATUS(WELKIN_NOT_READY, welkin_job_wait(running, 2000000));
   CHECK_STATUS(WELKIN_NOT_READY, welkin_job_wait(waiting, 0));
   welkin_projection light = {.struct_size = sizeof light};
@@ -177,7 +152,6 @@ static void functions_say_how_they_ended(void) {
 }
 
 void posting(void) {
-  poll_until_ready();
   completed_runs_in_drain_alone();
   waiting_has_a_limit_and_cancelling_works();
   keys_and_priorities();

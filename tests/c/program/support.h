@@ -42,14 +42,11 @@ welkin_worker* make_worker(void);
 void sleep_milliseconds(int milliseconds);
 
 /* The parts. */
-void projecting(void);
 void posting(void);
 void releasing(void);
 void refusing(void);
 void versions(void);
-void ending(void);
 void exiting(void);
-void lending(void);
 void memory(void);
 
 #endif
