@@ -92,7 +92,7 @@ class Ratios final : public Collector {
       // "1024x512-256" is as large as 256.
       const std::string size_and_threads = name.substr(name.find_last_of("/-", name.rfind('/') - 1) + 1);
       const auto copying = results().find("CopyBandwidth/rgb32f/" + size_and_threads);
-      if ((subject == "LatLongToCubemap" || subject == "SampleGrid" || subject == "Mips") && copying != results().end())
+      if (subject == "LatLongToCubemap" && copying != results().end())
         line(name, number("%6.1f %% of CopyBandwidth", 100.0 * bytes->second / copying->second.counters.at("bytes/s")));
       const auto single = seconds(name.substr(0, name.size() - 1) + "1");
       if (name.ends_with("/2") && single)

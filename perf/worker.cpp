@@ -28,8 +28,8 @@ struct ReadClock {
   Clock::time_point operator()(const Control& /*control*/) const { return Clock::now(); }
 };
 
-void post_to_start(benchmark::State& state, const WorkerOptions& options, milliseconds pause) {
-  Worker worker(options);
+void post_to_start(benchmark::State& state, int threads, milliseconds pause) {
+  Worker worker(worker_options(threads));
   (void)worker.post(ReadClock{}).get();
   Samples latency;
   for (auto _ : state) {
@@ -45,20 +45,15 @@ void post_to_start(benchmark::State& state, const WorkerOptions& options, millis
 void add_post_to_start(int threads) {
   struct Variant {
     const char* name;
-    ThreadPriority priority;
     milliseconds pause;
     int times;
   };
-  constexpr Variant variants[] = {{"warm", ThreadPriority::normal, milliseconds(0), 20'000},
-                                  {"asleep-2ms", ThreadPriority::normal, milliseconds(2), 500},
-                                  {"asleep-20ms", ThreadPriority::normal, milliseconds(20), 100},
-                                  {"asleep-2ms-idle-priority", ThreadPriority::idle, milliseconds(2), 500}};
+  constexpr Variant variants[] = {
+      {"warm", milliseconds(0), 20'000}, {"asleep-2ms", milliseconds(2), 500}, {"asleep-20ms", milliseconds(20), 100}};
   for (const Variant& variant : variants) {
-    WorkerOptions options = worker_options(threads);
-    options.thread_priority = variant.priority;
     const std::string name = std::string("PostToStart/") + variant.name + "/empty/" + std::to_string(threads);
     benchmark::RegisterBenchmark(
-        name.c_str(), [=, pause = variant.pause](benchmark::State& state) { post_to_start(state, options, pause); })
+        name.c_str(), [=, pause = variant.pause](benchmark::State& state) { post_to_start(state, threads, pause); })
         ->UseManualTime()
         ->Iterations(variant.times);
   }
@@ -240,10 +235,10 @@ void post_beside_busy_processors(benchmark::State& state) {
 
 }  // namespace
 
-void add_worker_latency(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) add_post_to_start(threads);
+void add_worker_latency() {
+  for (const int threads : kThreadCounts) add_post_to_start(threads);
   for (const int size : {64, 1024}) {
-    for (const int threads : thread_counts) add_post_to_result(size, threads);
+    for (const int threads : kThreadCounts) add_post_to_result(size, threads);
   }
   benchmark::RegisterBenchmark("Post/beside-busy-processors/empty-idle-priority/1", post_beside_busy_processors)
       ->UseManualTime()
@@ -351,9 +346,8 @@ void cancel_at_random_moments(benchmark::State& state, const Request& request, i
 
 /// `make()` makes the request when the benchmark runs.
 template <class Make>
-void add(const std::string& kind, const std::string& size, const std::vector<int>& thread_counts, int times,
-         const Make& make) {
-  for (const int threads : thread_counts) {
+void add(const std::string& kind, const std::string& size, int times, const Make& make) {
+  for (const int threads : kThreadCounts) {
     const std::string name = "CancelRunning/" + kind + "/" + size + "/" + std::to_string(threads);
     benchmark::RegisterBenchmark(name.c_str(),
                                  [=](benchmark::State& state) { cancel_at_random_moments(state, make(), threads); })
@@ -387,7 +381,7 @@ void write_noise(const std::filesystem::path& path) {
   (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight));
 }
 
-void add_files(const std::vector<int>& thread_counts) {
+void add_files() {
   struct File {
     const char* variant;
     const char* name;
@@ -402,23 +396,22 @@ void add_files(const std::vector<int>& thread_counts) {
   const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
   const auto path_of = [](const File& file) { return scratch_file(file.name, file.write); };
   for (const File& file : files) {
-    add(std::string("ProjectFile-") + file.variant, size, thread_counts, file.times,
-        [=] { return ProjectFile{path_of(file)}; });
+    add(std::string("ProjectFile-") + file.variant, size, file.times, [=] { return ProjectFile{path_of(file)}; });
   }
-  add("ReadFile-exr-zip", size, thread_counts, 60, [=, file = files[0]] { return ReadFile{path_of(file)}; });
+  add("ReadFile-exr-zip", size, 60, [=, file = files[0]] { return ReadFile{path_of(file)}; });
 }
 
 }  // namespace
 
-void add_cancel_latency(const std::vector<int>& thread_counts) {
-  add("ProjectCubemap", "2048", thread_counts, 200,
+void add_cancel_latency() {
+  add("ProjectCubemap", "2048", 200,
       [] { return Project{EnvironmentSource(noise_cubemap(PixelFormat::rgb32f, 2048), nullptr)}; });
-  add("ProjectLatLong", "8192x4096", thread_counts, 200,
+  add("ProjectLatLong", "8192x4096", 200,
       [] { return Project{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, 8192, 4096), nullptr)}; });
-  add("LatLongToCubemap", "4096x2048-to-512", thread_counts, 30, [] {
+  add("LatLongToCubemap", "4096x2048-to-512", 30, [] {
     return ToCubemap{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), nullptr), 512};
   });
-  add_files(thread_counts);
+  add_files();
 }
 
 }  // namespace welkin::perf
