@@ -169,27 +169,6 @@ TEST_CASE("Folding kernels read every texel of every format", "[simd]") {
   }
 }
 
-TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
-  // Through the kernel: a texel with its mirror images zero comes out as it is in class 0.
-  for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(name(set));
-    const std::vector<std::uint16_t> zeros(16 * 4);
-    platform::AlignedBuffer<float> planes(3 * 4 * kChunk);
-    for (std::uint32_t first = 0; first < 0x10000U; first += 16) {
-      std::vector<std::uint16_t> texels(16 * 4);
-      for (std::uint32_t k = 0; k < 16; ++k) texels[4 * k] = static_cast<std::uint16_t>(first + k);
-      projection::projection_kernels(set).fold_quadrants[projection::fold_rgba16f](
-          {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, {}, 1, planes.data());
-      for (std::uint32_t k = 0; k < 16; ++k) {
-        const auto half = static_cast<std::uint16_t>(first + k);
-        const float expected = image::float_from_half(half);
-        const float found = planes.data()[k];
-        REQUIRE((std::isnan(expected) ? std::isnan(found) : found == expected));
-      }
-    }
-  }
-}
-
 TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
   const projection::ClassCounts shapes[] = {{{1, 0, 0, 0}}, {{2, 1, 1, 0}},     {{4, 2, 2, 1}}, {{6, 4, 4, 2}},
                                             {{3, 2, 0, 0}}, {{30, 25, 25, 20}}, {{1, 2, 0, 0}}, {{9, 0, 0, 0}}};
