@@ -7,6 +7,7 @@
 #include "support/coefficients.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "support/trials.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
 
@@ -240,7 +241,9 @@ std::map<std::string, std::vector<glm::dvec3>> recorded_radiance() {
 }  // namespace
 
 TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][shared][truth]") {
-  for (const fs::path& path : lat_longs()) {
+  const std::vector<fs::path> paths = lat_longs();
+  for (std::size_t k = 0; k < paths.size(); k += static_cast<std::size_t>(stride(3))) {
+    const fs::path& path = paths[k];
     const Environment environment = read_environment(path);
     const SphericalHarmonics found = project_file(path).radiance;
     const double error = relative_error(found, reference_projection(environment.lat_long()));
