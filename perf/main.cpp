@@ -8,8 +8,7 @@
 //   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
-//   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [--node-modules=FOLDER] [Google
-//   Benchmark options]
+//   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [Google Benchmark options]
 //     every figure that Welkin is held to, beside its limit: docs/notes/speed.md
 #include "perf.h"
 
@@ -79,7 +78,6 @@ int main(int argc, char** argv) {
   if (page) {  // what is not the page's is Google Benchmark's
     const std::pair<std::string, const char*> pages[] = {
         {"--before=", "before"}, {"--sse2=", "SSE2"}, {"--avx2=", "AVX2"}};  // of WELKIN_ISA=sse2 welkin_perf --page
-    const std::string modules = "--node-modules=";
     std::vector<char*> rest{argv[0]};
     for (int i = 2; i < argc; ++i) {
       const std::string word = argv[i];
@@ -89,8 +87,6 @@ int main(int argc, char** argv) {
         page_options.processor = true;
       } else if (other != std::end(pages)) {
         page_options.others.emplace_back(other->second, word.substr(other->first.size()));
-      } else if (word.starts_with(modules)) {
-        page_options.node_modules = word.substr(modules.size());
       } else {
         rest.push_back(argv[i]);
       }

@@ -121,17 +121,6 @@ class Samples {
 
 using Clock = std::chrono::steady_clock;
 
-/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
-[[nodiscard]] WorkerOptions worker_options(int threads);
-
-/// A request that does nothing. (It has no ==, so that none stands in for another.)
-struct Nothing {
-  void operator()(const Control& /*control*/) const {}
-};
-
-/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
-void stay_busy(std::chrono::nanoseconds time);
-
 /// `[--runs=N] LATLONG`: a table of warm processor milliseconds on one thread, by subject and `rms_error`, each the
 /// least of N calls (20): default and short chains of cubemaps and of the lat-long itself, sheen, irradiance, and 64
 /// probes of halves in one call.
@@ -147,8 +136,7 @@ void add_bc6h();
 /// CancelRunning/REQUEST/SIZE/THREADS: from `cancel()` of a running job, at moments spread over its whole length, to
 /// its future being ready. Beside it, from calls alone on one thread, what bounds it: `tile_us` and `longest_tile_us`,
 /// the median and the longest time between two tiles' ends; `first_tile_us`, from the call to the first tile's end
-/// (opening a file, tables); `last_us`, from the last tile's end to the call's; and `whole_ms`. `worst_at` is the
-/// moment of the cancel that took longest, as a share of the job's length.
+/// (opening a file, tables); `last_us`, from the last tile's end to the call's; and `whole_ms`.
 void add_cancel_latency();
 
 /// Runs each operation in processes of its own and returns a Markdown table per number of threads: times of the first,
@@ -237,7 +225,6 @@ struct PageOptions {
   bool processor = false;  ///< processor time, for machines with other programs
   /// Other pages whose times get columns: their heads ("before", "SSE2") and files.
   std::vector<std::pair<std::string, std::filesystem::path>> others;
-  std::filesystem::path node_modules;  ///< folder that holds node_modules with @babylonjs/core and three; or none
 };
 
 /// Runs the benchmarks that the page shows (they are registered, and Google Benchmark is initialised) and returns the
@@ -253,8 +240,8 @@ void add_importance();
 /// PostToResult/HOW/SIZE/THREADS: from the call of `post` with a cubemap of SIZE texels an edge to its result in the
 /// caller's hands, which waits on the future or polls; back to back, or after a frame's pause. Beside it `sync_us`, the
 /// call of `project` in an arena of as many threads, in turn with the posts, and `overhead_us`, what posting takes
-/// longer: medians, and the fastest of each. Large cubemaps vary by more than that from call to call: `outside_us` is
-/// the part of each post that is not in the request, `to_start_us` before and `to_caller_us` after it (medians).
+/// longer: medians. Large cubemaps vary by more than that from call to call: `outside_us` is the part of each post that
+/// is not in the request (median).
 void add_worker_latency();
 
 /// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, and others.

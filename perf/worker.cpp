@@ -6,7 +6,16 @@
 #include "welkin/projection.h"
 
 namespace welkin::perf {
+namespace {
 
+/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
+void stay_busy(std::chrono::nanoseconds time) {
+  const Clock::time_point end = Clock::now() + time;
+  while (Clock::now() < end) {
+  }
+}
+
+/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
 WorkerOptions worker_options(int threads) {
   WorkerOptions options;
   options.threads = threads;
@@ -14,13 +23,17 @@ WorkerOptions worker_options(int threads) {
   return options;
 }
 
-void stay_busy(std::chrono::nanoseconds time) {
-  const Clock::time_point end = Clock::now() + time;
-  while (Clock::now() < end) {
-  }
-}
+/// A request that does nothing. (It has no ==, so that none stands in for another.)
+struct Nothing {
+  void operator()(const Control& /*control*/) const {}
+};
 
-namespace {
+/// Registers a benchmark that times its iterations itself.
+void add_timed(const std::string& name, const std::string& size, int threads, int iterations,
+               const std::function<void(benchmark::State&)>& run) {
+  const std::string full_name = name + "/" + size + "/" + std::to_string(threads);
+  benchmark::RegisterBenchmark(full_name.c_str(), run)->UseManualTime()->Iterations(iterations);
+}
 
 using std::chrono::milliseconds;
 
@@ -51,11 +64,8 @@ void add_post_to_start(int threads) {
   constexpr Variant variants[] = {
       {"warm", milliseconds(0), 20'000}, {"asleep-2ms", milliseconds(2), 500}, {"asleep-20ms", milliseconds(20), 100}};
   for (const Variant& variant : variants) {
-    const std::string name = std::string("PostToStart/") + variant.name + "/empty/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(
-        name.c_str(), [=, pause = variant.pause](benchmark::State& state) { post_to_start(state, threads, pause); })
-        ->UseManualTime()
-        ->Iterations(variant.times);
+    add_timed(std::string("PostToStart/") + variant.name, "empty", threads, variant.times,
+              [=](benchmark::State& state) { post_to_start(state, threads, variant.pause); });
   }
 }
 
@@ -108,10 +118,7 @@ class ResultLatency {
     posted_.report(state);
     state.counters["sync_us"] = synchronous_.microseconds(0.5);
     state.counters["overhead_us"] = posted_.microseconds(0.5) - synchronous_.microseconds(0.5);
-    state.counters["fastest_overhead_us"] = posted_.microseconds(0.0) - synchronous_.microseconds(0.0);
     state.counters["outside_us"] = outside_.microseconds(0.5);
-    state.counters["to_start_us"] = to_start_.microseconds(0.5);
-    state.counters["to_caller_us"] = to_caller_.microseconds(0.5);
   }
 
  private:
@@ -131,8 +138,6 @@ class ResultLatency {
     const Clock::time_point ended = Clock::now();
     if (counts) {
       posted_.add(ended - posted);
-      to_start_.add(moments_.started - posted);
-      to_caller_.add(ended - moments_.ended);
       outside_.add((moments_.started - posted) + (ended - moments_.ended));
     }
     return ended - posted;
@@ -147,8 +152,6 @@ class ResultLatency {
   Worker worker_;
   Samples synchronous_;
   Samples posted_;
-  Samples to_start_;
-  Samples to_caller_;
   Samples outside_;
 };
 
@@ -164,16 +167,12 @@ void add_post_to_result(int size, int threads) {
                                   {"poll", Waiting::polling, milliseconds(0), 20, 20},
                                   {"wait-asleep-2ms", Waiting::future, milliseconds(2), 10, 20}};
   for (const Variant& variant : variants) {
-    const std::string name =
-        std::string("PostToResult/") + variant.name + "/" + std::to_string(size) + "/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=](benchmark::State& state) {
-                                   ResultLatency latency(size, threads, variant.waiting, variant.pause);
-                                   for (auto _ : state) state.SetIterationTime(seconds(latency.measure(variant.times)));
-                                   latency.report(state);
-                                 })
-        ->UseManualTime()
-        ->Iterations(variant.rounds);
+    add_timed(std::string("PostToResult/") + variant.name, std::to_string(size), threads, variant.rounds,
+              [=](benchmark::State& state) {
+                ResultLatency latency(size, threads, variant.waiting, variant.pause);
+                for (auto _ : state) state.SetIterationTime(seconds(latency.measure(variant.times)));
+                latency.report(state);
+              });
   }
 }
 
@@ -240,9 +239,7 @@ void add_worker_latency() {
   for (const int size : {64, 1024}) {
     for (const int threads : kThreadCounts) add_post_to_result(size, threads);
   }
-  benchmark::RegisterBenchmark("Post/beside-busy-processors/empty-idle-priority/1", post_beside_busy_processors)
-      ->UseManualTime()
-      ->Iterations(20'000);
+  add_timed("Post/beside-busy-processors", "empty-idle-priority", 1, 20'000, post_beside_busy_processors);
 }
 
 namespace {
@@ -325,22 +322,15 @@ void cancel_at_random_moments(benchmark::State& state, const Request& request, i
   std::mt19937 random(1);
   std::uniform_real_distribution<double> shares(0.0, 1.0 / threads);
   Samples latency;
-  Clock::duration longest{};
-  double worst_at = 0.0;
   for (auto _ : state) {
     std::optional<Clock::duration> time;
-    double share = 0.0;
     while (!time) {
-      share = shares(random);
-      time = cancel_after(worker, request, std::chrono::duration_cast<Clock::duration>(share * course.whole));
+      time = cancel_after(worker, request, std::chrono::duration_cast<Clock::duration>(shares(random) * course.whole));
     }
-    if (*time > longest) worst_at = share;
-    longest = std::max(longest, *time);
     latency.add(*time);
     state.SetIterationTime(seconds(*time));
   }
   latency.report(state);
-  state.counters["worst_at"] = worst_at * threads;
   report(state, course);
 }
 
@@ -348,11 +338,8 @@ void cancel_at_random_moments(benchmark::State& state, const Request& request, i
 template <class Make>
 void add(const std::string& kind, const std::string& size, int times, const Make& make) {
   for (const int threads : kThreadCounts) {
-    const std::string name = "CancelRunning/" + kind + "/" + size + "/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=](benchmark::State& state) { cancel_at_random_moments(state, make(), threads); })
-        ->UseManualTime()
-        ->Iterations(times);
+    add_timed("CancelRunning/" + kind, size, threads, times,
+              [=](benchmark::State& state) { cancel_at_random_moments(state, make(), threads); });
   }
 }
 

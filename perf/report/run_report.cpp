@@ -82,23 +82,6 @@ std::vector<PassRunner> chosen_passes(const std::vector<std::string>& wanted) {
   return all;
 }
 
-/// A folder that is gone when the report is done.
-class WorkFolder {
- public:
-  WorkFolder() : path_(make_temporary_folder()) {}
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The share that a pass has in all progress.
 Control control_of(const Control& control, double from, double to) {
   Control part{control.stop, {}};
@@ -133,7 +116,7 @@ Report run_report(const ReportOptions& options, const Control& control) {
   const Stopwatch stopwatch{options.threads > 0 ? options.threads : available_threads(),
                             options.budget_seconds < 0.0 ? size.budget_seconds : options.budget_seconds};
   const ReportEnvironment environment = environment_of(options);
-  const WorkFolder folder;
+  const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "environment.hdr";
   write_environment(file, environment.image.view());
   const Peers peers = options.peers && size.peers
