@@ -61,9 +61,6 @@ struct ProbeTargets {
   std::vector<CubemapTarget> targets;
 };
 
-/// The values of a level's six faces.
-[[nodiscard]] std::span<const float> values_of(const Cubemap& chain, int level);
-
 /// A cubemap of positive noise, kept until another format or size is asked for: the largest takes 400 MB.
 [[nodiscard]] CubemapView noise_cubemap(PixelFormat format, int size);
 

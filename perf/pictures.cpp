@@ -2,6 +2,7 @@
 #include "jobs/tiles.h"
 #include "perf.h"
 #include "perf/report/passes.h"
+#include "support/chains.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -78,19 +79,6 @@ double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes(
 
 std::string percent(double share) { return number("%.2f", 100.0 * share); }
 
-/// The most that a channel's mean over a level is off.
-double largest_bias(std::span<const float> decoded, std::span<const float> given) {
-  std::array<double, 3> sums{};
-  std::array<double, 3> wanted{};
-  for (std::size_t k = 0; k < given.size(); ++k) {
-    sums[k % 3] += static_cast<double>(decoded[k]);
-    wanted[k % 3] += std::clamp(static_cast<double>(given[k]), 0.0, 65504.0);
-  }
-  double largest = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(sums[c] / wanted[c] - 1.0));
-  return largest;
-}
-
 void add_row(Table& table, const std::string& name, const Cubemap& chain, const report::BlockWay& way) {
   const auto bytes = report::texture_bytes(chain, way.options);
   if (!bytes) return;
@@ -99,11 +87,12 @@ void add_row(Table& table, const std::string& name, const Cubemap& chain, const 
   double squares = 0.0;
   double bias = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
-    const double error = report::relative_errors(values_of(decoded, level), values_of(chain, level)).rms;
+    const double error =
+        report::relative_errors(test::level_values(decoded, level), test::level_values(chain, level)).rms;
     mips += (level == 0 ? "" : ", ") + percent(error);
     squares += error * error * std::pow(chain.level_size(level), 2);
     if (chain.level_size(level) < 16) continue;
-    bias = std::max(bias, largest_bias(values_of(decoded, level), values_of(chain, level)));
+    bias = std::max(bias, test::largest_bias(decoded, chain, level));
   }
   table.add({name, std::string(way.format) + ' ' + way.effort, percent(std::sqrt(squares / (texels_of(chain) / 6.0))),
              mips, percent(bias)});

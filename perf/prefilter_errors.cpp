@@ -1,4 +1,5 @@
 #include "perf.h"
+#include "support/chains.h"
 #include "support/estimate_trials.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -76,7 +77,7 @@ void add_rows(Table& table, const Picture& picture, const EnvironmentView& view,
         truths[key] = reference_specular(view, mip.roughness, report::directions_of(probes[key], mip.size));
       }
       const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
-      const std::span<const float> values = values_of(result.cubemap, key);
+      const std::span<const float> values = test::level_values(result.cubemap, key);
       table.add({picture.name, name(mip.method), std::to_string(level), number("%.4g", mip.roughness),
                  std::to_string(mip.bands), std::to_string(mip.bright_texels), number("%.2g", 100.0 * errors.norms.rms),
                  mip.error_estimate ? number("%.2g", 100.0 * *mip.error_estimate) : "-",

@@ -93,11 +93,6 @@ ProbeTargets::ProbeTargets(std::size_t count, int size, int mips) {
   }
 }
 
-std::span<const float> values_of(const Cubemap& chain, int level) {
-  const auto edge = static_cast<std::size_t>(chain.level_size(level));
-  return {chain.face(level, 0), 18 * edge * edge};
-}
-
 CubemapView noise_cubemap(PixelFormat format, int size) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   const std::byte* const pixels = noise_pixels(format, 6 * face_texels);
