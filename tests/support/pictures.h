@@ -21,6 +21,28 @@ inline bool shared_pictures_are_here() {
   return false;
 }
 
+/// What REFERENCE_SH.csv of the shared pictures has of a kind, by file name: names and values, in its order. Its lines
+/// are file,kind,name,r,g,b,note; a kind with commas stands in quotes.
+inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> recorded_harmonics(
+    const std::string& kind) {
+  std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> found;
+  std::ifstream lines(kPictures / "REFERENCE_SH.csv");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(kind) == std::string::npos) continue;
+    const std::filesystem::path file = line.substr(0, line.find(','));
+    const std::size_t quoted = line.find("\",");
+    std::istringstream fields(
+        line.substr(quoted != std::string::npos ? quoted + 2 : line.find(',', line.find(',') + 1) + 1));
+    std::string name;
+    glm::dvec3 value{};
+    char comma = 0;
+    std::getline(fields, name, ',');
+    fields >> value.x >> comma >> value.y >> comma >> value.z;
+    found[file.filename().string()].emplace_back(name, value);
+  }
+  return found;
+}
+
 /// The values of a version 1 .npy file of little-endian floats in C order; its shape is the caller's to know.
 inline std::vector<float> read_npy(const std::filesystem::path& path) {
   const std::vector<char> bytes = read_bytes(path);
