@@ -2,49 +2,14 @@
 
 #include "perf.h"
 #include "welkin/image.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
 
 namespace welkin::perf {
 namespace {
 
-/// A lat-long half as high as wide: a sky over ground with clouds of a few sizes, as smooth as photographs are and no
-/// smoother; and a sun of 34 000, one degree across. The last one is kept.
-std::shared_ptr<const LatLongImage> bake_picture(int width, bool sun) {
-  static std::shared_ptr<const LatLongImage> made;
-  static bool made_with_sun = false;
-  if (made && made->width == width && made_with_sun == sun) return made;
-  auto drawn = std::make_shared<LatLongImage>();
-  const int height = width / 2;
-  const double texel_degrees = 360.0 / width;
-  drawn->width = width;
-  drawn->height = height;
-  drawn->pixels.resize(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  std::uint32_t state = 1;
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column) {
-      const double x = 2.0 * M_PI * column / width;
-      const double y = M_PI * row / height;
-      state = state * 1664525U + 1013904223U;
-      const double grain = 0.02 * static_cast<double>(state >> 8U) / (1U << 24U);
-      const double clouds = 0.3 * std::sin(5.0 * x) * std::sin(3.0 * y) + 0.15 * std::sin(23.0 * x + 11.0 * y) +
-                            0.08 * std::sin(71.0 * x) * std::sin(67.0 * y);
-      double value = (row < height / 2 ? 1.0 : 0.3) + clouds * std::sin(y) + grain;
-      const double away = texel_degrees * std::hypot((column - 0.29326 * width) * std::sin(y), row - 0.1666 * width);
-      if (sun && away < 0.53) value = 34'000.0;
-      float* const texel =
-          drawn->pixels.data() + std::size_t{3} * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                                                   static_cast<std::size_t>(column));
-      texel[0] = static_cast<float>(value);
-      texel[1] = static_cast<float>(0.9 * value);
-      texel[2] = static_cast<float>(0.7 * value + 0.2);
-    }
-  }
-  made_with_sun = sun;
-  return made = drawn;
-}
-
 /// A chain of `size`, an irradiance cubemap and a BRDF table without sheen.
-BakeOptions bake_options(int size, bool background) {
+BakeOptions bake_options(int size, bool background = false) {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = size};
   if (!background) options.background.reset();
@@ -54,47 +19,30 @@ BakeOptions bake_options(int size, bool background) {
 
 enum class Memory { fresh, again };
 
-void add_bake(const std::string& variant, int threads, bool sun, bool background, Memory memory) {
-  constexpr double texels = 1024.0 * 512.0;
-  add_benchmark("Bake", variant, "1024x512", threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
-    auto source = bake_picture(1024, sun);
-    auto result = std::make_shared<BakeResult>();
-    return [=] {
+/// `make()`: a shared picture.
+template <class Make>
+void add_bake(const std::string& variant, const std::string& shape, int threads, double texels,
+              const BakeOptions& options, Memory memory, const Make& make) {
+  add_benchmark("Bake", variant, shape, threads, texels, 12.0 * texels, [=] {
+    return [=, source = make(), result = std::make_shared<BakeResult>()] {
       if (memory == Memory::fresh) *result = {};
-      bake_into(*result, source->view(), bake_options(512, background));
+      bake_into(*result, source->view(), options);
       benchmark::DoNotOptimize(result->irradiance->face(0));
     };
   });
 }
 
-/// A chain of `size` from a lat-long of `width`, into memory that is there.
-void add_bake_of(int size, int width, int threads) {
-  const double texels = 0.5 * width * width;
-  const std::string shape = std::to_string(width) + 'x' + std::to_string(width / 2);
-  add_benchmark("Bake", std::to_string(size), shape, threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
-    auto source = bake_picture(width, false);
-    auto result = std::make_shared<BakeResult>();
-    return [=] {
-      bake_into(*result, source->view(), bake_options(size, false));
-      benchmark::DoNotOptimize(result->irradiance->face(0));
-    };
-  });
+void add_bake_of_lat_long(const std::string& variant, const SkyPictureOptions& picture, int threads,
+                          const BakeOptions& options, Memory memory = Memory::again) {
+  const std::string shape = std::to_string(picture.width) + 'x' + std::to_string(picture.width / 2);
+  add_bake(variant, shape, threads, 0.5 * picture.width * picture.width, options, memory,
+           [=] { return sky_picture(picture); });
 }
 
 /// A chain of `size` from a cubemap of that size, a probe that an engine captured.
-void add_bake_of_cubemap(PixelFormat format, int size, int threads) {
-  const double texels = 6.0 * size * size;
-  const double bytes = texels * static_cast<double>(bytes_per_texel(format));
-  add_benchmark("Bake", "cube-" + name(format), std::to_string(size), threads, texels, bytes,
-                [=]() -> std::function<void()> {
-                  const Cubemap picture = to_cubemap(bake_picture(1024, false)->view(), size);
-                  auto source = std::make_shared<report::FormattedCubemap>(picture, format);
-                  auto result = std::make_shared<BakeResult>();
-                  return [=] {
-                    bake_into(*result, source->view(), bake_options(size, false));
-                    benchmark::DoNotOptimize(result->irradiance->face(0));
-                  };
-                });
+void add_bake_of_cubemap(int size, int threads) {
+  add_bake("cube-rgb32f", std::to_string(size), threads, 6.0 * size * size, bake_options(size), Memory::again,
+           [=] { return std::make_shared<const Cubemap>(to_cubemap(sky_picture()->view(), size)); });
 }
 
 constexpr int kMany = 64;
@@ -104,51 +52,74 @@ constexpr int kMany = 64;
 void add_bake_many(int threads, bool in_one_call) {
   constexpr double texels = 6.0 * 64.0 * 64.0 * kMany;
   const std::string variant = in_one_call ? "rgba16f" : "rgba16f-single-calls";
-  add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), threads, texels, 8.0 * texels,
-                [=]() -> std::function<void()> {
-                  const Cubemap picture = to_cubemap(bake_picture(1024, false)->view(), 64);
-                  auto source = std::make_shared<report::FormattedCubemap>(picture, PixelFormat::rgba16f);
-                  const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
-                  const PrefilterOptions options{.size = 64, .mips = 5};
-                  std::vector<CubemapView> probes(kMany, source->view());
-                  std::vector<dvec3> light(std::size_t{9} * kMany);
-                  if (in_one_call) {
-                    return [=]() mutable {
-                      benchmark::DoNotOptimize(bake_many(probes, room->targets, light, options));
-                      benchmark::DoNotOptimize(room->memory.data());
-                      benchmark::DoNotOptimize(source.get());  // held by being named
-                    };
-                  }
-                  return [=] {
-                    for (std::size_t k = 0; k < kMany; ++k) {
-                      benchmark::DoNotOptimize(project(probes[k]));
-                      const PrefilteredSpecular chain = prefilter_specular(probes[k], options);
-                      store_texels(chain.cubemap, std::span(room->targets).subspan(5 * k, 5));
-                    }
-                    benchmark::DoNotOptimize(room->memory.data());
-                    benchmark::DoNotOptimize(source.get());
-                  };
-                });
+  add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), threads, texels, 8.0 * texels, [=] {
+    const Cubemap picture = to_cubemap(sky_picture()->view(), 64);
+    const auto source = std::make_shared<const report::FormattedCubemap>(picture, PixelFormat::rgba16f);
+    const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
+    return [=, light = std::vector<dvec3>(std::size_t{9} * kMany)]() mutable {
+      const std::vector<CubemapView> probes(kMany, source->view());
+      const PrefilterOptions options{.size = 64, .mips = 5};
+      if (in_one_call) {
+        benchmark::DoNotOptimize(bake_many(probes, room->targets, light, options));
+      } else {
+        for (std::size_t k = 0; k < kMany; ++k) {
+          benchmark::DoNotOptimize(project(probes[k]));
+          const PrefilteredSpecular chain = prefilter_specular(probes[k], options);
+          store_texels(chain.cubemap, std::span(room->targets).subspan(5 * k, 5));
+        }
+      }
+      benchmark::DoNotOptimize(room->memory.data());
+    };
+  });
 }
 
 }  // namespace
 
-void add_bakes(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) {
-    add_bake("512", threads, false, false, Memory::fresh);
-    add_bake("512-again", threads, false, false, Memory::again);
-    add_bake("512-background", threads, false, true, Memory::again);
-    add_bake("512-sun", threads, true, false, Memory::again);
-    add_bake_of(256, 1024, threads);
-    add_bake_of(1024, 2048, threads);
-    add_bake_of(2048, 4096, threads);
-    add_bake_of(512, 8192, threads);
-    for (const int size : {64, 128, 256, 512}) {
-      for (const auto format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f})
-        add_bake_of_cubemap(format, size, threads);
-    }
+void add_bakes() {
+  for (const int threads : kThreadCounts) {
+    add_bake_of_lat_long("512", {}, threads, bake_options(512), Memory::fresh);
+    add_bake_of_lat_long("512-background", {}, threads, bake_options(512, true));
+    add_bake_of_lat_long("512-sun", {.sun = 34'000.0}, threads, bake_options(512));
+    add_bake_of_lat_long("256", {}, threads, bake_options(256));
+    add_bake_of_lat_long("1024", {.width = 2048}, threads, bake_options(1024));
+    add_bake_of_lat_long("2048", {.width = 4096}, threads, bake_options(2048));
+    add_bake_of_lat_long("512", {.width = 8192}, threads, bake_options(512));
+    for (const int size : {64, 128, 256, 512}) add_bake_of_cubemap(size, threads);
     add_bake_many(threads, true);
     add_bake_many(threads, false);
+  }
+}
+
+namespace {
+
+void add_prefilter_of(const std::string& variant, bool cubemap, const PrefilterOptions& options, int threads) {
+  const double texels = 6.0 * options.size * options.size * 4.0 / 3.0;
+  add_benchmark("Prefilter", variant, std::to_string(options.size), threads, texels, 12.0 * texels, [=] {
+    const EnvironmentView view = cubemap ? EnvironmentView(noise_cubemap(PixelFormat::rgb32f, options.size))
+                                         : EnvironmentView(noise_lat_long(PixelFormat::rgb32f, 1024, 512));
+    return [=] { benchmark::DoNotOptimize(prefilter_specular(view, options)); };
+  });
+}
+
+/// A chain of which no mip is wider than roughness 0.054.
+PrefilterOptions narrow(int size) {
+  constexpr double widest = 0.054;
+  PrefilterOptions options{.size = size};
+  const int mips = full_chain_levels(size);
+  for (int mip = 1; mip <= mips; ++mip) options.roughness.push_back(widest * mip / mips);
+  return options;
+}
+
+}  // namespace
+
+void add_prefilter() {
+  for (const int threads : kThreadCounts) {
+    for (const int size : {256, 512}) {
+      add_prefilter_of("spectral", false, {.size = size}, threads);
+      add_prefilter_of("narrow", false, narrow(size), threads);
+    }
+    add_prefilter_of("cubemap", true, {.size = 256}, threads);
+    add_prefilter_of("cubemap-narrow", true, narrow(256), threads);
   }
 }
 

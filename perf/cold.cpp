@@ -1,13 +1,11 @@
 #include "perf.h"
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
-#include "welkin/importance.h"
 #include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/requests.h"
 #include "welkin/resampling.h"
-#include "welkin/sky.h"
 #include "welkin/worker.h"
 
 namespace welkin::perf {
@@ -68,14 +66,8 @@ Operation baked(const std::string& from, Kind kind, int source, int size) {
 
 void add_projections(std::vector<Operation>& operations) {
   for (const int size : {64, 256, 1024}) {
-    const std::string text = " cube " + std::to_string(size);
-    operations.push_back(plain("project rgb32f" + text, Kind::cube, size, 10,
+    operations.push_back(plain("project rgb32f cube " + std::to_string(size), Kind::cube, size, 10,
                                [](const Pixels& pixels) { return project(pixels.cube.view()); }));
-    operations.push_back({"project rgba16f" + text, Kind::cube, size, 10, [](const Pixels& pixels) -> Call {
-                            const auto halves =
-                                std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
-                            return [halves] { use(project(halves->view())); };
-                          }});
   }
   operations.push_back(plain("project lat-long 1024", Kind::lat_long, 1024, 10,
                              [](const Pixels& pixels) { return project(pixels.lat_long.view()); }));
@@ -114,53 +106,23 @@ void add_others(std::vector<Operation>& operations) {
       return brdf_table({size, size, BrdfModel::split_sum, true});
     }));
   }
-  operations.push_back(plain("importance lat-long 1024", Kind::lat_long, 1024, 10,
-                             [](const Pixels& pixels) { return importance_table(pixels.lat_long.view()); }));
   operations.push_back(plain("64 probes of cube 32", Kind::cube, 32, 10, [](const Pixels& pixels) {
     ProbeGrid grid;
     grid.counts = {4, 4, 4};
     return bake_probes(grid, std::vector<CubemapView>(64, pixels.cube.view()));
   }));
-}
-
-void add_workers(std::vector<Operation>& operations) {
-  for (const bool kept : {false, true}) {
-    operations.push_back({kept ? "worker kept, project cube 64" : "worker made, project cube 64", Kind::cube, 64, 10,
-                          [=](const Pixels& pixels) -> Call {
-                            const auto cube = std::make_shared<const Cubemap>(pixels.cube);
-                            const auto worker = std::make_shared<std::unique_ptr<Worker>>();
-                            return [=] {
-                              if (!kept || !*worker) *worker = std::make_unique<Worker>();
-                              use((*worker)->post(Project{EnvironmentSource(cube), {}}).get());
-                              if (!kept) worker->reset();
-                            };
-                          }});
-  }
-}
-
-void add_skies(std::vector<Operation>& operations) {
-  SkyTableOptions compact;
-  compact.layout = ScatteringLayout::compact;
-  const auto tables = [=] { return std::make_shared<const SkyTables>(precompute_sky(earth(), compact)); };
-  const dvec3 sun{0.0, 0.5, 0.866'025'403'784'438'6};
-  operations.push_back({"sky view", Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                          return [made = tables(), sun] { use(SkyView(made, 0.0).radiance({0.0, 1.0, 0.0}, sun)); };
+  operations.push_back({"worker made, project cube 64", Kind::cube, 64, 10, [](const Pixels& pixels) -> Call {
+                          const auto cube = std::make_shared<const Cubemap>(pixels.cube);
+                          return [=] {
+                            Worker worker;
+                            use(worker.post(Project{EnvironmentSource(cube), {}}).get());
+                          };
                         }});
-  operations.push_back({"sky harmonics", Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                          return [view = SkyView(tables(), 0.0), sun] { use(SkyProjector(view).project(sun)); };
-                        }});
-  operations.push_back({"sky curve", Kind::none, 0, 10, [=](const Pixels&) -> Call {
-                          return [view = SkyView(tables(), 0.0)] { use(SkyCurve(view)); };
-                        }});
-  operations.push_back(
-      plain("sky tables, compact", Kind::none, 0, 3, [=](const Pixels&) { return precompute_sky(earth(), compact); }));
-  operations.push_back(
-      plain("sky tables, full", Kind::none, 0, 3, [](const Pixels&) { return precompute_sky(earth()); }));
 }
 
 std::vector<Operation> all_operations() {
   std::vector<Operation> operations;
-  for (const auto& add : {add_projections, add_reflections, add_others, add_workers, add_skies}) add(operations);
+  for (const auto& add : {add_projections, add_reflections, add_others}) add(operations);
   return operations;
 }
 

@@ -8,8 +8,7 @@
 //   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
-//   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [--node-modules=FOLDER] [Google
-//   Benchmark options]
+//   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [Google Benchmark options]
 //     every figure that Welkin is held to, beside its limit: docs/notes/speed.md
 #include "perf.h"
 
@@ -55,46 +54,39 @@ int main(int argc, char** argv) {
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
-  const std::vector<int> sizes{32, 64, 128, 256, 512, 1024, 2048};
-  const std::vector<int> thread_counts{1, 2};
-  perf::add_read_bandwidth(sizes, thread_counts);
-  perf::add_project_cubemap(sizes, thread_counts);
-  perf::add_probes(thread_counts);
-  perf::add_project_lat_long(thread_counts);
-  perf::add_project_file(thread_counts);
-  perf::add_resampling(thread_counts);
-  perf::add_bc6h(thread_counts);
-  perf::add_prefilter(thread_counts);
-  perf::add_sky_views(thread_counts);
+  perf::add_read_bandwidth();
+  perf::add_project_cubemap();
+  perf::add_probes();
+  perf::add_project_lat_long();
+  perf::add_project_file();
+  perf::add_resampling();
+  perf::add_bc6h();
+  perf::add_prefilter();
+  perf::add_sky_specular();
   perf::add_harmonics();
-  perf::add_importance(thread_counts);
-  perf::add_sky_tables(thread_counts);
-  perf::add_bakes(thread_counts);
+  perf::add_importance();
+  perf::add_sky_tables();
+  perf::add_bakes();
 #if WELKIN_TOOLS
-  perf::add_previews(thread_counts);
+  perf::add_previews();
 #endif
   perf::add_result_cache();
-  perf::add_worker_latency(thread_counts);
-  perf::add_cancel_latency(thread_counts);
+  perf::add_worker_latency();
+  perf::add_cancel_latency();
   const bool page = first == "--page";
   perf::PageOptions page_options;
   if (page) {  // what is not the page's is Google Benchmark's
-    const auto value = [](const std::string& word, const std::string& option) {
-      return word.starts_with(option) ? std::filesystem::path(word.substr(option.size())) : std::filesystem::path();
-    };
+    const std::pair<std::string, const char*> pages[] = {
+        {"--before=", "before"}, {"--sse2=", "SSE2"}, {"--avx2=", "AVX2"}};  // of WELKIN_ISA=sse2 welkin_perf --page
     std::vector<char*> rest{argv[0]};
     for (int i = 2; i < argc; ++i) {
       const std::string word = argv[i];
+      const auto* const other = std::find_if(std::begin(pages), std::end(pages),
+                                             [&](const auto& one) { return word.starts_with(one.first); });
       if (word == "--processor") {
         page_options.processor = true;
-      } else if (word.starts_with("--before=")) {
-        page_options.others.emplace_back("before", value(word, "--before="));
-      } else if (word.starts_with("--sse2=")) {  // of WELKIN_ISA=sse2 welkin_perf --page
-        page_options.others.emplace_back("SSE2", value(word, "--sse2="));
-      } else if (word.starts_with("--avx2=")) {
-        page_options.others.emplace_back("AVX2", value(word, "--avx2="));
-      } else if (word.starts_with("--node-modules=")) {
-        page_options.node_modules = value(word, "--node-modules=");
+      } else if (other != std::end(pages)) {
+        page_options.others.emplace_back(other->second, word.substr(other->first.size()));
       } else {
         rest.push_back(argv[i]);
       }

@@ -18,6 +18,9 @@ using report::number;
 
 using Paths = std::vector<std::filesystem::path>;
 
+/// Threads that benchmarks run on.
+inline constexpr int kThreadCounts[] = {1, 2};
+
 /// The words after a mode: options, `--name` or `--name=value`, and files. Throws `Error` (invalid_argument) for an
 /// option that is not among `known`.
 class Arguments {
@@ -58,31 +61,31 @@ struct ProbeTargets {
   std::vector<CubemapTarget> targets;
 };
 
-/// The values of a level's six faces.
-[[nodiscard]] std::span<const float> values_of(const Cubemap& chain, int level);
-
 /// A cubemap of positive noise, kept until another format or size is asked for: the largest takes 400 MB.
 [[nodiscard]] CubemapView noise_cubemap(PixelFormat format, int size);
 
 /// A lat-long of positive noise, likewise.
 [[nodiscard]] LatLongView noise_lat_long(PixelFormat format, int width, int height);
 
-/// Registers a benchmark that runs `body` once an iteration in an arena of `threads` threads, by wall
+/// `count` cubemaps of 64 halves with alpha, of positive noise, `different` of them over and over.
+[[nodiscard]] std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different);
+
+/// Registers a benchmark that runs what `prepare` returns once an iteration in an arena of `threads` threads, by wall
 /// time, and reports nanoseconds a texel and gigabytes a second.
 void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
                    double texels, double bytes, const std::function<std::function<void()>()>& prepare);
 
-// A made-up sky that packers and encoders have as much to do with as with a photograph.
-
 struct SkyPictureOptions {
-  double grain = 0.1;    ///< noise from 0 to this, beside a sky of 1
-  double ripples = 0.1;  ///< of fine clouds
-  bool tinted = false;   ///< colours change from place to place, and grain is grey: else all has one colour
-  double sun = 0.0;      ///< radiance of a disc of four texels; 0: none
+  int width = 1024;
+  double grain = 0.02;  ///< grey noise from 0 to this, beside a sky of 1
+  double sun = 0.0;     ///< radiance of a disc of one degree; 0: none
+
+  friend bool operator==(const SkyPictureOptions&, const SkyPictureOptions&) = default;
 };
 
-/// A sky over ground with clouds, 1024 x 512.
-[[nodiscard]] LatLongImage sky_picture(const SkyPictureOptions& options = {});
+/// A lat-long half as high as wide: a sky over ground with clouds of a few sizes, as smooth as photographs are and no
+/// smoother, whose colours change from place to place. The last one is kept.
+[[nodiscard]] std::shared_ptr<const LatLongImage> sky_picture(const SkyPictureOptions& options = {});
 
 /// Default tables of Bruneton's Earth, two orders; made once.
 [[nodiscard]] std::shared_ptr<const SkyTables> earth_tables();
@@ -115,24 +118,13 @@ class Samples {
 
 using Clock = std::chrono::steady_clock;
 
-/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
-[[nodiscard]] WorkerOptions worker_options(int threads);
-
-/// A request that does nothing. (It has no ==, so that none stands in for another.)
-struct Nothing {
-  void operator()(const Control& /*control*/) const {}
-};
-
-/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
-void stay_busy(std::chrono::nanoseconds time);
-
 /// `[--runs=N] LATLONG`: a table of warm processor milliseconds on one thread, by subject and `rms_error`, each the
 /// least of N calls (20): default and short chains of cubemaps and of the lat-long itself, sheen, irradiance, and 64
 /// probes of halves in one call.
 [[nodiscard]] std::string bounds_table(const Paths& arguments);
 
 /// EncodeBc6h/fast|normal|slow/<size>/<threads>: the prefiltered chain of a sky with a sun and noise.
-void add_bc6h(const std::vector<int>& thread_counts);
+void add_bc6h();
 
 /// The table of docs/notes/textures.md: for each lat-long of `files`, prefiltered to a chain of `--size=N` (256),
 /// the error of each mip and of all, and the largest bias of a mip's mean, of BC6H and ASTC at each effort.
@@ -141,9 +133,8 @@ void add_bc6h(const std::vector<int>& thread_counts);
 /// CancelRunning/REQUEST/SIZE/THREADS: from `cancel()` of a running job, at moments spread over its whole length, to
 /// its future being ready. Beside it, from calls alone on one thread, what bounds it: `tile_us` and `longest_tile_us`,
 /// the median and the longest time between two tiles' ends; `first_tile_us`, from the call to the first tile's end
-/// (opening a file, tables); `last_us`, from the last tile's end to the call's; and `whole_ms`. `worst_at` is the
-/// moment of the cancel that took longest, as a share of the job's length.
-void add_cancel_latency(const std::vector<int>& thread_counts);
+/// (opening a file, tables); `last_us`, from the last tile's end to the call's; and `whole_ms`.
+void add_cancel_latency();
 
 /// Runs each operation in processes of its own and returns a Markdown table per number of threads: times of the first,
 /// second and last call, the fastest one after the first, page faults, and resident memory; then whole processes of
@@ -168,12 +159,6 @@ void add_cancel_latency(const std::vector<int>& thread_counts);
 /// beside those with the sun as a directional light. Every number is the same on every machine.
 [[nodiscard]] std::string irradiance_error_tables(const Paths& files);
 
-/// Prefilter/METHOD/SIZE/THREADS: the whole chain of a cubemap, roughness k / (mips - 1), from a 1024 x 512 lat-long of
-/// noise; and Prefilter/spectral-bright, the same with a sun of 1e6 in one texel. Sampled: importance sampling by 64
-/// samples, which is not the library's. Sheen is a chain of five Charlie lobes. Octahedral/chain/SIZE/THREADS: five
-/// levels of a map of so many texels.
-void add_prefilter(const std::vector<int>& thread_counts);
-
 /// The tables of docs/maths/reflections.md: for each lat-long of `files`, and each made-up one where an entry says
 /// "--synthetic", the error and time of each method's mips against the integral in double, at `--texels=N` (256)
 /// texels a mip, or all if there are fewer. "--size=N": texels along an edge of mip 0 (512). "--methods=A,B": which
@@ -181,26 +166,27 @@ void add_prefilter(const std::vector<int>& thread_counts);
 [[nodiscard]] std::string prefilter_error_tables(const Paths& files);
 
 /// Previews/<spheres>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the pictures.
-void add_previews(const std::vector<int>& thread_counts);
+void add_previews();
 
 /// Benchmarks Probes/VARIANT/64x10000/threads.
-void add_probes(const std::vector<int>& thread_counts);
+void add_probes();
 
-/// ProjectCubemap/FORMAT/SIZE/THREADS with default options; the same with other options, formats and
-/// instruction sets at a few sizes; and ProjectMany, in one call and in single ones.
-void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& thread_counts);
+/// ProjectCubemap/FORMAT/SIZE/THREADS with default options; the same with other formats and numbers of bands at a few
+/// sizes; and ProjectMany, in one call and in single ones.
+void add_project_cubemap();
 
 /// ProjectFile/FORMAT/2048x1024/THREADS: from a file in the page cache to coefficients, decoding overlapped. And
-/// ReadFile for the same file's bytes, read and looked at once: the floor.
-void add_project_file(const std::vector<int>& thread_counts);
+/// DecodeFile: the same file's decoder alone.
+void add_project_file();
 
 /// ProjectLatLong/FORMAT/4096x2048/THREADS.
-void add_project_lat_long(const std::vector<int>& thread_counts);
+void add_project_lat_long();
 
-/// ReadBandwidth/FORMAT/SIZE/THREADS for cubemaps of each size, and for a lat-long of 4096 x 2048.
-void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts);
+/// ReadBandwidth/FORMAT/SIZE/THREADS for the cubemaps of ProjectCubemap, and for a lat-long of 4096 x 2048.
+void add_read_bandwidth();
 
-void add_resampling(const std::vector<int>& thread_counts);
+/// LatLongToCubemap/area/SHAPE/THREADS, and CopyBandwidth for cubemaps of the same sizes.
+void add_resampling();
 
 /// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
 /// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
@@ -222,10 +208,10 @@ void add_result_cache();
 void add_harmonics();
 
 /// SkyTables/LAYOUT/ORDERS/THREADS: precomputing an Earth of the usual sizes (compact: 32 x 64 x 32), all tables.
-void add_sky_tables(const std::vector<int>& thread_counts);
+void add_sky_tables();
 
-/// SkyView, SkySpecular.
-void add_sky_views(const std::vector<int>& thread_counts);
+/// SkySpecular/no_disc/32/THREADS.
+void add_sky_specular();
 
 /// Runs the registered benchmarks and prints the usual table and, when all has run, how each projection's time compares
 /// with ReadBandwidth's for the same bytes, those passes' rates that read and write with CopyBandwidth's, and two
@@ -236,7 +222,6 @@ struct PageOptions {
   bool processor = false;  ///< processor time, for machines with other programs
   /// Other pages whose times get columns: their heads ("before", "SSE2") and files.
   std::vector<std::pair<std::string, std::filesystem::path>> others;
-  std::filesystem::path node_modules;  ///< folder that holds node_modules with @babylonjs/core and three; or none
 };
 
 /// Runs the benchmarks that the page shows (they are registered, and Google Benchmark is initialised) and returns the
@@ -244,24 +229,28 @@ struct PageOptions {
 [[nodiscard]] std::string speed_page(const PageOptions& options);
 
 /// Tables by which path tracers pick directions, of a picture of 4096 x 2048, into memory that is there.
-void add_importance(const std::vector<int>& thread_counts);
+void add_importance();
 
 /// PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's thread;
-/// the worker has just finished a job (warm) or has been asleep for a while. Without a priority in the name, threads
-/// are of normal priority.
+/// the worker has just finished a job (warm) or has been asleep for a while. Threads are of normal priority.
 ///
 /// PostToResult/HOW/SIZE/THREADS: from the call of `post` with a cubemap of SIZE texels an edge to its result in the
 /// caller's hands, which waits on the future or polls; back to back, or after a frame's pause. Beside it `sync_us`, the
 /// call of `project` in an arena of as many threads, in turn with the posts, and `overhead_us`, what posting takes
-/// longer: medians, and the fastest of each. Large cubemaps vary by more than that from call to call: `outside_us` is
-/// the part of each post that is not in the request, `to_start_us` before and `to_caller_us` after it (medians).
-void add_worker_latency(const std::vector<int>& thread_counts);
+/// longer: medians. Large cubemaps vary by more than that from call to call: `outside_us` is the part of each post that
+/// is not in the request (median).
+void add_worker_latency();
 
 /// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, and others.
 /// - Bake/512: cubemap (mip 0), prefiltered mips 1.., 64-texel irradiance, 64 x 64 BRDF table, into new memory; the
-///   table from the cache. `-again`: into the memory of the last.
+///   table from the cache. All others bake into the memory of the last.
 ///   `-background`: with a background cubemap of its own and its mips as well. `-sun`: of a picture with a sun.
-///   Bake/N/WxH: a chain of N from W x H, into the memory of the last.
-void add_bakes(const std::vector<int>& thread_counts);
+///   Bake/N/WxH: a chain of N from W x H. Bake/cube-rgb32f/N: from a cubemap of N.
+/// - BakeMany: probes of 64, in one call and in single ones.
+void add_bakes();
+
+/// Prefilter/spectral|narrow/SIZE/THREADS: the whole chain of a cubemap, by default or with no mip wider than 0.054,
+/// from a 1024 x 512 lat-long of noise; `cubemap` and `cubemap-narrow`: from a cubemap.
+void add_prefilter();
 
 }  // namespace welkin::perf

@@ -1,8 +1,8 @@
 #include "image/pixels.h"
-#include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "perf.h"
 #include "perf/report/passes.h"
+#include "support/chains.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -21,77 +21,40 @@ double cube_texels(int size) { return 6.0 * size * size; }
 /// Copies a cubemap in tiles, as the passes do: the yardstick for what reads and writes.
 void add_copy(int size, int threads) {
   const double texels = cube_texels(size);
-  add_benchmark("CopyBandwidth", "rgb32f", std::to_string(size), threads, texels, 2.0 * kTexelBytes * texels,
-                [=]() -> std::function<void()> {
-                  const auto* const from = static_cast<const float*>(noise_cubemap(PixelFormat::rgb32f, size).faces[0]);
-                  const auto to = std::make_shared<std::vector<float>>(static_cast<std::size_t>(3.0 * texels));
-                  return [=] {
-                    constexpr std::size_t tile = std::size_t{1} << 16U;
-                    const auto where = jobs::Placement::arena;
-                    jobs::run_tiles((to->size() + tile - 1) / tile, where, jobs::worker_count(where), {},
-                                    [&](std::size_t index, std::size_t) {
-                                      const std::size_t first = index * tile;
-                                      const std::size_t count = std::min(tile, to->size() - first);
-                                      std::memcpy(to->data() + first, from + first, count * sizeof(float));
-                                    });
-                  };
-                });
+  add_benchmark("CopyBandwidth", "rgb32f", std::to_string(size), threads, texels, 2.0 * kTexelBytes * texels, [=] {
+    const auto* const from = static_cast<const float*>(noise_cubemap(PixelFormat::rgb32f, size).faces[0]);
+    const auto to = std::make_shared<std::vector<float>>(static_cast<std::size_t>(3.0 * texels));
+    return [=] {
+      constexpr std::size_t tile = std::size_t{1} << 16U;
+      const auto where = jobs::Placement::arena;
+      jobs::run_tiles((to->size() + tile - 1) / tile, where, jobs::worker_count(where), {},
+                      [&](std::size_t index, std::size_t) {
+                        const std::size_t first = index * tile;
+                        const std::size_t count = std::min(tile, to->size() - first);
+                        std::memcpy(to->data() + first, from + first, count * sizeof(float));
+                      });
+    };
+  });
 }
 
 void add_lat_long_to_cubemap(int width, int size, int threads) {
   const int height = width / 2;
   const double bytes = kTexelBytes * (cube_texels(size) + 1.0 * width * height);
   const std::string shape = std::to_string(width) + "x" + std::to_string(height) + "-" + std::to_string(size);
-  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
-    add_benchmark("LatLongToCubemap", filter == ResampleFilter::area ? "area" : "bilinear", shape, threads,
-                  cube_texels(size), bytes, [=]() -> std::function<void()> {
-                    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
-                    const auto chain = std::make_shared<Cubemap>(size, 1);
-                    return [=] { image::fill_cubemap(view, *chain, 0, filter, {}); };
-                  });
-  }
-}
-
-void add_sample_grid(int size, int threads) {
-  const int rings = 2 * size;
-  const int columns = 4 * size;
-  const double bytes = kTexelBytes * cube_texels(size) + 16.0 * rings * columns;
-  add_benchmark(
-      "SampleGrid", "spline", std::to_string(size), threads, cube_texels(size), bytes, [=]() -> std::function<void()> {
-        const auto grid = std::make_shared<image::SphereGrid>(rings, columns, image::GridContent::spline_coefficients);
-        for (int ring = 0; ring < rings; ++ring) std::fill_n(grid->texel(0, ring), 4 * columns, 0.5F);
-        grid->fill_sides(0, rings);
-        grid->fill_poles();
-        const auto chain = std::make_shared<Cubemap>(size, 1);
-        return [=] { image::sample_faces(*grid, size, image::faces_of(*chain, 0), {}, {}); };
-      });
-}
-
-void add_mips(int size, int threads) {
-  // A level's texels are read once and a quarter as many written; all levels together 4/3 of that.
-  const double bytes = kTexelBytes * cube_texels(size) * 1.25 * 4.0 / 3.0;
-  for (const MipFilter filter : {MipFilter::box, MipFilter::solid_angle}) {
-    add_benchmark("Mips", filter == MipFilter::box ? "box" : "solid_angle", std::to_string(size), threads,
-                  cube_texels(size), bytes, [=]() -> std::function<void()> {
-                    const auto chain = std::make_shared<Cubemap>(size, full_chain_levels(size));
-                    for (int face = 0; face < 6; ++face) {
-                      const auto values = static_cast<std::size_t>(cube_texels(size) / 2.0);
-                      std::fill_n(chain->face(0, face), values, 0.5F);
-                    }
-                    return [=] { fill_mips(*chain, filter); };
-                  });
-  }
+  add_benchmark("LatLongToCubemap", "area", shape, threads, cube_texels(size), bytes, [=] {
+    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
+    const auto chain = std::make_shared<Cubemap>(size, 1);
+    return [=] { image::fill_cubemap(view, *chain, 0, ResampleFilter::area, {}); };
+  });
 }
 
 }  // namespace
 
-void add_resampling(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) {
+void add_resampling() {
+  for (const int threads : kThreadCounts) {
     for (const int size : {256, 512}) {
       add_copy(size, threads);
       add_lat_long_to_cubemap(2 * size, size, threads);
-      add_sample_grid(size, threads);
-      add_mips(size, threads);
     }
   }
 }
@@ -116,19 +79,6 @@ double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes(
 
 std::string percent(double share) { return number("%.2f", 100.0 * share); }
 
-/// The most that a channel's mean over a level is off.
-double largest_bias(std::span<const float> decoded, std::span<const float> given) {
-  std::array<double, 3> sums{};
-  std::array<double, 3> wanted{};
-  for (std::size_t k = 0; k < given.size(); ++k) {
-    sums[k % 3] += static_cast<double>(decoded[k]);
-    wanted[k % 3] += std::clamp(static_cast<double>(given[k]), 0.0, 65504.0);
-  }
-  double largest = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(sums[c] / wanted[c] - 1.0));
-  return largest;
-}
-
 void add_row(Table& table, const std::string& name, const Cubemap& chain, const report::BlockWay& way) {
   const auto bytes = report::texture_bytes(chain, way.options);
   if (!bytes) return;
@@ -137,11 +87,12 @@ void add_row(Table& table, const std::string& name, const Cubemap& chain, const 
   double squares = 0.0;
   double bias = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
-    const double error = report::relative_errors(values_of(decoded, level), values_of(chain, level)).rms;
+    const double error =
+        report::relative_errors(test::level_values(decoded, level), test::level_values(chain, level)).rms;
     mips += (level == 0 ? "" : ", ") + percent(error);
     squares += error * error * std::pow(chain.level_size(level), 2);
     if (chain.level_size(level) < 16) continue;
-    bias = std::max(bias, largest_bias(values_of(decoded, level), values_of(chain, level)));
+    bias = std::max(bias, test::largest_bias(decoded, chain, level));
   }
   table.add({name, std::string(way.format) + ' ' + way.effort, percent(std::sqrt(squares / (texels_of(chain) / 6.0))),
              mips, percent(bias)});
@@ -149,21 +100,18 @@ void add_row(Table& table, const std::string& name, const Cubemap& chain, const 
 
 }  // namespace
 
-void add_bc6h(const std::vector<int>& thread_counts) {
+void add_bc6h() {
   const auto chain = [](int size) {
-    return std::make_shared<const Cubemap>(
-        whole_chain(sky_picture({.grain = 0.3, .ripples = 0.0, .tinted = true, .sun = 500.0}).view(), size));
+    return std::make_shared<const Cubemap>(whole_chain(sky_picture({.grain = 0.3, .sun = 500.0})->view(), size));
   };
-  for (const int threads : thread_counts) {
+  for (const int threads : kThreadCounts) {
     for (const int size : {256, 512}) {
       const double texels = 6.0 * (4.0 * size * size - 1.0) / 3.0;
       for (const NamedEffort& effort : kEfforts) {
-        add_benchmark("EncodeBc6h", effort.name, std::to_string(size), threads, texels, 0.0,
-                      [=]() -> std::function<void()> {
-                        return [given = chain(size), effort] {
-                          benchmark::DoNotOptimize(encode_bc6h(given->views(), {effort.effort}));
-                        };
-                      });
+        add_benchmark("EncodeBc6h", effort.name, std::to_string(size), threads, texels, 0.0, [=] {
+          return
+              [given = chain(size), effort] { benchmark::DoNotOptimize(encode_bc6h(given->views(), {effort.effort})); };
+        });
       }
     }
   }
@@ -182,18 +130,17 @@ std::string block_error_table(const Paths& words) {
   return table.text();
 }
 
-void add_importance(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) {
+void add_importance() {
+  for (const int threads : kThreadCounts) {
     // Read once; a function and a cumulative distribution written.
     constexpr double texels = 4096.0 * 2048.0;
-    add_benchmark(
-        "ImportanceTable", "rgb32f", "4096x2048", threads, texels, 20.0 * texels, [=]() -> std::function<void()> {
-          const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 4096, 2048);
-          const auto table = std::make_shared<ImportanceTable>(importance_table(view));
-          return [=] {
-            benchmark::DoNotOptimize(importance_table(view, {table->function, table->row_cdf, table->column_cdf}));
-          };
-        });
+    add_benchmark("ImportanceTable", "rgb32f", "4096x2048", threads, texels, 20.0 * texels, [=] {
+      const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 4096, 2048);
+      const auto table = std::make_shared<ImportanceTable>(importance_table(view));
+      return [=] {
+        benchmark::DoNotOptimize(importance_table(view, {table->function, table->row_cdf, table->column_cdf}));
+      };
+    });
   }
 }
 

@@ -1,4 +1,6 @@
 #include "perf.h"
+#include "support/chains.h"
+#include "support/estimate_trials.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -75,7 +77,7 @@ void add_rows(Table& table, const Picture& picture, const EnvironmentView& view,
         truths[key] = reference_specular(view, mip.roughness, report::directions_of(probes[key], mip.size));
       }
       const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
-      const std::span<const float> values = values_of(result.cubemap, key);
+      const std::span<const float> values = test::level_values(result.cubemap, key);
       table.add({picture.name, name(mip.method), std::to_string(level), number("%.4g", mip.roughness),
                  std::to_string(mip.bands), std::to_string(mip.bright_texels), number("%.2g", 100.0 * errors.norms.rms),
                  mip.error_estimate ? number("%.2g", 100.0 * *mip.error_estimate) : "-",
@@ -138,6 +140,53 @@ std::string prefilter_error_tables(const Paths& words) {
     add_rows(table, {file.stem().string(), {view.width, view.height, {rgb, rgb + count}}}, settings);
   }
   return table.text();
+}
+
+namespace {
+
+constexpr int kPictureSize = 64;
+constexpr int kAtATime = 100;  ///< environments from table to table
+
+std::string table_of(const test::EstimateTrials& trials) {
+  Table table(
+      {"result", "estimates", "true <= estimate", "median of estimate / true", "worst true / estimate", "worst case"});
+  for (const auto& [kind, honesty] : trials) {
+    table.add({kind, std::to_string(honesty->count()), number("%.1f %%", 100.0 * honesty->share()),
+               number("%.2g", honesty->median()), number("%.2g", honesty->worst()), honesty->worst_case()});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string estimate_table(const Paths& words) {
+  const Arguments arguments(words, {"--seed", "--rms-error"});
+  const auto seed = static_cast<std::uint32_t>(arguments.count("--seed", 1));
+  test::RoughnessSpan of{0.02, 1.0};
+  of.rms_error = arguments.value("--rms-error", of.rms_error);
+  int count = 10'000;
+  std::vector<Cubemap> pictures;
+  for (const std::filesystem::path& file : arguments.files) {
+    const std::string word = file.string();
+    if (word.find_first_not_of("0123456789") == std::string::npos) {
+      count = std::atoi(word.c_str());
+    } else {
+      pictures.push_back(to_cubemap(read_environment(file).view(), kPictureSize));
+    }
+  }
+  test::EstimateTrials trials;
+  int refused = 0;
+  for (int done = 0; done < count;) {
+    const int some = std::min(kAtATime, count - done);
+    const auto first = seed + static_cast<std::uint32_t>(done);
+    test::add_estimate_trials(first, some / 2, of, pictures, trials);
+    test::add_family_trials(first + static_cast<std::uint32_t>(some / 2), some - some / 2, of, true, trials);
+    refused += test::add_lobe_trials(first, some / 2, pictures, trials);
+    done += some;
+    if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
+  }
+  return table_of(trials) + "\n" + std::to_string(refused) + " of " + std::to_string(count / 2) +
+         " mips of other lobes than GGX were refused.\n";
 }
 
 }  // namespace welkin::perf

@@ -25,12 +25,10 @@ float distance(std::size_t probe, double x, double y, double z) {
 
 struct Captures {
   std::vector<float> distances;
-  std::vector<CubemapView> cubes;
+  std::vector<CubemapView> cubes = noise_probes(kGrid.size(), kDifferent);
   std::vector<DepthView> depths;
 
   Captures() {
-    const CubemapView noise = noise_cubemap(PixelFormat::rgba16f, 2048);  // enough texels for 1024 of 64
-    const auto* const pixels = static_cast<const std::byte*>(noise.faces[0]);
     distances.resize(kDifferent * 6 * kFaceTexels);
     for (std::size_t k = 0; k < kDifferent; ++k) {
       for (std::size_t texel = 0; texel < 6 * kFaceTexels; ++texel) {
@@ -45,13 +43,10 @@ struct Captures {
     }
     for (std::size_t probe = 0; probe < kGrid.size(); ++probe) {
       const std::size_t k = probe % kDifferent;
-      CubemapView cube{{}, kSize, 0, PixelFormat::rgba16f};
       DepthView depth{{}, kSize, 0};
       for (std::size_t face = 0; face < 6; ++face) {
-        cube.faces[face] = pixels + (6 * k + face) * kFaceTexels * 8;
         depth.faces[face] = distances.data() + (6 * k + face) * kFaceTexels;
       }
-      cubes.push_back(cube);
       depths.push_back(depth);
     }
   }
@@ -81,26 +76,25 @@ void add(const char* variant, int threads, double bytes_a_probe, const std::func
 
 }  // namespace
 
-void add_probes(const std::vector<int>& thread_counts) {
+void add_probes() {
   constexpr double colours = 8.0 * 6.0 * kFaceTexels;
   constexpr double depths = 4.0 * 6.0 * kFaceTexels;
-  for (const int threads : thread_counts) {
-    if (threads > 2) continue;
-    add("rgba16f", threads, colours, []() -> std::function<void()> {
+  for (const int threads : kThreadCounts) {
+    add("rgba16f", threads, colours, [] {
       static_cast<void>(captures());
       return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes)); };
     });
-    add("rgba16f-depths", threads, colours + depths, []() -> std::function<void()> {
+    add("rgba16f-depths", threads, colours + depths, [] {
       static_cast<void>(captures());
       return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths)); };
     });
-    add("rgba16f-depths-sky", threads, colours + 2 * depths, []() -> std::function<void()> {
+    add("rgba16f-depths-sky", threads, colours + 2 * depths, [] {
       static_cast<void>(captures());
       return [] {
         benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
       };
     });
-    add("files", threads, colours, []() -> std::function<void()> {
+    add("files", threads, colours, [] {
       return [inputs = files()] {
         const BakedProbes probes = bake_probe_files(kGrid, inputs);
         const std::array layouts{ProbeLayout::three, ProbeLayout::unity_l2};
@@ -108,7 +102,7 @@ void add_probes(const std::vector<int>& thread_counts) {
         benchmark::DoNotOptimize(write_probes(folder / "probes.json", probes, layouts));
       };
     });
-    add("relight", threads, 0.0, []() -> std::function<void()> {
+    add("relight", threads, 0.0, [] {
       const auto probes = std::make_shared<BakedProbes>(
           bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
       SphericalHarmonics sun(4);
@@ -117,7 +111,7 @@ void add_probes(const std::vector<int>& thread_counts) {
     });
     for (const auto& [variant, layout] :
          {std::pair{"pack-three", ProbeLayout::three}, {"pack-unity-l2", ProbeLayout::unity_l2}}) {
-      add(variant, threads, 0.0, [layout = layout]() -> std::function<void()> {
+      add(variant, threads, 0.0, [layout = layout] {
         const auto probes = std::make_shared<BakedProbes>(bake_probes(kGrid, captures().cubes));
         return [probes, layout] { benchmark::DoNotOptimize(pack_probes(*probes, layout)); };
       });

@@ -9,15 +9,16 @@
 namespace welkin::perf {
 namespace {
 
+constexpr int kSizes[] = {32, 64, 128, 256, 512, 1024, 2048};
+
 double texels_of(int size) { return 6.0 * size * size; }
 
 void add(const std::string& variant, PixelFormat format, int size, int threads, const ProjectionOptions& options) {
   const double bytes = texels_of(size) * static_cast<double>(bytes_per_texel(format));
-  add_benchmark("ProjectCubemap", variant, std::to_string(size), threads, texels_of(size), bytes,
-                [=]() -> std::function<void()> {
-                  const CubemapView view = noise_cubemap(format, size);
-                  return [=] { benchmark::DoNotOptimize(project(view, options)); };
-                });
+  add_benchmark("ProjectCubemap", variant, std::to_string(size), threads, texels_of(size), bytes, [=] {
+    const CubemapView view = noise_cubemap(format, size);
+    return [=] { benchmark::DoNotOptimize(project(view, options)); };
+  });
 }
 
 /// The sums of nine functions for each channel, as DirectXMath's SHProjectCubeMap adds them up: every texel's
@@ -63,7 +64,7 @@ void sum_as_directxmath(const CubemapView& view, std::array<float, 27>& sums) {
 
 void add_directxmath(int size) {
   add_benchmark("ProjectCubemap", "directxmath-method", std::to_string(size), 1, texels_of(size),
-                12.0 * texels_of(size), [=]() -> std::function<void()> {
+                12.0 * texels_of(size), [=] {
                   const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
                   return [view, sums = std::array<float, 27>{}]() mutable {
                     sum_as_directxmath(view, sums);
@@ -72,47 +73,20 @@ void add_directxmath(int size) {
                 });
 }
 
-void add_instruction_set(InstructionSet set, int size) {
-  const double bytes = texels_of(size) * 12.0;
-  add_benchmark("ProjectCubemap", std::string("rgb32f-") + name(set), std::to_string(size), 1, texels_of(size), bytes,
-                [=]() -> std::function<void()> {
-                  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
-                  return [=] {
-                    const InstructionSet before = active_instruction_set();
-                    force_instruction_set(set);
-                    benchmark::DoNotOptimize(project(view));
-                    force_instruction_set(before);
-                  };
-                });
-}
-
 /// `count` probes of 64 halves, 64 different ones over and over: in one call, or in a call for each, on one thread or
 /// as tasks of our own.
 void add_many(int count, int threads) {
-  constexpr int kSize = 64;
   constexpr std::size_t kDifferent = 64;
-  const double texels = texels_of(kSize) * count;
+  const double texels = texels_of(64) * count;
   const std::string size = "64x" + std::to_string(count);
-  const auto probes = [count] {
-    const CubemapView noise = noise_cubemap(PixelFormat::rgba16f, 512);  // 64 probes
-    const auto* const pixels = static_cast<const std::byte*>(noise.faces[0]);
-    constexpr std::size_t kFaceBytes = std::size_t{kSize} * kSize * 8;
-    std::vector<CubemapView> views;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-      CubemapView view{{}, kSize, 0, PixelFormat::rgba16f};
-      for (std::size_t face = 0; face < 6; ++face)
-        view.faces[face] = pixels + (6 * (k % kDifferent) + face) * kFaceBytes;
-      views.push_back(view);
-    }
-    return views;
-  };
-  add_benchmark("ProjectMany", "rgba16f", size, threads, texels, 8.0 * texels, [=]() -> std::function<void()> {
+  const auto probes = [count] { return noise_probes(static_cast<std::size_t>(count), kDifferent); };
+  add_benchmark("ProjectMany", "rgba16f", size, threads, texels, 8.0 * texels, [=] {
     return [views = probes(), light = std::vector<dvec3>(9 * static_cast<std::size_t>(count))]() mutable {
       benchmark::DoNotOptimize(project_many(views, light));
     };
   });
   if (threads > 1) return;
-  add_benchmark("ProjectMany", "rgba16f-single-calls", size, 1, texels, 8.0 * texels, [=]() -> std::function<void()> {
+  add_benchmark("ProjectMany", "rgba16f-single-calls", size, 1, texels, 8.0 * texels, [=] {
     return [views = probes()] {
       for (const CubemapView& view : views) benchmark::DoNotOptimize(project(view));
     };
@@ -121,52 +95,33 @@ void add_many(int count, int threads) {
 
 }  // namespace
 
-void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
+void add_project_cubemap() {
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
-    for (const int size : sizes) {
-      for (const int threads : thread_counts) add(name(format), format, size, threads, {});
+    for (const int size : kSizes) {
+      for (const int threads : kThreadCounts) add(name(format), format, size, threads, {});
     }
   }
   for (const PixelFormat format : {PixelFormat::rgb16f, PixelFormat::rgb8, PixelFormat::srgba8}) {
     for (const int size : {64, 256, 1024}) add(name(format), format, size, 1, {});
   }
-  for (const int bands : {1, 2, 4, 6, 10}) {
+  for (const int bands : {4, 6, 10}) {
     ProjectionOptions options;
     options.bands = bands;
     for (const int size : {64, 1024})
       add("rgb32f-bands" + std::to_string(bands), PixelFormat::rgb32f, size, 1, options);
   }
-  ProjectionOptions clamped;
-  clamped.pixels.clamp = RadianceClamp{};
-  ProjectionOptions midpoint;
-  midpoint.quadrature = Quadrature::midpoint;
-  ProjectionOptions gamma;
-  gamma.pixels.gamma = true;
-  const std::pair<const char*, ProjectionOptions> variants[] = {
-      {"rgb32f-clamp", clamped}, {"rgb32f-midpoint", midpoint}, {"rgb32f-gamma", gamma}};
-  for (const auto& [variant, options] : variants) add(variant, PixelFormat::rgb32f, 1024, 1, options);
-  for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
-    ProjectionOptions options;
-    options.quadrature = quadrature;
-    options.target_size = 64;
-    const std::string variant = quadrature == Quadrature::exact ? "rgb32f-target64" : "rgb32f-target64-midpoint";
-    add(variant, PixelFormat::rgb32f, 1024, 1, options);
-  }
   for (const int size : {64, 256}) add_directxmath(size);
-  for (const int threads : thread_counts) add_many(10'000, threads);
-  for (const InstructionSet set : available_instruction_sets()) {
-    for (const int size : {64, 1024}) add_instruction_set(set, size);
-  }
+  for (const int threads : kThreadCounts) add_many(10'000, threads);
 }
 
-void add_project_lat_long(const std::vector<int>& thread_counts) {
+void add_project_lat_long() {
   constexpr int width = 4096;
   constexpr int height = 2048;
   constexpr double texels = 1.0 * width * height;
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
-    for (const int threads : thread_counts) {
+    for (const int threads : kThreadCounts) {
       add_benchmark("ProjectLatLong", name(format), "4096x2048", threads, texels,
-                    texels * static_cast<double>(bytes_per_texel(format)), [=]() -> std::function<void()> {
+                    texels * static_cast<double>(bytes_per_texel(format)), [=] {
                       const LatLongView view = noise_lat_long(format, width, height);
                       return [=] { benchmark::DoNotOptimize(project(view)); };
                     });
@@ -197,15 +152,6 @@ std::filesystem::path file_of(const Variant& variant) {
   });
 }
 
-void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {
-  std::ifstream file(path, std::ios::binary);
-  long sum = 0;
-  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
-    sum = std::accumulate(block.data(), block.data() + file.gcount(), sum);
-  }
-  benchmark::DoNotOptimize(sum);
-}
-
 /// The decoder alone: rows to floats in one thread, each block of them forgotten.
 void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
   const std::unique_ptr<files::RowSource> source = files::open_picture(path, ReadOptions{});
@@ -220,24 +166,19 @@ void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
 
 }  // namespace
 
-void add_project_file(const std::vector<int>& thread_counts) {
+void add_project_file() {
   constexpr double texels = 1.0 * kWidth * kHeight;
   const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
   for (const Variant& variant : kVariants) {
-    for (const int threads : thread_counts) {
-      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels,
-                    [&variant]() -> std::function<void()> {
-                      const std::filesystem::path path = file_of(variant);
-                      return [path] { benchmark::DoNotOptimize(project_file(path)); };
-                    });
+    for (const int threads : kThreadCounts) {
+      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels, [&variant] {
+        const std::filesystem::path path = file_of(variant);
+        return [path] { benchmark::DoNotOptimize(project_file(path)); };
+      });
     }
-    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant] {
       const std::filesystem::path path = file_of(variant);
       return [path, rgb = std::vector<float>()]() mutable { decode(path, rgb); };
-    });
-    add_benchmark("ReadFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
-      const std::filesystem::path path = file_of(variant);
-      return [path, block = std::vector<char>(std::size_t{1} << 20U)]() mutable { read_bytes(path, block); };
     });
   }
 }
@@ -276,10 +217,10 @@ std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_
 
 }  // namespace
 
-void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
+void add_read_bandwidth() {
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
-    for (const int size : sizes) {
-      for (const int threads : thread_counts) {
+    for (const int size : kSizes) {
+      for (const int threads : kThreadCounts) {
         const std::int64_t texels = std::int64_t{6} * size * size;
         const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
         add_benchmark("ReadBandwidth", name(format), std::to_string(size), threads, static_cast<double>(texels),
@@ -288,7 +229,7 @@ void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& t
       }
     }
   }
-  for (const int threads : thread_counts) {
+  for (const int threads : kThreadCounts) {
     constexpr int width = 4096;
     constexpr int height = 2048;
     constexpr std::int64_t texels = std::int64_t{width} * height;

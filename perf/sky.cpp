@@ -1,65 +1,262 @@
 #include "welkin/sky.h"
 
+#include <tbb/parallel_for.h>
+
 #include "perf.h"
+#include "perf/report/passes.h"
+#include "reference/path_tracer.h"
+#include "reference/sky_reference.h"
 #include "sky/table_sizes.h"
 #include "welkin/bake.h"
 
 namespace welkin::perf {
 
-void add_sky_tables(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) {
-    for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
-      for (const int orders : {1, 4}) {
-        SkyTableOptions options;
-        options.layout = layout;
-        options.orders = orders;
-        if (layout == ScatteringLayout::compact) options.sun_zeniths = 32;
-        const auto texels = static_cast<double>(sky::scattering_texels(options));
-        add_benchmark("SkyTables", layout == ScatteringLayout::full ? "full" : "compact", std::to_string(orders),
-                      threads, texels, 0.0, [=]() -> std::function<void()> {
-                        return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); };
-                      });
-      }
+void add_sky_tables() {
+  for (const int threads : kThreadCounts) {
+    SkyTableOptions full;
+    full.orders = 4;
+    SkyTableOptions compact = full;
+    compact.layout = ScatteringLayout::compact;
+    compact.sun_zeniths = 32;
+    for (const auto& [variant, options] : {std::pair{"full", full}, {"compact", compact}}) {
+      add_benchmark(
+          "SkyTables", variant, "4", threads, static_cast<double>(sky::scattering_texels(options)), 0.0,
+          [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
     }
     // More and less haze in turn: what it does not change is kept.
-    add_benchmark("SkyTables", "compact-haze", "4", threads, 1.0, 0.0, []() -> std::function<void()> {
-      return [more = false]() mutable {
+    add_benchmark("SkyTables", "compact-haze", "4", threads, 1.0, 0.0, [compact] {
+      return [compact, more = false]() mutable {
         more = !more;
         Atmosphere air = earth_bruneton();
         for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
-        SkyTableOptions options;
-        options.layout = ScatteringLayout::compact;
-        options.sun_zeniths = 32;
-        benchmark::DoNotOptimize(precompute_sky(air, options));
+        benchmark::DoNotOptimize(precompute_sky(air, compact));
       };
+    });
+  }
+}
+
+void add_sky_specular() {
+  constexpr double texels = 6.0 * 32.0 * 32.0;
+  for (const int threads : kThreadCounts) {
+    add_benchmark("SkySpecular", "no_disc", "32", threads, texels, 12.0 * texels, [] {
+      const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
+      return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
     });
   }
 }
 
 namespace {
 
-void add_making() {
-  for (const double altitude : {0.0, 2000.0}) {
-    add_benchmark("SkyView", "full", std::to_string(static_cast<int>(altitude)), 1, 1.0, 0.0,
-                  [=]() -> std::function<void()> {
-                    return [=] { benchmark::DoNotOptimize(SkyView(earth_tables(), altitude)); };
-                  });
+using report::SkyMethod;
+
+constexpr std::array<double, 12> kElevations{90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0, -9.0, -12.0};
+constexpr double kLastPromised = -6.0;
+
+struct Settings {
+  int directions;
+  std::int64_t paths;
+  double altitude;
+};
+
+struct Size {
+  std::string name;
+  SkyTableOptions options;
+};
+
+std::vector<Size> table_sizes() {
+  const auto sized = [](int heights, int views, int suns, int angles) {
+    SkyTableOptions options;
+    options.heights = heights;
+    options.view_zeniths = views;
+    options.sun_zeniths = suns;
+    options.sun_angles = angles;
+    return options;
+  };
+  const SkyTableOptions usual;
+  SkyTableOptions compact = sized(32, 64, 32, usual.sun_angles);
+  compact.layout = ScatteringLayout::compact;
+  std::vector<Size> sizes;
+  for (const auto& [name, options] : {std::pair{"compact", compact},
+                                      {"small", sized(16, 32, 32, 8)},
+                                      {"default", usual},
+                                      {"large", sized(32, 128, 128, 16)}}) {
+    sizes.push_back({name + (' ' + report::size_words(options)), options});
   }
+  return sizes;
 }
 
-void add_specular(int threads) {
-  constexpr double texels = 6.0 * 32.0 * 32.0;
-  add_benchmark("SkySpecular", "no_disc", "32", threads, texels, 12.0 * texels, []() -> std::function<void()> {
-    const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
-    return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
-  });
+/// Evenly over the upper hemisphere: a Fibonacci spiral.
+std::vector<glm::dvec3> sky_directions(int count) {
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double azimuth = 360.0 * i * (std::numbers::phi - 1.0);
+    directions.push_back(
+        sun_direction(std::asin((i + 0.5) / count) * 180.0 / std::numbers::pi, std::fmod(azimuth, 360.0)));
+  }
+  return directions;
+}
+
+std::shared_ptr<const SkyTables> tables_of(const Atmosphere& air, SkyTableOptions options, int orders) {
+  options.orders = orders;
+  return std::make_shared<const SkyTables>(precompute_sky(air, options));
+}
+
+/// Singly scattered light of the whole upper hemisphere, table by table: the rms of what is wrong over the rms of the
+/// truth, and the largest error of a direction over it.
+std::string radiance_table(const Settings& settings) {
+  const Atmosphere air = earth_bruneton();
+  const std::vector<glm::dvec3> directions = sky_directions(settings.directions);
+  std::vector<SkyView> views;
+  std::vector<std::string> heads{"sun elevation"};
+  for (const Size& size : table_sizes()) {
+    views.emplace_back(tables_of(air, size.options, 1), settings.altitude);
+    heads.push_back(size.name);
+  }
+  Table table(heads);
+  for (const double elevation : kElevations) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    std::vector<glm::dvec3> truth(directions.size());
+    tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
+      const std::vector<double> light = reference_sky_radiance(air, settings.altitude, directions[i], sun);
+      truth[i] = {light[0], light[1], light[2]};
+    });
+    std::vector<std::string> cells{number("%g", elevation)};
+    for (const SkyView& view : views) {
+      double wrong = 0.0;
+      double all = 0.0;
+      double largest = 0.0;
+      for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double error = glm::length(view.radiance(directions[i], sun) - truth[i]);
+        wrong += error * error;
+        all += glm::dot(truth[i], truth[i]);
+        largest = std::max(largest, error);
+      }
+      const double rms = std::sqrt(all / static_cast<double>(directions.size()));
+      cells.push_back(number("%.1e", std::sqrt(wrong / all)) + " / " + number("%.0e", largest / rms));
+    }
+    table.add(cells);
+  }
+  return "Single scattering, " + air.name + ", " + std::to_string(directions.size()) +
+         " directions of the upper hemisphere at " + number("%g", settings.altitude) +
+         " m: rms error over rms radiance, and the largest error over it.\n\n" + table.text();
+}
+
+/// By so many directions that no error of the integral is left.
+SkyProjector converged(const SkyView& view) { return SkyProjector(view, {3, SkyQuadrature::gauss_split, 128, 128}); }
+
+double norm(std::span<const glm::dvec3> values) {
+  double sum = 0.0;
+  for (const glm::dvec3& value : values) sum += glm::dot(value, value);
+  return std::sqrt(sum);
+}
+
+/// Orders 2 to 4 alone: tables of four orders less those of one. Black ground, so that an order is an order: what a
+/// ray sees of lit ground counts one more.
+std::string orders_table(const Settings& settings) {
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
+  const SkyProjector single = converged(SkyView(tables_of(air, {}, 1), settings.altitude));
+  const SkyProjector all = converged(SkyView(tables_of(air, {}, 4), settings.altitude));
+  Table table({"sun elevation", "error", "standard error", "error of all light", "share"});
+  for (const double elevation : kElevations) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    const SphericalHarmonics first = single.project(sun);
+    const SphericalHarmonics sum = all.project(sun);
+    const TracedHarmonics light = trace_sky_harmonics(
+        air, settings.altitude, sun, 3, {.lowest_order = 2, .highest_order = 4, .paths = settings.paths, .seed = 5});
+    std::vector<glm::dvec3> truth(sum.coefficients().size());
+    std::vector<glm::dvec3> uncertain(truth.size());
+    std::vector<glm::dvec3> wrong(truth.size());
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+      truth[c] = {light.radiance[0][c], light.radiance[1][c], light.radiance[2][c]};
+      uncertain[c] = {light.standard_error[0][c], light.standard_error[1][c], light.standard_error[2][c]};
+      wrong[c] = sum.coefficients()[c] - first.coefficients()[c] - truth[c];
+    }
+    table.add({number("%g", elevation), number("%.1e", norm(wrong) / norm(truth)),
+               number("%.1e", norm(uncertain) / norm(truth)), number("%.1e", norm(wrong) / norm(sum.coefficients())),
+               number("%.2f", norm(truth) / norm(sum.coefficients()))});
+  }
+  return "Nine coefficients of orders 2 to 4 of the default tables against path tracing (" +
+         std::to_string(settings.paths) + " paths), " + air.name + ", black ground, at " +
+         number("%g", settings.altitude) +
+         " m: |c - c*| / |c*|, the path tracer's own standard error likewise, and the orders' share of all light.\n\n" +
+         table.text();
+}
+
+std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
+  std::vector<std::string> heads{"sun elevation"};
+  for (const SkyMethod& method : methods) heads.push_back(method.name + ' ' + method.setting);
+  Table table(heads);
+  for (std::size_t k = 0; k < kElevations.size(); ++k) {
+    std::vector<std::string> cells{number("%g", kElevations[k])};
+    for (const SkyMethod& method : methods) {
+      SphericalHarmonics light(3);
+      method.project(sun_direction(kElevations[k], 0.0), light);
+      cells.push_back(number("%.1e", report::worst_channel_error(light, truths[k])));
+    }
+    table.add(cells);
+  }
+  return table.text();
+}
+
+std::string lines_of_tabs(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
+  const report::Stopwatch stopwatch;
+  std::ostringstream text;
+  text << "# method\tsetting\tdirections\tmicroseconds\trms\tworst\tworst elevation, from 90 to -6 degrees\n";
+  for (const SkyMethod& method : methods) {
+    double squares = 0.0;
+    double worst = 0.0;
+    double where = 0.0;
+    int count = 0;
+    for (std::size_t k = 0; k < kElevations.size() && kElevations[k] >= kLastPromised; ++k, ++count) {
+      SphericalHarmonics light(3);
+      method.project(sun_direction(kElevations[k], 0.0), light);
+      const double error = report::worst_channel_error(light, truths[k]);
+      squares += error * error;
+      if (error > worst) where = kElevations[k];
+      worst = std::max(worst, error);
+    }
+    text << method.name << '\t' << method.setting << '\t' << method.directions << '\t'
+         << number("%.3g", 1e6 * report::seconds_of(method.project, stopwatch)) << '\t'
+         << number("%.2e", std::sqrt(squares / count)) << '\t' << number("%.2e", worst) << '\t' << where << '\n';
+  }
+  return text.str();
+}
+
+std::string methods_table(const Settings& settings) {
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
+  const SkyView view(tables_of(air, {}, 1), settings.altitude);
+  const SkyProjector exact = converged(view);
+  std::vector<SphericalHarmonics> truths;
+  std::vector<SphericalHarmonics> integrals;
+  for (const double elevation : kElevations) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    truths.push_back(reference_sky_harmonics(air, settings.altitude, sun));
+    integrals.push_back(exact.project(sun));
+  }
+  const std::vector<SkyMethod> methods = report::sky_methods(view);
+  return "Nine coefficients of singly scattered light, " + air.name + ", black ground, at " +
+         number("%g", settings.altitude) +
+         " m: |c - c*| / |c*|, the worst channel, against the truth (the tables' error is in it).\n\n" +
+         errors_by_elevation(methods, truths) + "\nThe same against the converged integral of the same view.\n\n" +
+         errors_by_elevation(methods, integrals) + '\n' + lines_of_tabs(methods, truths);
 }
 
 }  // namespace
 
-void add_sky_views(const std::vector<int>& thread_counts) {
-  add_making();
-  for (const int threads : thread_counts) add_specular(threads);
+std::string sky_error_tables(const Paths& words) {
+  const Arguments arguments(words, {"--radiance", "--orders", "--methods", "--directions", "--paths", "--altitude"});
+  const Settings settings{arguments.count("--directions", 400),
+                          static_cast<std::int64_t>(arguments.value("--paths", 4e6)),
+                          arguments.value("--altitude", 0.0)};
+  const std::pair<const char*, std::string (*)(const Settings&)> sections[] = {
+      {"--radiance", radiance_table}, {"--orders", orders_table}, {"--methods", methods_table}};
+  const bool all = std::none_of(std::begin(sections), std::end(sections),
+                                [&](const auto& section) { return arguments.has(section.first); });
+  std::string text;
+  for (const auto& [option, table] : sections) {
+    if (all || arguments.has(option)) text += (text.empty() ? "" : "\n") + table(settings);
+  }
+  return text;
 }
 
 }  // namespace welkin::perf

@@ -1,7 +1,6 @@
 #include <fstream>
 
 #include "perf.h"
-#include "perf/report/passes.h"
 
 namespace welkin::perf {
 namespace {
@@ -92,7 +91,7 @@ class Ratios final : public Collector {
       // "1024x512-256" is as large as 256.
       const std::string size_and_threads = name.substr(name.find_last_of("/-", name.rfind('/') - 1) + 1);
       const auto copying = results().find("CopyBandwidth/rgb32f/" + size_and_threads);
-      if ((subject == "LatLongToCubemap" || subject == "SampleGrid" || subject == "Mips") && copying != results().end())
+      if (subject == "LatLongToCubemap" && copying != results().end())
         line(name, number("%6.1f %% of CopyBandwidth", 100.0 * bytes->second / copying->second.counters.at("bytes/s")));
       const auto single = seconds(name.substr(0, name.size() - 1) + "1");
       if (name.ends_with("/2") && single)
@@ -363,31 +362,6 @@ double clock_of_this_machine() {
   return 3.0 * kChain / least;
 }
 
-/// Babylon.js and three.js in Node.js on the same texels, next to Welkin.
-std::string peer_section(const PageOptions& options) {
-  if (options.node_modules.empty()) return {};
-  const report::Peers peers = report::Peers::find(options.node_modules, {}, 1);
-  Table table({"cubemap of noise, three bands", "program", "time", "times Welkin's"});
-  for (const int size : {64, 256}) {
-    Cubemap cube(size, 1);
-    const CubemapView noise = noise_cubemap(PixelFormat::rgb32f, size);
-    for (int face = 0; face < 6; ++face) {
-      const auto* const from = static_cast<const float*>(noise.faces[static_cast<std::size_t>(face)]);
-      std::copy_n(from, 3 * size * size, cube.pixels().begin() + std::ptrdiff_t{3} * size * size * face);
-    }
-    report::Stopwatch stopwatch;     // processor time of one thread
-    stopwatch.budget_seconds = 3.0;  // JavaScript is compiled while it runs
-    const double own = stopwatch.seconds([&] { benchmark::DoNotOptimize(project(cube.view())); });
-    table.add({std::to_string(size), "Welkin", time_text(own), "1"});
-    for (const report::PeerProjection& peer :
-         peers.project(cube, {0}, std::filesystem::temp_directory_path(), stopwatch)) {
-      table.add({std::to_string(size), peer.peer + ", " + peer.method, time_text(peer.seconds),
-                 number("%.3g", peer.seconds / own)});
-    }
-  }
-  return "\n## Other programs\n\n" + table.text();
-}
-
 /// Matches those names and no others, however Google Benchmark goes on after them.
 std::string filter_for(const std::vector<Section>& sections) {
   std::vector<std::string> names;
@@ -437,7 +411,7 @@ std::string speed_page(const PageOptions& options) {
     for (const Figure& figure : section.figures) add_row(table, figure, by);
     page += table.text();
   }
-  return page + peer_section(options);
+  return page;
 }
 
 }  // namespace welkin::perf

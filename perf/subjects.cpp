@@ -93,11 +93,6 @@ ProbeTargets::ProbeTargets(std::size_t count, int size, int mips) {
   }
 }
 
-std::span<const float> values_of(const Cubemap& chain, int level) {
-  const auto edge = static_cast<std::size_t>(chain.level_size(level));
-  return {chain.face(level, 0), 18 * edge * edge};
-}
-
 CubemapView noise_cubemap(PixelFormat format, int size) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   const std::byte* const pixels = noise_pixels(format, 6 * face_texels);
@@ -110,6 +105,21 @@ LatLongView noise_lat_long(PixelFormat format, int width, int height) {
   const std::byte* const pixels =
       noise_pixels(format, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   return {.pixels = pixels, .width = width, .height = height, .row_stride_bytes = 0, .format = format};
+}
+
+std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different) {
+  constexpr int kSize = 64;
+  constexpr PixelFormat kFormat = PixelFormat::rgba16f;
+  constexpr std::size_t kFaceTexels = std::size_t{kSize} * kSize;
+  const std::byte* const pixels = noise_pixels(kFormat, 6 * kFaceTexels * different);
+  std::vector<CubemapView> probes;
+  for (std::size_t k = 0; k < count; ++k) {
+    CubemapView probe{{}, kSize, 0, kFormat};
+    for (std::size_t face = 0; face < 6; ++face)
+      probe.faces[face] = pixels + (6 * (k % different) + face) * kFaceTexels * bytes_per_texel(kFormat);
+    probes.push_back(probe);
+  }
+  return probes;
 }
 
 void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
@@ -128,29 +138,33 @@ void add_benchmark(const std::string& subject, const std::string& variant, const
   })->UseRealTime();
 }
 
-LatLongImage sky_picture(const SkyPictureOptions& options) {
-  constexpr int kWidth = 1024;
-  constexpr int kHeight = 512;
-  LatLongImage image{kWidth, kHeight, {}};
+std::shared_ptr<const LatLongImage> sky_picture(const SkyPictureOptions& options) {
+  static std::shared_ptr<const LatLongImage> kept;
+  static SkyPictureOptions kept_options;
+  if (kept && kept_options == options) return kept;
+  const int width = options.width;
+  const int height = width / 2;
+  auto drawn = std::make_shared<LatLongImage>(LatLongImage{width, height, {}});
+  drawn->pixels.reserve(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::uint32_t state = 1;
-  for (int row = 0; row < kHeight; ++row) {
-    for (int column = 0; column < kWidth; ++column) {
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const double x = 2.0 * std::numbers::pi * column / width;
+      const double y = std::numbers::pi * row / height;
       state = state * 1664525U + 1013904223U;
       const double grain = options.grain * static_cast<double>(state >> 8U) / (1U << 24U);
-      const double clouds =
-          0.3 * std::sin(0.03 * column) * std::sin(0.02 * row) + options.ripples * std::sin(0.4 * column + 0.3 * row);
-      const double light = (row < kHeight / 2 ? 1.0 : 0.3) + clouds;
-      const bool sun = options.sun > 0.0 && std::hypot(column - 300, row - 150) < 4.0;
-      const double tint = 0.5 + 0.4 * std::sin(0.011 * column + 0.017 * row);
-      const std::array<double, 3> shares =
-          options.tinted ? std::array{1.0, tint, 1.0 - 0.5 * tint} : std::array{1.0, 0.9, 0.7};
-      for (const double share : shares) {
-        const double value = light * share + grain * (options.tinted ? 1.0 : share);
-        image.pixels.push_back(static_cast<float>(sun ? options.sun * share : value));
-      }
+      const double clouds = 0.3 * std::sin(5.0 * x) * std::sin(3.0 * y) + 0.15 * std::sin(23.0 * x + 11.0 * y) +
+                            0.08 * std::sin(71.0 * x) * std::sin(67.0 * y);
+      const double light = (row < height / 2 ? 1.0 : 0.3) + clouds * std::sin(y);
+      const double away = 360.0 / width * std::hypot((column - 0.29326 * width) * std::sin(y), row - 0.1666 * width);
+      const bool sun = options.sun > 0.0 && away < 0.53;
+      const double tint = 0.5 + 0.4 * std::sin(2.0 * x + 3.0 * y);
+      for (const double share : {1.0, tint, 1.0 - 0.5 * tint})
+        drawn->pixels.push_back(static_cast<float>(sun ? options.sun * share : light * share + grain));
     }
   }
-  return image;
+  kept_options = options;
+  return kept = drawn;
 }
 
 std::shared_ptr<const SkyTables> earth_tables() {
@@ -162,29 +176,9 @@ std::shared_ptr<const SkyTables> earth_tables() {
   return tables;
 }
 
-namespace {
-
-class Folder {
- public:
-  Folder() : path_(report::make_temporary_folder()) {}
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-}  // namespace
-
 std::filesystem::path scratch_file(const std::string& name,
                                    const std::function<void(const std::filesystem::path&)>& write) {
-  static const Folder folder;
+  static const report::TemporaryFolder folder;
   std::filesystem::path path = folder.path() / name;
   if (!std::filesystem::exists(path)) write(path);
   return path;

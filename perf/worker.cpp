@@ -6,7 +6,16 @@
 #include "welkin/projection.h"
 
 namespace welkin::perf {
+namespace {
 
+/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
+void stay_busy(std::chrono::nanoseconds time) {
+  const Clock::time_point end = Clock::now() + time;
+  while (Clock::now() < end) {
+  }
+}
+
+/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
 WorkerOptions worker_options(int threads) {
   WorkerOptions options;
   options.threads = threads;
@@ -14,13 +23,17 @@ WorkerOptions worker_options(int threads) {
   return options;
 }
 
-void stay_busy(std::chrono::nanoseconds time) {
-  const Clock::time_point end = Clock::now() + time;
-  while (Clock::now() < end) {
-  }
-}
+/// A request that does nothing. (It has no ==, so that none stands in for another.)
+struct Nothing {
+  void operator()(const Control& /*control*/) const {}
+};
 
-namespace {
+/// Registers a benchmark that times its iterations itself.
+void add_timed(const std::string& name, const std::string& size, int threads, int iterations,
+               const std::function<void(benchmark::State&)>& run) {
+  const std::string full_name = name + "/" + size + "/" + std::to_string(threads);
+  benchmark::RegisterBenchmark(full_name.c_str(), run)->UseManualTime()->Iterations(iterations);
+}
 
 using std::chrono::milliseconds;
 
@@ -28,8 +41,8 @@ struct ReadClock {
   Clock::time_point operator()(const Control& /*control*/) const { return Clock::now(); }
 };
 
-void post_to_start(benchmark::State& state, const WorkerOptions& options, milliseconds pause) {
-  Worker worker(options);
+void post_to_start(benchmark::State& state, int threads, milliseconds pause) {
+  Worker worker(worker_options(threads));
   (void)worker.post(ReadClock{}).get();
   Samples latency;
   for (auto _ : state) {
@@ -45,22 +58,14 @@ void post_to_start(benchmark::State& state, const WorkerOptions& options, millis
 void add_post_to_start(int threads) {
   struct Variant {
     const char* name;
-    ThreadPriority priority;
     milliseconds pause;
     int times;
   };
-  constexpr Variant variants[] = {{"warm", ThreadPriority::normal, milliseconds(0), 20'000},
-                                  {"asleep-2ms", ThreadPriority::normal, milliseconds(2), 500},
-                                  {"asleep-20ms", ThreadPriority::normal, milliseconds(20), 100},
-                                  {"asleep-2ms-idle-priority", ThreadPriority::idle, milliseconds(2), 500}};
+  constexpr Variant variants[] = {
+      {"warm", milliseconds(0), 20'000}, {"asleep-2ms", milliseconds(2), 500}, {"asleep-20ms", milliseconds(20), 100}};
   for (const Variant& variant : variants) {
-    WorkerOptions options = worker_options(threads);
-    options.thread_priority = variant.priority;
-    const std::string name = std::string("PostToStart/") + variant.name + "/empty/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(
-        name.c_str(), [=, pause = variant.pause](benchmark::State& state) { post_to_start(state, options, pause); })
-        ->UseManualTime()
-        ->Iterations(variant.times);
+    add_timed(std::string("PostToStart/") + variant.name, "empty", threads, variant.times,
+              [=](benchmark::State& state) { post_to_start(state, threads, variant.pause); });
   }
 }
 
@@ -113,10 +118,7 @@ class ResultLatency {
     posted_.report(state);
     state.counters["sync_us"] = synchronous_.microseconds(0.5);
     state.counters["overhead_us"] = posted_.microseconds(0.5) - synchronous_.microseconds(0.5);
-    state.counters["fastest_overhead_us"] = posted_.microseconds(0.0) - synchronous_.microseconds(0.0);
     state.counters["outside_us"] = outside_.microseconds(0.5);
-    state.counters["to_start_us"] = to_start_.microseconds(0.5);
-    state.counters["to_caller_us"] = to_caller_.microseconds(0.5);
   }
 
  private:
@@ -136,8 +138,6 @@ class ResultLatency {
     const Clock::time_point ended = Clock::now();
     if (counts) {
       posted_.add(ended - posted);
-      to_start_.add(moments_.started - posted);
-      to_caller_.add(ended - moments_.ended);
       outside_.add((moments_.started - posted) + (ended - moments_.ended));
     }
     return ended - posted;
@@ -152,8 +152,6 @@ class ResultLatency {
   Worker worker_;
   Samples synchronous_;
   Samples posted_;
-  Samples to_start_;
-  Samples to_caller_;
   Samples outside_;
 };
 
@@ -169,16 +167,12 @@ void add_post_to_result(int size, int threads) {
                                   {"poll", Waiting::polling, milliseconds(0), 20, 20},
                                   {"wait-asleep-2ms", Waiting::future, milliseconds(2), 10, 20}};
   for (const Variant& variant : variants) {
-    const std::string name =
-        std::string("PostToResult/") + variant.name + "/" + std::to_string(size) + "/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=](benchmark::State& state) {
-                                   ResultLatency latency(size, threads, variant.waiting, variant.pause);
-                                   for (auto _ : state) state.SetIterationTime(seconds(latency.measure(variant.times)));
-                                   latency.report(state);
-                                 })
-        ->UseManualTime()
-        ->Iterations(variant.rounds);
+    add_timed(std::string("PostToResult/") + variant.name, std::to_string(size), threads, variant.rounds,
+              [=](benchmark::State& state) {
+                ResultLatency latency(size, threads, variant.waiting, variant.pause);
+                for (auto _ : state) state.SetIterationTime(seconds(latency.measure(variant.times)));
+                latency.report(state);
+              });
   }
 }
 
@@ -240,14 +234,12 @@ void post_beside_busy_processors(benchmark::State& state) {
 
 }  // namespace
 
-void add_worker_latency(const std::vector<int>& thread_counts) {
-  for (const int threads : thread_counts) add_post_to_start(threads);
+void add_worker_latency() {
+  for (const int threads : kThreadCounts) add_post_to_start(threads);
   for (const int size : {64, 1024}) {
-    for (const int threads : thread_counts) add_post_to_result(size, threads);
+    for (const int threads : kThreadCounts) add_post_to_result(size, threads);
   }
-  benchmark::RegisterBenchmark("Post/beside-busy-processors/empty-idle-priority/1", post_beside_busy_processors)
-      ->UseManualTime()
-      ->Iterations(20'000);
+  add_timed("Post/beside-busy-processors", "empty-idle-priority", 1, 20'000, post_beside_busy_processors);
 }
 
 namespace {
@@ -330,35 +322,24 @@ void cancel_at_random_moments(benchmark::State& state, const Request& request, i
   std::mt19937 random(1);
   std::uniform_real_distribution<double> shares(0.0, 1.0 / threads);
   Samples latency;
-  Clock::duration longest{};
-  double worst_at = 0.0;
   for (auto _ : state) {
     std::optional<Clock::duration> time;
-    double share = 0.0;
     while (!time) {
-      share = shares(random);
-      time = cancel_after(worker, request, std::chrono::duration_cast<Clock::duration>(share * course.whole));
+      time = cancel_after(worker, request, std::chrono::duration_cast<Clock::duration>(shares(random) * course.whole));
     }
-    if (*time > longest) worst_at = share;
-    longest = std::max(longest, *time);
     latency.add(*time);
     state.SetIterationTime(seconds(*time));
   }
   latency.report(state);
-  state.counters["worst_at"] = worst_at * threads;
   report(state, course);
 }
 
 /// `make()` makes the request when the benchmark runs.
 template <class Make>
-void add(const std::string& kind, const std::string& size, const std::vector<int>& thread_counts, int times,
-         const Make& make) {
-  for (const int threads : thread_counts) {
-    const std::string name = "CancelRunning/" + kind + "/" + size + "/" + std::to_string(threads);
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=](benchmark::State& state) { cancel_at_random_moments(state, make(), threads); })
-        ->UseManualTime()
-        ->Iterations(times);
+void add(const std::string& kind, const std::string& size, int times, const Make& make) {
+  for (const int threads : kThreadCounts) {
+    add_timed("CancelRunning/" + kind, size, threads, times,
+              [=](benchmark::State& state) { cancel_at_random_moments(state, make(), threads); });
   }
 }
 
@@ -387,7 +368,7 @@ void write_noise(const std::filesystem::path& path) {
   (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight));
 }
 
-void add_files(const std::vector<int>& thread_counts) {
+void add_files() {
   struct File {
     const char* variant;
     const char* name;
@@ -402,23 +383,22 @@ void add_files(const std::vector<int>& thread_counts) {
   const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
   const auto path_of = [](const File& file) { return scratch_file(file.name, file.write); };
   for (const File& file : files) {
-    add(std::string("ProjectFile-") + file.variant, size, thread_counts, file.times,
-        [=] { return ProjectFile{path_of(file)}; });
+    add(std::string("ProjectFile-") + file.variant, size, file.times, [=] { return ProjectFile{path_of(file)}; });
   }
-  add("ReadFile-exr-zip", size, thread_counts, 60, [=, file = files[0]] { return ReadFile{path_of(file)}; });
+  add("ReadFile-exr-zip", size, 60, [=, file = files[0]] { return ReadFile{path_of(file)}; });
 }
 
 }  // namespace
 
-void add_cancel_latency(const std::vector<int>& thread_counts) {
-  add("ProjectCubemap", "2048", thread_counts, 200,
+void add_cancel_latency() {
+  add("ProjectCubemap", "2048", 200,
       [] { return Project{EnvironmentSource(noise_cubemap(PixelFormat::rgb32f, 2048), nullptr)}; });
-  add("ProjectLatLong", "8192x4096", thread_counts, 200,
+  add("ProjectLatLong", "8192x4096", 200,
       [] { return Project{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, 8192, 4096), nullptr)}; });
-  add("LatLongToCubemap", "4096x2048-to-512", thread_counts, 30, [] {
+  add("LatLongToCubemap", "4096x2048-to-512", 30, [] {
     return ToCubemap{EnvironmentSource(noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), nullptr), 512};
   });
-  add_files(thread_counts);
+  add_files();
 }
 
 }  // namespace welkin::perf

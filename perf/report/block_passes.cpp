@@ -61,8 +61,6 @@ std::vector<BlockWay> ways_of(const Scale& scale) {
   return all;
 }
 
-std::span<const float> values_of(const Cubemap& chain) { return {chain.face(0, 0), chain.bytes() / sizeof(float)}; }
-
 std::vector<Measurement> measure(const PassContext& context) {
   PrefilterOptions options;
   options.size = context.scale.chain_size;
@@ -75,7 +73,7 @@ std::vector<Measurement> measure(const PassContext& context) {
     const std::optional<std::vector<std::byte>> bytes = texture_bytes(chain, way.options);
     if (!bytes) continue;
     const CubemapTexture decoded = read_texture({*bytes, "chain.ktx2"});
-    const ErrorNorms errors = relative_errors(values_of(decoded.cubemap), values_of(chain));
+    const ErrorNorms errors = relative_errors(decoded.cubemap.pixels(), chain.pixels());
     const double seconds = context.stopwatch.seconds([&] { (void)texture_bytes(chain, way.options); });
     all.push_back({"", way.format, setting_of(way, bytes->size(), chain), errors.rms, errors.maximum, seconds,
                    "the floats that were encoded"});

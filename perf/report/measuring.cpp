@@ -1,5 +1,6 @@
 #include "perf/report/measuring.h"
 
+#include "image/geometry.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
@@ -203,32 +204,11 @@ namespace {
 
 constexpr double kFloor = 1e-6;
 
-struct FacePoint {
-  double u, v;
-  int face;
-};
-
-/// Of a texel's centre.
-FacePoint place_of(std::int64_t texel, int size) {
-  const std::int64_t face = texel / (std::int64_t{size} * size);
-  return {(2.0 * static_cast<double>(texel % size) + 1.0) / size - 1.0,
-          (2.0 * static_cast<double>(texel / size % size) + 1.0) / size - 1.0, static_cast<int>(face)};
-}
-
-/// Face axes as the table at `CubemapView` has them.
-glm::dvec3 direction_of(const FacePoint& at) {
-  const std::array<glm::dvec3, 6> all{{{1.0, -at.v, -at.u},
-                                       {-1.0, -at.v, at.u},
-                                       {at.u, 1.0, at.v},
-                                       {at.u, -1.0, -at.v},
-                                       {at.u, -at.v, 1.0},
-                                       {-at.u, -at.v, -1.0}}};
-  return all[static_cast<std::size_t>(at.face)] / std::sqrt(1.0 + at.u * at.u + at.v * at.v);
-}
-
+/// In proportion.
 double solid_angle(std::int64_t texel, int size) {
-  const FacePoint at = place_of(texel, size);
-  return std::pow(1.0 + at.u * at.u + at.v * at.v, -1.5);
+  const double u = (2.0 * static_cast<double>(texel % size) + 1.0) / size - 1.0;
+  const double v = (2.0 * static_cast<double>(texel / size % size) + 1.0) / size - 1.0;
+  return std::pow(1.0 + u * u + v * v, -1.5);
 }
 
 }  // namespace
@@ -261,7 +241,12 @@ std::vector<Probe> probes_of(const Cubemap& chain, int level, int count, std::mt
 std::vector<glm::dvec3> directions_of(const std::vector<Probe>& probes, int size) {
   std::vector<glm::dvec3> directions;
   directions.reserve(probes.size());
-  for (const Probe& probe : probes) directions.push_back(direction_of(place_of(probe.texel, size)));
+  for (const Probe& probe : probes) {
+    const auto face = static_cast<int>(probe.texel / (std::int64_t{size} * size));
+    const auto column = static_cast<double>(probe.texel % size);
+    const auto row = static_cast<double>(probe.texel / size % size);
+    directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
+  }
   return directions;
 }
 

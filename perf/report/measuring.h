@@ -36,6 +36,23 @@ struct Stopwatch {
 /// A new folder of its own for temporary files. Throws `Error` (file_access).
 [[nodiscard]] std::filesystem::path make_temporary_folder();
 
+/// One that is gone, with what is in it, when this is.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_(make_temporary_folder()) {}
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 struct ProcessResult {
   int exit_code = -1;    ///< -1: it could not be started or was ended by a signal
   double seconds = 0.0;  ///< from start to end, by the clock: of processor time all of its threads'

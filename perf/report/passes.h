@@ -255,6 +255,9 @@ struct BlockWay {
 
 [[nodiscard]] std::vector<PassRunner> block_passes();
 
+/// "32 x 64 x 8 x 32": heights, views, full tables' angles, suns.
+[[nodiscard]] std::string size_words(const SkyTableOptions& options);
+
 /// A quadrature at some size.
 struct SkySetting {
   std::string name;        ///< of the quadrature

@@ -188,12 +188,9 @@ std::string to_csv(const Report& report) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// One list of all that has changed, in the order of its weight.
 Json json_of(const Comparison& comparison) {
   Json changes = Json::array();
-  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   const auto add = [&](const std::vector<Change>& all, const char* what, const char* kind, double Measurement::*value) {
     for (const Change& change : all) {
       changes.push_back({{"what", what},

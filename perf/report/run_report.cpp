@@ -16,70 +16,24 @@ SkyTableOptions sized(int heights, int views, int suns, int angles, ScatteringLa
   return options;
 }
 
-Scale tiny() {
-  Scale scale;
-  scale.name = "tiny";
-  scale.budget_seconds = 0.01;
-  scale.lat_long_width = 128;
-  scale.cube_size = 32;
-  scale.chain_size = 32;
-  scale.probes = 40;
-  scale.most_samples = 256;
-  scale.most_bands = 5;
-  scale.largest_table = 32;
-  scale.table_truth = 48;
-  scale.sun_elevations = {40.0, 2.0};
-  scale.sky_zeniths = 8;
-  scale.sky_azimuths = 8;
-  scale.sky_tables = {sized(4, 16, 8, 4), sized(8, 16, 16, 4)};
-  scale.peers = false;
-  return scale;
-}
-
-Scale quick() {
-  Scale scale;
-  scale.name = "quick";
-  scale.budget_seconds = 0.03;
-  scale.lat_long_width = 512;
-  scale.cube_size = 256;
-  scale.chain_size = 128;
-  scale.probes = 120;
-  scale.most_samples = 1024;
-  scale.most_bands = 7;
-  scale.largest_table = 128;
-  scale.table_truth = 160;
-  scale.sun_elevations = {60.0, 20.0, 2.0, -4.0};
-  scale.sky_zeniths = 20;
-  scale.sky_azimuths = 16;
-  scale.sky_tables = {sized(8, 16, 16, 4), sized(16, 32, 16, 4), sized(32, 64, 32, 8, ScatteringLayout::compact),
-                      sized(16, 32, 32, 8), sized(16, 64, 64, 8)};
-  return scale;
-}
-
-Scale full() {
-  Scale scale = quick();
-  scale.name = "full";
-  scale.budget_seconds = 0.4;
-  scale.lat_long_width = 1024;
-  scale.cube_size = 1024;
-  scale.chain_size = 256;
-  scale.probes = 240;
-  scale.most_samples = 4096;
-  scale.most_bands = 9;
-  scale.largest_table = 256;
-  scale.table_truth = 384;
-  scale.sun_elevations = {90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0};
-  scale.sky_zeniths = 40;
-  scale.sky_azimuths = 32;
-  scale.sky_tables.push_back(sized(32, 64, 64, 8));
-  scale.sky_tables.insert(scale.sky_tables.end() - 1, sized(32, 128, 64, 8));
-  return scale;
+std::array<Scale, 3> scales() {
+  const std::vector<SkyTableOptions> some{sized(8, 16, 16, 4), sized(16, 32, 16, 4),
+                                          sized(32, 64, 32, 8, ScatteringLayout::compact), sized(16, 32, 32, 8),
+                                          sized(16, 64, 64, 8)};
+  std::vector<SkyTableOptions> all = some;
+  all.insert(all.end(), {sized(32, 128, 64, 8), sized(32, 64, 64, 8)});
+  const std::vector<double> suns{90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0};
+  const std::vector<SkyTableOptions> small{sized(4, 16, 8, 4), sized(8, 16, 16, 4)};
+  // Budget; width, cube, chain; probes, samples, bands; tables of the BRDF; suns, zeniths, azimuths, tables of the sky.
+  return {{{"tiny", 0.01, 128, 32, 32, 40, 256, 5, 32, 48, {40.0, 2.0}, 8, 8, small, false},
+           {"quick", 0.03, 512, 256, 128, 120, 1024, 7, 128, 160, {60.0, 20.0, 2.0, -4.0}, 20, 16, some},
+           {"full", 0.4, 1024, 1024, 256, 240, 4096, 9, 256, 384, suns, 40, 32, all}}};
 }
 
 }  // namespace
 
 const Scale& scale(const std::string& name) {
-  static const std::array<Scale, 3> all{tiny(), quick(), full()};
+  static const std::array<Scale, 3> all = scales();
   for (const Scale& one : all) {
     if (one.name == name) return one;
   }
@@ -128,23 +82,6 @@ std::vector<PassRunner> chosen_passes(const std::vector<std::string>& wanted) {
   return all;
 }
 
-/// A folder that is gone when the report is done.
-class WorkFolder {
- public:
-  WorkFolder() : path_(make_temporary_folder()) {}
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The share that a pass has in all progress.
 Control control_of(const Control& control, double from, double to) {
   Control part{control.stop, {}};
@@ -179,7 +116,7 @@ Report run_report(const ReportOptions& options, const Control& control) {
   const Stopwatch stopwatch{options.threads > 0 ? options.threads : available_threads(),
                             options.budget_seconds < 0.0 ? size.budget_seconds : options.budget_seconds};
   const ReportEnvironment environment = environment_of(options);
-  const WorkFolder folder;
+  const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "environment.hdr";
   write_environment(file, environment.image.view());
   const Peers peers = options.peers && size.peers

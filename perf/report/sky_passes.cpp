@@ -43,13 +43,6 @@ std::vector<Measurement> by_method(const PassContext& context) {
   return sky_by_method(sky_methods(view), context.scale.sun_elevations, truths, context.stopwatch);
 }
 
-std::string size_words(const SkyTableOptions& options) {
-  const bool full = options.layout == ScatteringLayout::full;
-  std::string text = std::to_string(options.heights) + " x " + std::to_string(options.view_zeniths);
-  if (full) text += " x " + std::to_string(options.sun_angles);
-  return text + " x " + std::to_string(options.sun_zeniths);
-}
-
 std::vector<Measurement> by_table_size(const PassContext& context) {
   const std::vector<SphericalHarmonics> truths = truths_of(context);
   const std::vector<SkyTableOptions>& sizes = context.scale.sky_tables;
@@ -69,6 +62,13 @@ std::vector<Measurement> by_table_size(const PassContext& context) {
 }
 
 }  // namespace
+
+std::string size_words(const SkyTableOptions& options) {
+  const bool full = options.layout == ScatteringLayout::full;
+  std::string text = std::to_string(options.heights) + " x " + std::to_string(options.view_zeniths);
+  if (full) text += " x " + std::to_string(options.sun_angles);
+  return text + " x " + std::to_string(options.sun_zeniths);
+}
 
 std::vector<SkySetting> sky_settings() {
   std::vector<SkySetting> settings;

@@ -2,8 +2,6 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "image/geometry.h"
-#include "places.h"
 #include "support/catch.h"
 #include "support/pictures.h"
 #include "welkin/engines.h"
@@ -47,17 +45,11 @@ glm::dvec3 radiance(const glm::dvec3& d) {
 /// Its texels hold `formula(direction, face, column, row)`.
 template <class Formula>
 Cubemap cubemap(int size, const Formula& formula) {
-  std::vector<float> pixels;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        const glm::dvec3 direction = image::face_direction(size, face, column + 0.5, row + 0.5);
-        const glm::dvec3 rgb = formula(glm::normalize(direction), face, column, row);
-        for (int channel = 0; channel < 3; ++channel) pixels.push_back(static_cast<float>(rgb[channel]));
-      }
-    }
-  }
-  return {size, pixels};
+  int texel = 0;
+  return cubemap_of(size, [&](const glm::dvec3& direction) {
+    const int row = texel / size;
+    return formula(direction, row / size, texel++ % size, row % size);
+  });
 }
 
 // Largest distance between the first nine terms and what is recorded, over the largest recorded one.
@@ -125,9 +117,8 @@ TEST_CASE("three.js's own generator reads a cube texture as the convention says"
   const json& texture = recorded().at("three").at("of_cube_texture");
   const Convention& three = convention(Engine::three);
   const ProjectionOptions midpoint{.quadrature = Quadrature::midpoint};
-  const auto of_direction = [](const glm::dvec3& direction, int, int, int) { return radiance(direction); };
   const SphericalHarmonics faces =
-      project(cubemap(texture.at("size").get<int>(), of_direction).view(), midpoint).radiance;
+      project(cubemap_of(texture.at("size").get<int>(), radiance).view(), midpoint).radiance;
   // From the faces' frames to three.js's world.
   const SphericalHarmonics light = rotate(faces, glm::transpose(*three.faces_from_engine));
   CHECK(deviation(engine_light_unrotated(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
@@ -199,30 +190,7 @@ TEST_CASE("Babylon.js's and three.js's numbers for shared cubemaps are those of 
 
 namespace {
 
-const std::filesystem::path kShared = std::filesystem::path(WELKIN_SHARED) / "hdr";
-
 using Terms = std::map<std::string, glm::dvec3>;
-
-// The stored polynomials by file name; lines are file,what,term,r,g,b,note.
-std::map<std::string, Terms> stored_polynomials() {
-  std::map<std::string, Terms> stored;
-  std::ifstream lines(kShared / "REFERENCE_SH.csv");
-  for (std::string line; std::getline(lines, line);) {
-    if (line.find("env polynomial (as stored)") == std::string::npos) continue;
-    std::istringstream fields(line);
-    std::string file;
-    std::string what;
-    std::string term;
-    std::getline(fields, file, ',');
-    std::getline(fields, what, ',');
-    std::getline(fields, term, ',');
-    glm::dvec3 rgb{};
-    char comma = 0;
-    fields >> rgb.r >> comma >> rgb.g >> comma >> rgb.b;
-    stored[std::filesystem::path(file).filename().string()][term] = rgb;
-  }
-  return stored;
-}
 
 double deviation(const EngineLight& light, const Terms& stored) {
   double worst = 0.0;
@@ -237,9 +205,9 @@ double deviation(const EngineLight& light, const Terms& stored) {
 }  // namespace
 
 TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their photographs", "[engine][shared]") {
-  const auto stored = stored_polynomials();
+  const auto stored = recorded_harmonics("env polynomial (as stored)");
   if (stored.empty()) {
-    WARN("left out: the shared environments are not at " << kShared);
+    WARN("left out: the shared environments are not at " << kPictures);
     return;
   }
   const std::pair<const char*, const char*> pairs[] = {{"babylon_dikhololo_night_64.env", "dikhololo_night_1k.hdr"},
@@ -250,13 +218,14 @@ TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their ph
                                                        {"babylon_venice_sunset_128.env", "venice_sunset_1k.hdr"}};
   for (const auto& [baked, photograph] : pairs) {
     INFO(baked);
+    const Terms terms(stored.at(baked).begin(), stored.at(baked).end());
     ProjectionOptions options;
     options.pixels.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
-    const SphericalHarmonics light = project_file(kShared / "env" / photograph, {}, options).radiance;
+    const SphericalHarmonics light = project_file(kPictures / "env" / photograph, {}, options).radiance;
     // It goes through cube faces of 64 to 256 texels, each the nearest pixel's: up to 3 % off.
-    CHECK(deviation(engine_light(light, Engine::babylon), stored.at(baked)) < 0.04);
+    CHECK(deviation(engine_light(light, Engine::babylon), terms) < 0.04);
     const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-    CHECK(deviation(engine_light(rotate(light, mirror), Engine::babylon), stored.at(baked)) > 0.05);
+    CHECK(deviation(engine_light(rotate(light, mirror), Engine::babylon), terms) > 0.05);
   }
 }
 

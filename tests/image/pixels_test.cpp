@@ -8,9 +8,9 @@
 #include "image/geometry.h"
 #include "math/quadrature.h"
 #include "support/catch.h"
-#include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
+#include "support/pictures.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"
@@ -289,19 +289,13 @@ namespace {
 
 Cubemap some_cubemap(int size) { return {size, some_pixels(size, 6 * size)}; }
 
-const float* nearest(const Cubemap& map, const glm::dvec3& direction) {
-  double best = -2.0;
-  const float* found = nullptr;
-  for (int row = 0; row < 6 * map.size(); ++row) {
-    for (int column = 0; column < map.size(); ++column) {
-      const double cosine = glm::dot(
-          direction, image::face_direction(map.size(), row / map.size(), column + 0.5, row % map.size() + 0.5));
-      if (cosine <= best) continue;
-      best = cosine;
-      found = map.face(0) + 3 * (row * map.size() + column);
-    }
+/// The texel whose centre is there; null if there is none.
+const float* texel_at(const Cubemap& map, const glm::dvec3& direction) {
+  const std::vector<glm::dvec3> centres = texel_centres(map.size());
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    if (glm::dot(direction, centres[k]) > 1.0 - 1e-12) return map.face(0) + 3 * k;
   }
-  return best > 1.0 - 1e-12 ? found : nullptr;
+  return nullptr;
 }
 
 }  // namespace
@@ -312,13 +306,12 @@ TEST_CASE("All 48 symmetries of a cube move texels to where they turn directions
     const Cubemap map = some_cubemap(size);
     for (const glm::dmat3& rotation : cube_symmetries()) {
       const Cubemap rotated = to_cubemap(map.view(), size, rotation);
-      for (int row = 0; row < 6 * size; ++row) {
-        for (int column = 0; column < size; ++column) {
-          const glm::dvec3 from = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-          const float* position = nearest(rotated, rotation * from);
-          REQUIRE(position != nullptr);
-          REQUIRE(std::equal(position, position + 3, map.face(0) + 3 * (row * size + column)));
-        }
+      const float* texel = map.face(0);
+      for (const glm::dvec3& from : texel_centres(size)) {
+        const float* const position = texel_at(rotated, rotation * from);
+        REQUIRE(position != nullptr);
+        REQUIRE(std::equal(position, position + 3, texel));
+        texel += 3;
       }
     }
   }

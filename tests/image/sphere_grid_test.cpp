@@ -5,6 +5,7 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/direct_transform.h"
@@ -182,17 +183,11 @@ Cubemap sampled(const SphereGrid& grid, int size, const image::GridSampling& sam
   return map;
 }
 
-glm::dvec3 texel_of(const Cubemap& map, int face, int column, int row) {
-  const float* rgb = map.face(0) + 3 * ((face * map.size() + row) * map.size() + column);
-  return {rgb[0], rgb[1], rgb[2]};
-}
-
-void for_each_texel(int size, const std::function<void(int face, int column, int row)>& visit) {
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) visit(face, column, row);
-    }
-  }
+std::vector<glm::dvec3> texels_of(const Cubemap& map) {
+  std::vector<glm::dvec3> texels;
+  for (std::size_t k = 0; k < map.pixels().size(); k += 3)
+    texels.emplace_back(map.pixels()[k], map.pixels()[k + 1], map.pixels()[k + 2]);
+  return texels;
 }
 
 double cubic_weight(double distance) {
@@ -243,12 +238,11 @@ TEST_CASE("Faces hold the grid's function at their texels' centres", "[faces]") 
       for (const int size : {1, 2, 3, 7, 64, 257}) {
         if (size == 257 && rings < 200) continue;
         CAPTURE(rings, columns, size);
-        const Cubemap map = sampled(grid, size);
+        const std::vector<glm::dvec3> texels = texels_of(sampled(grid, size));
+        const std::vector<glm::dvec3> centres = texel_centres(size);
         double worst = 0.0;
-        for_each_texel(size, [&](int face, int column, int row) {
-          const glm::dvec3 wanted = value_at(grid, image::face_direction(size, face, column + 0.5, row + 0.5));
-          worst = std::max(worst, worst_component(texel_of(map, face, column, row) - wanted));
-        });
+        for (std::size_t k = 0; k < texels.size(); ++k)
+          worst = std::max(worst, worst_component(texels[k] - value_at(grid, centres[k])));
         CHECK(worst < 4e-7);
       }
     }
@@ -258,24 +252,17 @@ TEST_CASE("Faces hold the grid's function at their texels' centres", "[faces]") 
 TEST_CASE("What lies in a direction lies there on the faces too", "[faces]") {
   // Each channel grows along an axis of its own: a swapped, mirrored or turned face shows.
   const SphereGrid grid = grid_of(256, 512, GridContent::samples, [](const glm::dvec3& d) { return d; });
-  const Cubemap map = sampled(grid, 16);
-  for_each_texel(16, [&](int face, int column, int row) {
-    const glm::dvec3 to = image::face_direction(16, face, column + 0.5, row + 0.5);
-    REQUIRE(worst_component(texel_of(map, face, column, row) - to) < 1e-3);
-  });
+  const std::vector<glm::dvec3> texels = texels_of(sampled(grid, 16));
+  const std::vector<glm::dvec3> centres = texel_centres(16);
+  for (std::size_t k = 0; k < texels.size(); ++k) REQUIRE(worst_component(texels[k] - centres[k]) < 1e-3);
 }
 
 TEST_CASE("Equal texels give equal faces, to four units in the last place", "[faces]") {
   for (const GridContent content : {GridContent::spline_coefficients, GridContent::samples}) {
     const SphereGrid grid = grid_of(30, 62, content, [](const glm::dvec3&) { return glm::dvec3(1.0, 0.1, 60000.0); });
     for (const int size : {1, 3, 64, 129}) {
-      const Cubemap map = sampled(grid, size);
-      int wrong = 0;
-      for_each_texel(size, [&](int face, int column, int row) {
-        const glm::dvec3 ratio = texel_of(map, face, column, row) / glm::dvec3(1.0, static_cast<double>(0.1F), 60000.0);
-        wrong += glm::all(glm::lessThan(glm::abs(ratio - 1.0), glm::dvec3(3e-7))) ? 0 : 1;
-      });
-      CHECK(wrong == 0);
+      for (const glm::dvec3& texel : texels_of(sampled(grid, size)))
+        REQUIRE(worst_component(texel / glm::dvec3(1.0, static_cast<double>(0.1F), 60000.0) - 1.0) < 3e-7);
     }
   }
 }
@@ -291,15 +278,15 @@ TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
     }
     rotated.fill_sides(0, 40);
     rotated.fill_poles();
-    const Cubemap before = sampled(grid, size);
-    const Cubemap after = sampled(rotated, size);
+    const std::vector<glm::dvec3> after = texels_of(sampled(rotated, size));
     // The texel at column + 20 has a longitude that is less by a quarter turn. (No texel's bits change here.)
-    const Cubemap wanted = to_cubemap(before.view(), size, rotation_about_y(90.0));
-    for_each_texel(size, [&](int face, int column, int row) {
-      const glm::dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
-      if (std::abs(to.y) == 1.0) return;  // the pole itself has no longitude
-      REQUIRE(texel_of(after, face, column, row) == texel_of(wanted, face, column, row));
-    });
+    const std::vector<glm::dvec3> wanted =
+        texels_of(to_cubemap(sampled(grid, size).view(), size, rotation_about_y(90.0)));
+    const std::vector<glm::dvec3> centres = texel_centres(size);
+    for (std::size_t k = 0; k < after.size(); ++k) {
+      if (std::abs(centres[k].y) == 1.0) continue;  // the pole itself has no longitude
+      REQUIRE(after[k] == wanted[k]);
+    }
   }
 }
 

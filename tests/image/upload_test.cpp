@@ -207,6 +207,7 @@ std::vector<float> values_around_halves() {
     const float middle = 0.5F * (here + image::float_from_half(static_cast<std::uint16_t>(bits + 1)));
     values.insert(values.end(), {middle, std::nextafter(middle, 0.0F), std::nextafter(middle, 2.0F * middle)});
   }
+  values.insert(values.end(), {65519.0F, 65520.0F, 1e30F, -1e30F, 1e-30F});
   std::mt19937 random(5);
   for (int k = 0; k < 100'000; ++k) values.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
   return values;

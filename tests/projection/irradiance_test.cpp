@@ -1,5 +1,4 @@
 // Irradiance: cubemaps from harmonics, integration over the texels, and how few bands come near to it.
-#include "image/geometry.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
@@ -36,15 +35,12 @@ TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre",
     for (const int size : {1, 2, 3, 7, 33}) {
       const Cubemap map = irradiance_cubemap(harmonics, size);
       REQUIRE(map.size() == size);
+      const float* found = map.face(0);
       int wrong = 0;
-      for (int row = 0; row < 6 * size; ++row) {
-        for (int column = 0; column < size; ++column) {
-          const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-          const glm::dvec3 wanted = evaluate(harmonics, to);
-          const float* const found = map.face(0) + 3 * (row * size + column);
-          for (int c = 0; c < 3; ++c)
-            wrong += std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands ? 0 : 1;
-        }
+      for (const glm::dvec3& centre : texel_centres(size)) {
+        const glm::dvec3 wanted = evaluate(harmonics, centre);
+        for (int c = 0; c < 3; ++c)
+          wrong += std::abs(wanted[c] - static_cast<double>(*found++)) < 1e-7 * bands * bands ? 0 : 1;
       }
       CAPTURE(bands, size);
       CHECK(wrong == 0);
@@ -55,13 +51,7 @@ TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre",
 TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cubemap]") {
   const TestCubemap source = make_cubemap(Content::high_range, 16, 3, 2);
   const Cubemap direct = direct_irradiance_cubemap(source.view(), 5);
-  std::vector<glm::dvec3> normals;
-  for (int row = 0; row < 30; ++row) {
-    for (int column = 0; column < 5; ++column) {
-      normals.push_back(image::face_direction(5, row / 5, column + 0.5, row % 5 + 0.5));
-    }
-  }
-  const std::vector<glm::dvec3> wanted = direct_irradiance(source.view(), normals);
+  const std::vector<glm::dvec3> wanted = direct_irradiance(source.view(), texel_centres(5));
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       REQUIRE(direct.pixels()[3 * i + c] == static_cast<float>(wanted[i][static_cast<glm::length_t>(c)]));

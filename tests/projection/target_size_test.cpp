@@ -5,6 +5,7 @@
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
+#include "support/pictures.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
@@ -218,26 +219,6 @@ std::vector<fs::path> lat_longs() {
   return paths;
 }
 
-/// Recorded radiance coefficients by file name: nine names in the order of l (l + 1) + m.
-std::map<std::string, std::vector<glm::dvec3>> recorded_radiance() {
-  std::map<std::string, std::vector<glm::dvec3>> found;
-  std::ifstream in(fs::path(WELKIN_SHARED) / "hdr" / "REFERENCE_SH.csv");
-  for (std::string line; std::getline(in, line);) {
-    if (line.find("radiance SH") == std::string::npos) continue;
-    // file,"what, with commas",coefficient,r,g,b,note
-    const std::string file = line.substr(0, line.find(','));
-    const std::string rest = line.substr(line.rfind("\",") == std::string::npos ? 0 : line.find("\",") + 2);
-    std::istringstream fields(rest);
-    std::string name;
-    glm::dvec3 value;
-    char comma = 0;
-    std::getline(fields, name, ',');
-    fields >> value.x >> comma >> value.y >> comma >> value.z;
-    found[fs::path(file).filename().string()].push_back(value);
-  }
-  return found;
-}
-
 }  // namespace
 
 TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][shared][truth]") {
@@ -253,7 +234,7 @@ TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][s
 }
 
 TEST_CASE("Real lat-longs agree with what an independent program recorded", "[sh][shared]") {
-  const auto recorded = recorded_radiance();
+  const auto recorded = recorded_harmonics("radiance SH");  // in the order of l (l + 1) + m
   int compared = 0;
   for (const fs::path& path : lat_longs()) {
     const auto at = recorded.find(path.filename().string());
@@ -265,7 +246,7 @@ TEST_CASE("Real lat-longs agree with what an independent program recorded", "[sh
     // left: what is odd in x changes its sign. Their rule is the midpoint's, off by some 7 / width^2.
     constexpr double odd_in_x[9] = {1, 1, 1, -1, -1, 1, 1, -1, 1};
     SphericalHarmonics truth(3);
-    for (std::size_t k = 0; k < 9; ++k) truth.coefficients()[k] = odd_in_x[k] * at->second[k];
+    for (std::size_t k = 0; k < 9; ++k) truth.coefficients()[k] = odd_in_x[k] * at->second[k].second;
     CAPTURE(path.filename().string(), relative_error(found, truth));
     const double width = inspect_environment(path).width;
     CHECK(relative_error(found, truth) < 10.0 / (width * width));

@@ -1,6 +1,5 @@
 #include "perf/report/measuring.h"
 
-#include "image/geometry.h"
 #include "perf/report/report.h"
 #include "places.h"
 #include "support/catch.h"
@@ -13,22 +12,6 @@ using namespace welkin;
 using namespace welkin::report;
 
 // What measurements are made with: norms, probes, lights, formats, the stopwatch, other programs.
-
-TEST_CASE("report: probes are the texels' centres", "[report]") {
-  for (const int size : {1, 2, 7}) {
-    std::vector<Probe> probes;
-    for (std::int64_t k = 0; k < std::int64_t{6} * size * size; ++k) probes.push_back({k, 1.0});
-    const std::vector<glm::dvec3> directions = directions_of(probes, size);
-    std::size_t k = 0;
-    for (int face = 0; face < 6; ++face) {
-      for (int row = 0; row < size; ++row) {
-        for (int column = 0; column < size; ++column, ++k) {
-          CHECK(glm::length(directions[k] - image::face_direction(size, face, column + 0.5, row + 0.5)) < 1e-15);
-        }
-      }
-    }
-  }
-}
 
 TEST_CASE("report: errors at probes are by solid angle, the largest by its own truth", "[report]") {
   Cubemap chain(1, 1);

@@ -77,7 +77,7 @@ float as_float(std::uint16_t value) { return image::float_from_half(value); }
 float as_float(std::uint8_t value) { return static_cast<float>(value / 255.0); }
 float as_float(projection::SrgbByte byte) { return static_cast<float>(image::linear_from_srgb(byte.value / 255.0)); }
 
-template <class Byte = std::uint8_t>
+template <class Byte>
 std::vector<Byte> bytes(std::size_t count, std::uint32_t seed) {
   std::mt19937 generator(seed);
   std::vector<Byte> values(count);
@@ -137,62 +137,35 @@ void require_halves_folded(projection::FoldHalves fold, const std::vector<Channe
   }
 }
 
+/// By both kernels of a format; `texels(count, seed)` draws channels.
+template <class Texels>
+void require_folded(const projection::ProjectionKernels& kernels, projection::FoldFormat format, int channels,
+                    const Texels& texels) {
+  for (const int groups : {1, 2, 3, 16}) {
+    for (const int rows : {1, 2, 5}) {
+      if (groups * rows > kChunk / kLanes) continue;
+      const auto count = static_cast<std::size_t>(2 * rows * 4 * groups * kLanes * 4);
+      require_quadrants_folded(kernels.fold_quadrants[format], texels(count, 1), channels, groups, rows);
+    }
+    const auto count = static_cast<std::size_t>((2 * groups * kLanes + 1) * 4);
+    require_halves_folded(kernels.fold_halves[format], texels(count, 2), channels, groups);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("Folding kernels read every texel of every format", "[simd]") {
   for (const InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
     const projection::ProjectionKernels& kernels = projection::projection_kernels(set);
-    for (const int groups : {1, 2, 3, 16}) {
-      for (const int rows : {1, 2, 5}) {
-        if (groups * rows > kChunk / kLanes) continue;
-        const auto count = static_cast<std::size_t>(2 * rows * 4 * groups * kLanes * 4);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb32f], noise(count, 1), 3, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba32f], noise(count, 2), 4, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba16f], half_noise(count, 3), 4, groups,
-                                 rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb16f], half_noise(count, 7), 3, groups,
-                                 rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb8], bytes(count, 8), 3, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba8], bytes(count, 9), 4, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_srgb8], bytes<projection::SrgbByte>(count, 13),
-                                 3, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_srgba8],
-                                 bytes<projection::SrgbByte>(count, 14), 4, groups, rows);
-      }
-      const auto count = static_cast<std::size_t>((2 * groups * kLanes + 1) * 4);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgb32f], noise(count, 4), 3, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgba32f], noise(count, 5), 4, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgba16f], half_noise(count, 6), 4, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgb16f], half_noise(count, 10), 3, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgb8], bytes(count, 11), 3, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgba8], bytes(count, 12), 4, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_srgb8], bytes<projection::SrgbByte>(count, 15), 3,
-                            groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_srgba8], bytes<projection::SrgbByte>(count, 16), 4,
-                            groups);
-    }
-  }
-}
-
-TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
-  // Through the kernel: a texel with its mirror images zero comes out as it is in class 0.
-  for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(name(set));
-    const std::vector<std::uint16_t> zeros(16 * 4);
-    platform::AlignedBuffer<float> planes(3 * 4 * kChunk);
-    for (std::uint32_t first = 0; first < 0x10000U; first += 16) {
-      std::vector<std::uint16_t> texels(16 * 4);
-      for (std::uint32_t k = 0; k < 16; ++k) texels[4 * k] = static_cast<std::uint16_t>(first + k);
-      projection::projection_kernels(set).fold_quadrants[projection::fold_rgba16f](
-          {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, {}, 1, planes.data());
-      for (std::uint32_t k = 0; k < 16; ++k) {
-        const auto half = static_cast<std::uint16_t>(first + k);
-        const float expected = image::float_from_half(half);
-        const float found = planes.data()[k];
-        REQUIRE((std::isnan(expected) ? std::isnan(found) : found == expected));
-      }
-    }
+    require_folded(kernels, projection::fold_rgb32f, 3, noise);
+    require_folded(kernels, projection::fold_rgba32f, 4, noise);
+    require_folded(kernels, projection::fold_rgb16f, 3, half_noise);
+    require_folded(kernels, projection::fold_rgba16f, 4, half_noise);
+    require_folded(kernels, projection::fold_rgb8, 3, bytes<std::uint8_t>);
+    require_folded(kernels, projection::fold_rgba8, 4, bytes<std::uint8_t>);
+    require_folded(kernels, projection::fold_srgb8, 3, bytes<projection::SrgbByte>);
+    require_folded(kernels, projection::fold_srgba8, 4, bytes<projection::SrgbByte>);
   }
 }
 
@@ -290,59 +263,53 @@ void require_weights(const image::TexelRun& run, const std::vector<float>& weigh
   }
 }
 
-std::vector<int> identity(int count) {
-  std::vector<int> slot;
-  for (int k = 0; k < count; ++k) slot.push_back(k);
-  return slot;
+struct Run {
+  int size, row, column, count;
+};
+
+/// `make(kernels, run, slot, weights)` writes the weights of all functions: right on one instruction set, and with the
+/// same bits on all others.
+template <class Make>
+void require_texel_kernel(std::initializer_list<int> numbers_of_bands, const std::vector<Run>& runs, double tolerance,
+                          const Make& make) {
+  for (const bool midpoint : {false, true}) {
+    for (const int bands : numbers_of_bands) {
+      std::vector<int> slot(static_cast<std::size_t>(bands * bands));
+      std::iota(slot.begin(), slot.end(), 0);
+      for (const auto& [size, row, column, count] : runs) {
+        const image::TexelRun run{size, row, column, count, bands, midpoint};
+        std::vector<float> first_set;
+        for (const InstructionSet set : available_instruction_sets()) {
+          std::vector<float> weights(slot.size() * kChunk, -1.0F);
+          make(image::texel_kernels(set), run, slot.data(), weights.data());
+          if (first_set.empty()) {
+            require_weights(run, weights, tolerance);
+            first_set = weights;
+          }
+          REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
 
 TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables][slow]") {
-  for (const bool midpoint : {false, true}) {
-    for (const int bands : {1, 3, 10}) {
-      const std::vector<int> slot = identity(bands * bands);
-      const int shapes[][4] = {{4, 0, 0, 2}, {7, 3, 0, 4}, {64, 0, 0, 18}, {64, 31, 14, 18}, {257, 128, 120, 9}};
-      for (const auto& [size, row, column, count] : shapes) {
-        const image::TexelRun run{size, row, column, count, bands, midpoint};
-        std::vector<float> first_set;
-        for (const InstructionSet set : available_instruction_sets()) {
-          std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
-          image::texel_kernels(set).integrate_texels(run, math::basis_constants(),
-                                                     math::gauss_legendre(size < 8 ? 12 : 5), slot.data(),
-                                                     weights.data(), kChunk);
-          if (first_set.empty()) {  // the others have its bits
-            require_weights(run, weights, 7e-8);
-            first_set = weights;
-          }
-          REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
-        }
-      }
-    }
-  }
+  require_texel_kernel(
+      {1, 3, 10}, {{4, 0, 0, 2}, {7, 3, 0, 4}, {64, 0, 0, 18}, {64, 31, 14, 18}, {257, 128, 120, 9}}, 7e-8,
+      [](const image::TexelKernels& kernels, const image::TexelRun& run, const int* slot, float* weights) {
+        kernels.integrate_texels(run, math::basis_constants(), math::gauss_legendre(run.size < 8 ? 12 : 5), slot,
+                                 weights, kChunk);
+      });
 }
 
 TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd][tables]") {
-  for (const bool midpoint : {false, true}) {
-    for (const int bands : {1, 2, 3}) {
-      const std::vector<int> slot = identity(bands * bands);
-      const int shapes[][4] = {
-          {129, 0, 0, 40}, {129, 64, 60, 5}, {256, 0, 0, 20}, {256, 127, 100, 28}, {1000, 77, 400, 30}};
-      for (const auto& [size, row, column, count] : shapes) {
-        const image::TexelRun run{size, row, column, count, bands, midpoint};
-        std::vector<float> first_set;
-        for (const InstructionSet set : available_instruction_sets()) {
-          std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
-          image::texel_kernels(set).expand_texels(run, slot.data(), weights.data(), kChunk);
-          if (first_set.empty()) {
-            require_weights(run, weights, 4e-7);
-            first_set = weights;
-          }
-          REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
-        }
-      }
-    }
-  }
+  require_texel_kernel(
+      {1, 2, 3}, {{129, 0, 0, 40}, {129, 64, 60, 5}, {256, 0, 0, 20}, {256, 127, 100, 28}, {1000, 77, 400, 30}}, 4e-7,
+      [](const image::TexelKernels& kernels, const image::TexelRun& run, const int* slot, float* weights) {
+        kernels.expand_texels(run, slot, weights, kChunk);
+      });
 }
 
 TEST_CASE("The range check finds what is outside, NaN included", "[simd]") {
@@ -358,39 +325,6 @@ TEST_CASE("The range check finds what is outside, NaN included", "[simd]") {
           values[static_cast<std::size_t>(at)] = 0.5F;
         }
       }
-    }
-  }
-}
-
-TEST_CASE("Halves are converted many at a time as one by one", "[simd][bits]") {
-  std::vector<std::uint16_t> halves(65536);
-  std::vector<float> values;  // each half, what lies about it, and what no half is
-  for (std::size_t k = 0; k < halves.size(); ++k) {
-    halves[k] = static_cast<std::uint16_t>(k);
-    const float value = image::float_from_half(halves[k]);
-    const float next = image::float_from_half(static_cast<std::uint16_t>(k + 1));
-    for (const float near :
-         {value, 0.5F * value + 0.5F * next, std::nextafter(value, 1e9F), std::nextafter(value, -1e9F)})
-      values.push_back(near);
-  }
-  values.insert(values.end(), {65519.0F, 65520.0F, -1e30F, 1e-30F, INFINITY, -INFINITY, NAN, -0.0F});
-  int beyond = 0;
-  std::vector<std::uint16_t> expected;
-  for (const float value : values) {
-    if (!(std::abs(value) <= 65504.0F)) ++beyond;
-    expected.push_back(std::isnan(value) ? std::uint16_t{0} : image::half_from_float(value));
-  }
-  for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(name(set));
-    const image::HalfKernels& kernels = image::half_kernels(set);
-    std::vector<std::uint16_t> found(values.size());
-    CHECK(kernels.halves_of_floats(values.data(), static_cast<int>(values.size()), found.data()) == beyond);
-    CHECK(found == expected);
-    std::vector<float> floats(halves.size());
-    kernels.floats_of_halves(halves.data(), static_cast<int>(halves.size()), floats.data());
-    for (std::size_t k = 0; k < halves.size(); ++k) {
-      const float one = image::float_from_half(halves[k]);
-      if (std::memcmp(&floats[k], &one, sizeof one) != 0) FAIL("half " << k);
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -20,6 +21,19 @@ inline std::size_t face_values(const Cubemap& chain, int level) {
 /// All values of a level: its six faces lie one after the other.
 inline std::span<const float> level_values(const Cubemap& chain, int level) {
   return {chain.face(level, 0), 6 * face_values(chain, level)};
+}
+
+/// The most that a channel's mean over a level is off.
+inline double largest_bias(const Cubemap& decoded, const Cubemap& given, int level) {
+  std::array<double, 3> sums{};
+  std::array<double, 3> wanted{};
+  for (std::size_t k = 0; k < 6 * face_values(given, level); ++k) {
+    wanted[k % 3] += std::clamp(static_cast<double>(given.face(level, 0)[k]), 0.0, 65504.0);
+    sums[k % 3] += static_cast<double>(decoded.face(level, 0)[k]);
+  }
+  double largest = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(sums[c] / wanted[c] - 1.0));
+  return largest;
 }
 
 /// Noise from 2^-`octaves` to 2^`octaves`, as many in each octave.

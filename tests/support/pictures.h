@@ -21,6 +21,28 @@ inline bool shared_pictures_are_here() {
   return false;
 }
 
+/// What REFERENCE_SH.csv of the shared pictures has of a kind, by file name: names and values, in its order. Its lines
+/// are file,kind,name,r,g,b,note; a kind with commas stands in quotes.
+inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> recorded_harmonics(
+    const std::string& kind) {
+  std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> found;
+  std::ifstream lines(kPictures / "REFERENCE_SH.csv");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(kind) == std::string::npos) continue;
+    const std::filesystem::path file = line.substr(0, line.find(','));
+    const std::size_t quoted = line.find("\",");
+    std::istringstream fields(
+        line.substr(quoted != std::string::npos ? quoted + 2 : line.find(',', line.find(',') + 1) + 1));
+    std::string name;
+    glm::dvec3 value{};
+    char comma = 0;
+    std::getline(fields, name, ',');
+    fields >> value.x >> comma >> value.y >> comma >> value.z;
+    found[file.filename().string()].emplace_back(name, value);
+  }
+  return found;
+}
+
 /// The values of a version 1 .npy file of little-endian floats in C order; its shape is the caller's to know.
 inline std::vector<float> read_npy(const std::filesystem::path& path) {
   const std::vector<char> bytes = read_bytes(path);
@@ -72,14 +94,22 @@ inline LatLongImage lat_long_of(int width, int height, const std::function<glm::
   return image;
 }
 
+/// Unit directions of the centres of a cubemap's texels, in the order of its pixels.
+inline std::vector<glm::dvec3> texel_centres(int size) {
+  std::vector<glm::dvec3> centres;
+  for (int row = 0; row < 6 * size; ++row) {
+    for (int column = 0; column < size; ++column)
+      centres.push_back(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
+  }
+  return centres;
+}
+
 /// A cubemap of one level, the same.
 inline Cubemap cubemap_of(int size, const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
   std::vector<float> pixels;
-  for (int row = 0; row < 6 * size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const glm::dvec3 value = radiance(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
-      for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(value[c]));
-    }
+  for (const glm::dvec3& centre : texel_centres(size)) {
+    const glm::dvec3 value = radiance(centre);
+    for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(value[c]));
   }
   return {size, pixels};
 }
@@ -104,19 +134,6 @@ inline Cubemap sun_chain(int size) {
     }
   }
   return build_mips(sky.view(0));
-}
-
-/// The most that a channel's mean over a level is off.
-inline double largest_bias(const Cubemap& decoded, const Cubemap& given, int level) {
-  std::array<double, 3> sums{};
-  std::array<double, 3> wanted{};
-  for (std::size_t k = 0; k < 6 * face_values(given, level); ++k) {
-    wanted[k % 3] += std::clamp(static_cast<double>(given.face(level, 0)[k]), 0.0, 65504.0);
-    sums[k % 3] += static_cast<double>(decoded.face(level, 0)[k]);
-  }
-  double largest = 0.0;
-  for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(sums[c] / wanted[c] - 1.0));
-  return largest;
 }
 
 }  // namespace welkin::test

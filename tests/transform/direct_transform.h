@@ -14,9 +14,26 @@ inline std::size_t coefficient(int l, int m, int channel) {
   return static_cast<std::size_t>(3 * (l * (l + 1) / 2 + m) + channel);
 }
 
-/// P(l, m) of `theta`, orthonormal, without Condon-Shortley phase.
-inline double legendre(int l, int m, double theta) {
-  return (m % 2 != 0 ? -1.0 : 1.0) * std::sph_legendre(static_cast<unsigned>(l), static_cast<unsigned>(m), theta);
+/// P(l, m) of one angle for all l < bands, orthonormal, without Condon-Shortley phase, 0 below m: the unscaled
+/// recurrence, upwards in l, in double.
+inline std::vector<double> legendre_column(int m, int bands, double theta) {
+  std::vector<double> column(static_cast<std::size_t>(bands), 0.0);
+  double here = std::sqrt(0.25 / std::numbers::pi);
+  for (int k = 1; k <= m; ++k) here *= std::sin(theta) * std::sqrt((2.0 * k + 1.0) / (2.0 * k));
+  double before = 0.0;
+  const double square = static_cast<double>(m) * m;
+  for (int l = m; l < bands; ++l) {
+    column[static_cast<std::size_t>(l)] = here;
+    const double next_square = (l + 1.0) * (l + 1.0);
+    const double a = std::sqrt((4.0 * next_square - 1.0) / (next_square - square));
+    const double b = l > m ? std::sqrt((2.0 * l + 3.0) * (static_cast<double>(l) * l - square) /
+                                       ((2.0 * l - 1.0) * (next_square - square)))
+                           : 0.0;
+    const double next = a * std::cos(theta) * here - b * before;
+    before = here;
+    here = next;
+  }
+  return column;
 }
 
 /// Int P(l, m) sin(theta) over rows, [l (l + 1) / 2 + m][row].
@@ -30,9 +47,11 @@ inline std::vector<double> row_integrals(int rows, int bands) {
         const double at = row + (part + 0.5 + 0.5 * rule.nodes[k]) / parts;
         const double theta = std::numbers::pi * at / rows;
         const double weight = rule.weights[k] * 0.5 * std::numbers::pi / (rows * parts) * std::sin(theta);
-        for (int l = 0; l < bands; ++l) {
-          for (int m = 0; m <= l; ++m) {
-            integrals[static_cast<std::size_t>((l * (l + 1) / 2 + m) * rows + row)] += weight * legendre(l, m, theta);
+        for (int m = 0; m < bands; ++m) {
+          const std::vector<double> functions = legendre_column(m, bands, theta);
+          for (int l = m; l < bands; ++l) {
+            integrals[static_cast<std::size_t>((l * (l + 1) / 2 + m) * rows + row)] +=
+                weight * functions[static_cast<std::size_t>(l)];
           }
         }
       }
@@ -76,9 +95,11 @@ inline double direct_value(const Coefficients& c, const std::vector<double>& zon
   double sum = 0.0;
   const int bands = static_cast<int>(zonal.size());
   for (int m = 0; m < bands; ++m) {
+    const std::vector<double> functions = legendre_column(m, bands, theta);
     std::complex<double> order = 0.0;
     for (int l = m; l < bands; ++l) {
-      order += zonal[static_cast<std::size_t>(l)] * c[coefficient(l, m, channel)] * legendre(l, m, theta);
+      const auto degree = static_cast<std::size_t>(l);
+      order += zonal[degree] * functions[degree] * c[coefficient(l, m, channel)];
     }
     sum += (m > 0 ? 2.0 : 1.0) * (order * std::polar(1.0, m * longitude)).real();
   }

@@ -96,6 +96,20 @@ LatLongImage image_of(Content content, int width, int height, std::uint32_t seed
 
 }  // namespace
 
+TEST_CASE("The definition's Legendre functions are the standard library's", "[transform]") {
+  for (const double theta : {1e-3, 0.7, 0.5 * std::numbers::pi, 3.0}) {
+    for (const int m : {0, 1, 7, 32, 63}) {
+      const std::vector<double> column = legendre_column(m, 64, theta);
+      for (unsigned l = 0; l < 64; ++l) {
+        const double sign = m % 2 != 0 ? -1.0 : 1.0;  // its Condon-Shortley phase
+        const double wanted =
+            static_cast<int>(l) < m ? 0.0 : sign * std::sph_legendre(l, static_cast<unsigned>(m), theta);
+        CHECK(std::abs(column[l] - wanted) < 1e-9);
+      }
+    }
+  }
+}
+
 TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][transform][truth]") {
   // More bands than texels, fewer, even, odd, prime; rows of any ratio.
   const std::pair<int, int> sizes[] = {{1, 1},  {2, 1},  {1, 2},   {3, 2},    {2, 3},   {7, 7},    {1, 64},
@@ -200,27 +214,6 @@ namespace {
 
 using image::GridContent;
 using image::SphereGrid;
-
-/// P(l, m) of one angle for all l < bands: the unscaled recurrence, upwards in l, in double.
-std::vector<double> legendre_column(int m, int bands, double theta) {
-  std::vector<double> column(static_cast<std::size_t>(bands), 0.0);
-  double here = std::sqrt(0.25 / std::numbers::pi);
-  for (int k = 1; k <= m; ++k) here *= std::sin(theta) * std::sqrt((2.0 * k + 1.0) / (2.0 * k));
-  double before = 0.0;
-  const double square = static_cast<double>(m) * m;
-  for (int l = m; l < bands; ++l) {
-    column[static_cast<std::size_t>(l)] = here;
-    const double next_square = (l + 1.0) * (l + 1.0);
-    const double a = std::sqrt((4.0 * next_square - 1.0) / (next_square - square));
-    const double b = l > m ? std::sqrt((2.0 * l + 3.0) * (static_cast<double>(l) * l - square) /
-                                       ((2.0 * l - 1.0) * (next_square - square)))
-                           : 0.0;
-    const double next = a * std::cos(theta) * here - b * before;
-    before = here;
-    here = next;
-  }
-  return column;
-}
 
 }  // namespace
 
