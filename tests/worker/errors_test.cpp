@@ -105,13 +105,15 @@ void fail_everywhere(int threads, const MakeRequest& make_request, const Result&
       REQUIRE(number < 100'000);
       auto request = make_request();
       std::string end;
+      bool right = true;
       {
         const FailingHeap heap(Heap::other_threads, number, for_good);
         auto job = worker.post(std::move(request));
         if (!eventually([&] { return job.ready(); })) give_up("a job without memory");
         failed = heap.failed();
-        end = outcome_of([&] { end = same_bits(job.get(), expected) ? "right" : "wrong"; });
+        end = outcome_of([&] { right = same_bits(job.get(), expected); });
       }
+      CHECK(right);
       if (!is_clean(end)) CHECK(end == "bad_alloc");
       if (!failed) CHECK(end == "result");
       if (worker.post([number](const Control&) { return number; }).get() != number) FAIL("the worker is of no use");
