@@ -92,6 +92,12 @@ std::filesystem::path path_of(std::string_view utf8) {
   }
 }
 
+void require_between(std::string_view what, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + number_text(value) + "; it must be from " +
+                                               number_text(low) + " to " + number_text(high));
+}
+
 Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message) {
   const bool lacks_remedy = code == ErrorCode::corrupt_file && message.find("; ") == std::string::npos;
   return {code, without_controls(utf8(path)) + ": " + message + (lacks_remedy ? "; fetch or export it again" : "")};

@@ -31,9 +31,6 @@ void check_options(const ProbeOptions& options, bool with_depths);
 /// Throws `Error` (invalid_argument) unless each array has the length that grid, bands and sizes give it.
 void check_arrays(const BakedProbes& probes);
 
-/// Throws `Error` (invalid_argument) for a number out of range.
-void require_between(const char* name, double value, double low, double high);
-
 /// How many probes a tile of a loop over cheap work takes.
 inline constexpr std::size_t kProbesPerTile = 256;
 

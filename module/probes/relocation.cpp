@@ -11,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "probes/depth_maps.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
@@ -130,9 +131,9 @@ std::vector<dvec3> relocate_probes(const ProbeGrid& grid, std::span<const DepthV
                                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_grid(grid);
-  probes::require_between("RelocationOptions: back_share", options.back_share, 0.0, 1.0);
-  probes::require_between("RelocationOptions: clearance", options.clearance, 0.0, 0.5);
-  probes::require_between("RelocationOptions: farthest", options.farthest, 0.0, 0.5);
+  platform::require_between("RelocationOptions: back_share", options.back_share, 0.0, 1.0);
+  platform::require_between("RelocationOptions: clearance", options.clearance, 0.0, 0.5);
+  platform::require_between("RelocationOptions: farthest", options.farthest, 0.0, 0.5);
   probes::require_count("depths", depths.size(), grid.size());
   if (!offsets.empty()) probes::require_count("offsets", offsets.size(), grid.size());
   probes::check_depths(depths);

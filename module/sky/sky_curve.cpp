@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "sky/elevation_curve.h"
@@ -18,10 +18,7 @@ namespace welkin {
 namespace {
 
 SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
-  if (options.nodes < 8 || options.nodes > 4096) {
-    throw Error(ErrorCode::invalid_argument,
-                "sky curve: " + std::to_string(options.nodes) + " nodes; 8 to 4096 are possible");
-  }
+  image::require_range("nodes of a sky curve", options.nodes, 8, 4096);
   SkyHarmonicsOptions projection = options.projection;
   projection.bands = options.bands;
   return projection;

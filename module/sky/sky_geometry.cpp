@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <string>
 
 #include "math/direction.h"
 #include "math/quadrature.h"
-#include "platform/text.h"
-#include "welkin/core.h"
 
 namespace welkin::sky {
 
@@ -36,25 +33,14 @@ DirectionRule direction_rule(double horizon) {
   return rule;
 }
 
-void check_altitude(double altitude_m) {
-  if (altitude_m >= 0.0 && altitude_m <= kHighestAltitude) return;
-  throw Error(ErrorCode::invalid_argument, "the altitude is " + platform::number_text(altitude_m) +
-                                               " m; it must be from 0 (the ground) to " +
-                                               platform::number_text(kHighestAltitude));
-}
-
 SunAngles sun_angles(const glm::dvec3& sun) {
-  static_cast<void>(math::moderate_direction(sun, "the sun's direction"));
-  const double largest = std::max({std::abs(sun.x), std::abs(sun.y), std::abs(sun.z)});
-  const double x = sun.x / largest;  // no square overflows or vanishes
-  const double y = sun.y / largest;
-  const double z = sun.z / largest;
-  const double across = std::sqrt(x * x + z * z);
-  const double length = std::sqrt(across * across + y * y);
-  SunAngles angles{.zenith_cosine = y / length, .zenith_sine = across / length};
+  const glm::dvec3 scaled = math::rescaled_direction(sun, "the sun's direction");  // no square overflows or vanishes
+  const double across = std::sqrt(scaled.x * scaled.x + scaled.z * scaled.z);
+  const double length = std::sqrt(across * across + scaled.y * scaled.y);
+  SunAngles angles{.zenith_cosine = scaled.y / length, .zenith_sine = across / length};
   if (across > 0.0) {
-    angles.azimuth_cosine = z / across;
-    angles.azimuth_sine = x / across;
+    angles.azimuth_cosine = scaled.z / across;
+    angles.azimuth_sine = scaled.x / across;
   }
   return angles;
 }

@@ -125,12 +125,8 @@ struct DirectionRule {
 /// `horizon`: cosine of the zenith angle of the horizon at that height, -1 to 0.
 [[nodiscard]] DirectionRule direction_rule(double horizon);
 
-// What places in skies must be.
-
-inline constexpr double kHighestAltitude = 1e9;  // m
-
-/// Throws `Error` (invalid_argument).
-void check_altitude(double altitude_m);
+/// Of viewers, metres.
+inline constexpr double kHighestAltitude = 1e9;
 
 // A sun's direction as what skies ask of it.
 

@@ -9,10 +9,10 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
@@ -29,12 +29,6 @@ constexpr int kLargestSize = 16384;
 constexpr int kChunk = 64;                // directions
 constexpr int kTileTexels = 1024;         // some 50 microseconds
 constexpr std::int64_t kTexelCost = 100;  // in texels that are only read: `jobs::placement_for` counts those
-
-void check_size(const char* what, int size) {
-  if (size >= 1 && size <= kLargestSize) return;
-  throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + std::to_string(size) +
-                                               "; it must be from 1 to " + std::to_string(kLargestSize));
-}
 
 /// A slice reduced to one sun, for many rows of a picture.
 class SunnySlice {
@@ -76,14 +70,9 @@ class SunnySlice {
 /// row(j) once for each of `rows` rows of `columns` texels.
 template <class Row>
 void for_rows(int rows, int columns, const Control& control, const Row& row) {
-  const int together = std::clamp(kTileTexels / columns, 1, rows);
-  const int tiles = (rows + together - 1) / together;
   const jobs::Placement placement = jobs::placement_for(kTexelCost * rows * columns);
-  jobs::run_tiles(static_cast<std::size_t>(tiles), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * together;
-                    for (int j = first; j < std::min(rows, first + together); ++j) row(j);
-                  });
+  jobs::run_rows(rows, std::clamp(kTileTexels / columns, 1, rows), placement, jobs::worker_count(placement), control,
+                 [&](int j, std::size_t) { row(j); });
 }
 
 /// Adds the sun's disc: each texel gets the share of the directional light's irradiance that it covers of the disc.
@@ -119,7 +108,7 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
 Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
                     const Control& control) {
   const platform::FloatingPointScope floating_point;
-  check_size("the sky's cubemap size", size);
+  image::require_range("the sky's cubemap size", size, 1, kLargestSize);
   const auto edge = static_cast<std::size_t>(size);
   Cubemap picture(size, 1, control.memory);
   const SunnySlice slice(view, sun);
@@ -141,7 +130,7 @@ Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const 
 LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height, const SkyPictureOptions& options,
                           const Control& control) {
   const platform::FloatingPointScope floating_point;
-  check_size("the sky's lat-long height", height);
+  image::require_range("the sky's lat-long height", height, 1, kLargestSize);
   const int width = 2 * height;
   const auto columns = static_cast<std::size_t>(width);
   LatLongImage picture{width, height, std::vector<float>(3 * columns * static_cast<std::size_t>(height))};

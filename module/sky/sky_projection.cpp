@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "image/pixels.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
@@ -24,16 +25,10 @@ namespace {
 
 constexpr int kMaxAzimuths = 256;
 
-void check_range(const char* what, int value, int least, int most) {
-  if (value >= least && value <= most) return;
-  throw Error(ErrorCode::invalid_argument, "sky harmonics: " + std::to_string(value) + " " + what + "; " +
-                                               std::to_string(least) + " to " + std::to_string(most) + " are possible");
-}
-
 void check(const SkyHarmonicsOptions& options) {
-  check_range("bands", options.bands, 1, kMaximumBands);
-  check_range("zeniths", options.zeniths, 2, 128);
-  check_range("azimuths", options.azimuths, 2, kMaxAzimuths);
+  image::require_range("bands of sky harmonics", options.bands, 1, kMaximumBands);
+  image::require_range("zeniths of sky harmonics", options.zeniths, 2, 128);
+  image::require_range("azimuths of sky harmonics", options.azimuths, 2, kMaxAzimuths);
   switch (options.quadrature) {
     case SkyQuadrature::uniform:
     case SkyQuadrature::gauss:

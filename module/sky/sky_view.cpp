@@ -23,7 +23,6 @@
 namespace welkin {
 namespace {
 
-constexpr double kHighest = 1e9;
 constexpr int kChunk = 64;  // directions
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -53,9 +52,7 @@ void check_tables(const SkyTables& tables) {
 
 const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
   if (!tables) refuse("tables is null; pass those of precompute_sky or load_sky_tables");
-  if (!(altitude_m >= 0.0 && altitude_m <= kHighest)) {
-    refuse("the altitude is " + platform::number_text(altitude_m) + " m; it must be from 0 to 1e9");
-  }
+  platform::require_between("sky view: the altitude in metres", altitude_m, 0.0, sky::kHighestAltitude);
   check_tables(*tables);
   return tables;
 }

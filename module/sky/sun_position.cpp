@@ -26,14 +26,6 @@ constexpr double kDay = 86400.0;                       // seconds
 constexpr double kEpoch = 10957.5;                     // days from 1970 to J2000, the noon of 2000-01-01
 constexpr double kCentury = 36525.0;                   // days
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
-
-void require(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  refuse(std::string(name) + " is " + platform::number_text(value) + "; it must be from " + platform::number_text(low) +
-         " to " + platform::number_text(high));
-}
-
 /// One term of the series of table A4.2: amplitude cos(phase + rate x millennia).
 struct Term {
   double amplitude;  ///< 1e-8 rad
@@ -178,14 +170,14 @@ double refraction_at(double elevation_degrees, const SunObserver& observer) {
 void check(double unix_seconds, const SunObserver& observer) {
   // 1900-01-01 and 2100-01-01.
   if (!(unix_seconds >= -25567.0 * kDay && unix_seconds < 47482.0 * kDay)) {
-    refuse("sun_position: the date is " + platform::number_text(unix_seconds) +
-           " s after 1970; the sun's place is computed from 1900 to 2099");
+    throw Error(ErrorCode::invalid_argument, "sun_position: the date is " + platform::number_text(unix_seconds) +
+                                                 " s after 1970; the sun's place is computed from 1900 to 2099");
   }
-  require("the observer's latitude", observer.latitude_degrees, -90.0, 90.0);
-  require("the observer's longitude", observer.longitude_degrees, -360.0, 360.0);
-  require("the azimuth of north", observer.north_azimuth_degrees, -1e6, 1e6);
-  require("the air's pressure in hPa", observer.pressure_hpa, 0.0, 2000.0);
-  require("the air's temperature in degrees Celsius", observer.temperature_celsius, -120.0, 100.0);
+  platform::require_between("the observer's latitude", observer.latitude_degrees, -90.0, 90.0);
+  platform::require_between("the observer's longitude", observer.longitude_degrees, -360.0, 360.0);
+  platform::require_between("the azimuth of north", observer.north_azimuth_degrees, -1e6, 1e6);
+  platform::require_between("the air's pressure in hPa", observer.pressure_hpa, 0.0, 2000.0);
+  platform::require_between("the air's temperature in degrees Celsius", observer.temperature_celsius, -120.0, 100.0);
 }
 
 /// Degrees, from -180 to below 180.

@@ -14,12 +14,8 @@
 namespace welkin::sky {
 namespace {
 
-template <class Value>
-void require(const char* what, Value value, Value low, Value high) {
-  if (value >= low && value <= high) return;
-  const auto text = [](Value number) { return platform::number_text(static_cast<double>(number)); };
-  throw Error(ErrorCode::invalid_argument, std::string("sky table option ") + what + " is " + text(value) +
-                                               "; it must be from " + text(low) + " to " + text(high));
+void require(const std::string& name, double value, double low, double high) {
+  platform::require_between("sky table option " + name, value, low, high);
 }
 
 std::uint64_t product(std::initializer_list<int> sizes) {
