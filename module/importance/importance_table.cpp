@@ -32,11 +32,7 @@ struct Size {
 template <class Row>
 void for_each_row(Size size, jobs::Placement placement, std::size_t workers, const Control& control, const Row& row) {
   const int together = static_cast<int>(std::max<std::int64_t>(1, kTileTexels / size.width));
-  jobs::run_tiles(static_cast<std::size_t>((size.height + together - 1) / together), placement, workers, control,
-                  [&](std::size_t tile, std::size_t worker) {
-                    const int first = static_cast<int>(tile) * together;
-                    for (int k = first; k < std::min(first + together, size.height); ++k) row(k, worker);
-                  });
+  jobs::run_rows(size.height, together, placement, workers, control, row);
 }
 
 void require_size(const char* name, int cells, int texels) {

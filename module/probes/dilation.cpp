@@ -16,7 +16,6 @@ namespace welkin {
 namespace {
 
 using probes::kLastPass;
-using probes::kProbesPerTile;
 using probes::kUnfilled;
 
 /// A neighbour on the grid and what it counts.
@@ -79,14 +78,8 @@ bool fill(BakedProbes& probes, const std::vector<Neighbour>& neighbours, std::si
 std::vector<std::size_t> run_pass(BakedProbes& probes, const std::vector<Neighbour>& neighbours,
                                   const std::vector<std::size_t>& open, std::uint8_t pass, const Control& control) {
   std::vector<std::uint8_t> filled(open.size());
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(open.size()) * 26 * 16);
-  jobs::run_tiles((open.size() + kProbesPerTile - 1) / kProbesPerTile, placement, jobs::worker_count(placement),
-                  {control.stop}, [&](std::size_t tile, std::size_t /*worker*/) {
-                    const std::size_t end = std::min(open.size(), (tile + 1) * kProbesPerTile);
-                    for (std::size_t k = tile * kProbesPerTile; k < end; ++k) {
-                      filled[k] = fill(probes, neighbours, open[k]) ? 1 : 0;
-                    }
-                  });
+  probes::for_each_probe(open.size(), std::int64_t{26} * 16, {control.stop},
+                         [&](std::size_t k) { filled[k] = fill(probes, neighbours, open[k]) ? 1 : 0; });
   std::vector<std::size_t> left;
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (filled[k] == 0) {

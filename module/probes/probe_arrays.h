@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "jobs/tiles.h"
 #include "welkin/probes.h"
 
 namespace welkin::probes {
@@ -31,7 +32,13 @@ void check_options(const ProbeOptions& options, bool with_depths);
 /// Throws `Error` (invalid_argument) unless each array has the length that grid, bands and sizes give it.
 void check_arrays(const BakedProbes& probes);
 
-/// How many probes a tile of a loop over cheap work takes.
-inline constexpr std::size_t kProbesPerTile = 256;
+/// Calls work(probe) for all, for cheap work: in tiles of many.
+template <class Work>
+void for_each_probe(std::size_t count, std::int64_t cost_in_texels, const Control& control, const Work& work) {
+  constexpr int kProbesPerTile = 256;
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(count) * cost_in_texels);
+  jobs::run_rows(static_cast<int>(count), kProbesPerTile, placement, jobs::worker_count(placement), control,
+                 [&](int probe, std::size_t /*worker*/) { work(static_cast<std::size_t>(probe)); });
+}
 
 }  // namespace welkin::probes

@@ -18,20 +18,9 @@
 namespace welkin {
 namespace {
 
-using probes::kProbesPerTile;
+using probes::for_each_probe;
 
 constexpr const char* kChannels[] = {"red", "green", "blue"};
-
-/// Calls work(probe) for all, in tiles.
-template <class Work>
-void for_each_probe(std::size_t count, std::int64_t cost_in_texels, const Control& control, const Work& work) {
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(count) * cost_in_texels);
-  jobs::run_tiles((count + kProbesPerTile - 1) / kProbesPerTile, placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t /*worker*/) {
-                    const std::size_t end = std::min(count, (tile + 1) * kProbesPerTile);
-                    for (std::size_t k = tile * kProbesPerTile; k < end; ++k) work(k);
-                  });
-}
 
 /// What a coefficient of the visibility adds to those of the radiance: [sky_bands^2][bands^2], the products of the
 /// environment with each basis function.

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "image/geometry.h"

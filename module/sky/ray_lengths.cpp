@@ -1,6 +1,5 @@
 #include "sky/ray_lengths.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "jobs/tiles.h"
@@ -10,7 +9,7 @@ namespace welkin::sky {
 namespace {
 
 constexpr std::size_t kKeptBytes = std::size_t{12} << 20U;  ///< full and compact tables
-constexpr std::size_t kTileRays = 128;
+constexpr int kTileRays = 128;
 
 /// All that lengths depend on.
 struct Key {
@@ -29,13 +28,11 @@ std::shared_ptr<const RayLengths> compute(const AirModel& air, const std::vector
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   std::vector<RayPanels> panels;
   for (std::size_t i = 0; i < workers; ++i) panels.emplace_back(air);
-  jobs::run_tiles((rays.size() + kTileRays - 1) / kTileRays, jobs::Placement::arena, workers, control,
-                  [&](std::size_t tile, std::size_t worker) {
-                    const std::size_t end = std::min(rays.size(), (tile + 1) * kTileRays);
-                    for (std::size_t k = tile * kTileRays; k < end; ++k) {
-                      lengths->amounts[k] = lengths_along(air, rays[k], panels[worker]);
-                    }
-                  });
+  jobs::run_rows(static_cast<int>(rays.size()), kTileRays, jobs::Placement::arena, workers, control,
+                 [&](int row, std::size_t worker) {
+                   const auto k = static_cast<std::size_t>(row);
+                   lengths->amounts[k] = lengths_along(air, rays[k], panels[worker]);
+                 });
   return lengths;
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -8,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
@@ -133,10 +133,9 @@ class Precomputation {
 
   template <class Work>
   void timed(const char* name, const std::string& reason, const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const jobs::Stopwatch watch;
     work();
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    result_.passes.push_back({name, PassAction::run, reason, time.count()});
+    result_.passes.push_back({name, PassAction::run, reason, watch.milliseconds()});
   }
 
   void mix(std::span<const SkyTables> tables, std::span<const double> weights, std::vector<float> SkyTables::*floats);

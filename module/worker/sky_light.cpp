@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <utility>
 
 #include "math/direction.h"
@@ -26,10 +25,6 @@ constexpr double kLargestIntensity = 1e12;
 
 void check_altitude(double altitude_m) {
   platform::require_between("dynamic sky: altitude in metres", altitude_m, 0.0, sky::kHighestAltitude);
-}
-
-void check_tables(const Atmosphere& atmosphere, const SkyTableOptions& options) {
-  (void)sky::sky_table_bytes(atmosphere, options);
 }
 
 bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
@@ -146,7 +141,7 @@ SkyLight::State::State(Worker& worker, std::shared_ptr<const Atmosphere> atmosph
 
 SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
   const platform::FloatingPointScope floating_point;
-  check_tables(atmosphere, checked(options).tables);
+  (void)sky::sky_table_bytes(atmosphere, checked(options).tables);
   state_ = std::make_unique<State>(worker, std::make_shared<const Atmosphere>(atmosphere), nullptr, options);
 }
 
@@ -156,7 +151,7 @@ SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, cons
     throw Error(ErrorCode::invalid_argument, "dynamic sky: the tables are a null pointer; precompute_sky makes some");
   SkyLightOptions with_tables = checked(options);
   with_tables.tables = tables->options;
-  check_tables(tables->atmosphere, tables->options);
+  (void)sky::sky_table_bytes(tables->atmosphere, tables->options);
   auto atmosphere = std::shared_ptr<const Atmosphere>(tables, &tables->atmosphere);
   state_ = std::make_unique<State>(worker, std::move(atmosphere), std::move(tables), with_tables);
 }
@@ -227,7 +222,7 @@ void SkyLight::set_altitude(double altitude_m) {
 
 void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
   const platform::FloatingPointScope floating_point;
-  check_tables(atmosphere, state_->options.tables);
+  (void)sky::sky_table_bytes(atmosphere, state_->options.tables);
   worker::SkyTarget& target = state_->target;
   state_->baker->retry();
   if (same_but_for_name(*target.atmosphere, atmosphere)) return;
