@@ -48,12 +48,6 @@ const char* name(SkyPass pass) noexcept {
   return names[static_cast<std::size_t>(pass)];
 }
 
-bool any_matter(const Constituent& constituent) {
-  const auto acts = [](double coefficient) { return coefficient > 0.0; };
-  return !constituent.density.empty() && (platform::ranges::any_of(constituent.scattering_per_m, acts) ||
-                                          platform::ranges::any_of(constituent.absorption_per_m, acts));
-}
-
 SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& full_options) {
   SkyBakeOptions options = full_options;
   options.bands = std::min(full_options.bands, needs.diffuse_bands);
@@ -138,7 +132,7 @@ class SkyPlanner {
     };
     in_tables(SkyPass::aerosol, sky::scatters(air.aerosol),
               "the planet has no scattering aerosol: no table of single Mie scattering", "in the tables");
-    const auto absorbers = platform::ranges::count_if(air.absorbers, any_matter);
+    const auto absorbers = platform::ranges::count_if(air.absorbers, sky::matters);
     in_tables(SkyPass::absorbers, absorbers > 0, "the planet has none, such as ozone",
               std::to_string(absorbers) + " of them, in the tables");
   }

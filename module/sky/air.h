@@ -17,6 +17,11 @@ inline constexpr std::size_t kMaxConstituents = 6;
 inline constexpr std::size_t kRayleigh = 0;
 inline constexpr std::size_t kAerosol = 1;
 
+/// Whether there is any of it, and it scatters light.
+[[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
+/// ... or absorbs any: what does neither must not cut the air into shells.
+[[nodiscard]] bool matters(const Constituent& constituent) noexcept;
+
 /// A number for each constituent; those that an atmosphere has not are 0.
 using PerConstituent = std::array<double, kMaxConstituents>;
 
@@ -56,8 +61,6 @@ class AirModel {
   /// Shells within which no density is too steep. `faint`: the share of what all else takes of the light below which
   /// matter does not count.
   [[nodiscard]] std::vector<double> cut_at(const std::vector<double>& breaks, double faint) const;
-  /// Whether it has any effect: what has none must not cut the air into shells.
-  [[nodiscard]] static bool matters(const Constituent& constituent) noexcept;
   [[nodiscard]] bool fainter(double share, std::size_t constituent, double altitude) const noexcept;
   [[nodiscard]] double steepness(double low, double high, double faint) const noexcept;
 

@@ -142,12 +142,6 @@ SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air
   return mapping.altitude(1.0 / (size.heights - 1)) < air.scale_height() ? size : SunPaths::Size{};
 }
 
-bool scatters(const Constituent& constituent) noexcept {
-  return !constituent.density.empty() &&
-         std::any_of(constituent.scattering_per_m.begin(), constituent.scattering_per_m.end(),
-                     [](double coefficient) { return coefficient > 0.0; });
-}
-
 std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
   return options.layout == ScatteringLayout::full && scatters(atmosphere.aerosol) ? 4 * scattering_texels(options) : 0;
 }
