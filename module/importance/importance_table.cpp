@@ -144,12 +144,10 @@ class Builder {
 
  private:
   /// Of a thread.
-  struct Scratch {
+  struct Scratch : RowWeights::Scratch {
     Scratch(const LatLongView& source, Size size)
-        : texels(source), weights(static_cast<std::size_t>(source.width)), sums(static_cast<std::size_t>(size.width)) {}
-    RowWeights::Scratch texels;
-    std::vector<float> weights;  ///< of a row of the source
-    std::vector<double> sums;    ///< of a row of the table
+        : RowWeights::Scratch(source), sums(static_cast<std::size_t>(size.width)) {}
+    std::vector<double> sums;  ///< of a row of the table
   };
 
   [[nodiscard]] std::span<float> function_of(int row) const {
@@ -177,8 +175,7 @@ class Builder {
   void integrate(bool finish, const Control& control) {
     const jobs::Placement placement = jobs::placement_for(std::int64_t{source_.width} * source_.height);
     const std::size_t workers = jobs::worker_count(placement);
-    std::vector<Scratch> scratch;
-    for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(source_, size_);
+    std::vector<Scratch> scratch(workers, Scratch(source_, size_));
     for_each_row(size_, placement, workers, control, [&](int row, std::size_t worker) {
       integrate_row(row, scratch[worker]);
       if (finish) {
@@ -187,18 +184,15 @@ class Builder {
         totals_[static_cast<std::size_t>(row)] = sum_of<float>(function_of(row));
       }
     });
-    projection::SanitizeRecord all{};
-    for (const Scratch& one : scratch) all.add(one.texels.record);
-    projection::throw_if_rejected(all, false);
+    importance::throw_if_rejected(scratch);
   }
 
   void integrate_row(int row, Scratch& scratch) {
-    std::vector<float>& weights = scratch.weights;
     std::vector<double>& sums = scratch.sums;
     std::fill(sums.begin(), sums.end(), 0.0);
     const double column_width = 2.0 * kPi / source_.width;
     for (const Share& share : rows_.of(row)) {
-      weights_.read(share.texel, scratch.texels, weights);
+      const std::span<const float> weights = weights_.read(share.texel, scratch);
       const double scale = share.part * column_width;
       if (columns_.one_to_one()) {
         for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += static_cast<double>(weights[k]) * scale;

@@ -28,13 +28,6 @@ struct Sums {
   double squared_by_table = 0.0;  ///< the weight's square over the density
 };
 
-/// Of a thread.
-struct Scratch {
-  explicit Scratch(const LatLongView& source) : texels(source), values(static_cast<std::size_t>(source.width)) {}
-  RowWeights::Scratch texels;
-  std::vector<float> values;
-};
-
 void require_no_larger(const LatLongView& source, const ImportanceTable& table) {
   if (table.width <= source.width && table.height <= source.height) return;
   throw Error(ErrorCode::invalid_argument, "the importance table has " + std::to_string(table.width) + " x " +
@@ -59,17 +52,15 @@ ImportanceVariance importance_variance(const LatLongView& source, const Importan
   std::vector<Sums> sums(static_cast<std::size_t>(table.height));
   const jobs::Placement placement = jobs::placement_for(std::int64_t{source.width} * source.height);
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<Scratch> scratch;
-  for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(source);
+  std::vector<RowWeights::Scratch> scratch(workers, RowWeights::Scratch(source));
   jobs::run_tiles(sums.size(), placement, workers, control, [&](std::size_t row, std::size_t worker) {
     Sums& sum = sums[row];
-    std::vector<float>& values = scratch[worker].values;
     const int index = static_cast<int>(row);
     const double cell_solid_angle = importance::texel_solid_angle(table.width, table.height, index);
     const auto width = static_cast<std::size_t>(table.width);
     const float* const function = table.function.data() + row * width;
     for (const Share& share : rows.of(index)) {
-      weights.read(share.texel, scratch[worker].texels, values);
+      const std::span<const float> values = weights.read(share.texel, scratch[worker]);
       const double area = share.part * 2.0 * kPi / source.width;
       for (std::size_t k = 0; k < width; ++k) {
         const double density = static_cast<double>(function[k]) / table.integral / cell_solid_angle;
@@ -91,9 +82,7 @@ ImportanceVariance importance_variance(const LatLongView& source, const Importan
     all.squared += sum.squared;
     all.squared_by_table += sum.squared_by_table;
   }
-  projection::SanitizeRecord record{};
-  for (const Scratch& one : scratch) record.add(one.texels.record);
-  projection::throw_if_rejected(record, false);
+  importance::throw_if_rejected(scratch);
   if (all.weight == 0.0) return {};
   // Relative to (Int w)^2, for one sample: Int w^2 / p / (Int w)^2 - 1, with p = 1 / (4 pi) for directions that are
   // even over the sphere, and the table's p. By Cauchy and Schwarz neither is below 0.
