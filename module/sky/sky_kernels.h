@@ -15,6 +15,9 @@ namespace welkin::sky {
 // sun is: its zenith's cosine mu_s where the ray starts, and its cosine nu with the ray. At a sample, with r the radius
 // at the start and r' there, s the distance between: mu_s' = (r mu_s + s nu) / r'.
 
+/// Straight pieces between two nodes of suns, of a brightness (sky/sky_geometry.h, resample_log_cubic).
+inline constexpr int kSunSteps = 32;
+
 /// Suns of a ray. All arrays have `count` entries, a multiple of 16.
 struct SkySuns {
   const float* zenith_cosine;  ///< mu_s
@@ -186,7 +189,7 @@ struct SkyRun {
   SunTaps sun_taps;     ///< from inside
   double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
   AzimuthTerms azimuth_terms;
-  const float* brightness;  ///< of suns, in steps between nodes (sky/sun_brightness.h, resample_log_cubic): [(suns - 1)
+  const float* brightness;  ///< of suns, in steps between nodes (resample_log_cubic): [(suns - 1)
                             ///< steps + 1]
   float fade;
 

@@ -12,7 +12,6 @@
 #include "sky/ray_nodes.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 #include "sky/sunlight.h"
 #include "sky/table_sizes.h"
 
@@ -101,7 +100,7 @@ void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicT
   }
 }
 
-// The mean over views is all that a ratio between suns needs; its scale is divided out again (sun_brightness.h).
+// The mean over views is all that a ratio between suns needs; its scale is divided out again (sky_geometry.h).
 void SkySlice::set_brightness() {
   const auto suns = static_cast<std::size_t>(suns_);
   std::vector<double> sums(suns);

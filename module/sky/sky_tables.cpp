@@ -13,12 +13,11 @@
 #include "platform/float_environment.h"
 #include "sky/air.h"
 #include "sky/aureole.h"
-#include "sky/ray_lengths.h"
 #include "sky/ray_light.h"
+#include "sky/ray_nodes.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
 #include "sky/spectrum.h"
-#include "sky/sun_brightness.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
 #include "welkin/core.h"
@@ -359,7 +358,7 @@ double Precomputation::glow_factor(std::size_t texel, std::size_t channel, doubl
 }
 
 // Between the solver's heights: cubic; between its suns: as light falls.
-// In steps of `kSunSteps` per node the logarithm's cubic is followed by straight lines to 1.3e-4 (sun_brightness.h);
+// In steps of `kSunSteps` per node the logarithm's cubic is followed by straight lines to 1.3e-4 (sky_geometry.h);
 // the two nearest steps are read for each of the table's suns.
 void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
   const sky::SourceShape& shape = source_shape_;

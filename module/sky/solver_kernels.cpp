@@ -1,7 +1,6 @@
 // Light carried along rays through the air (sky_kernels.h).
 #include "simd/vec.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 
 namespace welkin::sky::WELKIN_ISA {
 namespace {

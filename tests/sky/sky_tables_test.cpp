@@ -2,7 +2,7 @@
 #include "float_environment/modes.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
-#include "sky/ray_lengths.h"
+#include "sky/ray_nodes.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/table_mapping.h"
