@@ -7,10 +7,10 @@
 #include "math/direction.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/text.h"
 #include "sky/sky_kernels.h"
 
 namespace welkin::sky {
-
 namespace {
 
 /// Below, a float may lose digits.
@@ -83,6 +83,8 @@ DirectionRule direction_rule(double horizon) {
   add(DirectionRule::kUpperNodes, [&](double t, double w) { put(t * t, 2.0 * t * w); });
   return rule;
 }
+
+void check_altitude(double altitude_m) { platform::require_between("the altitude in metres", altitude_m, 0.0, 1e9); }
 
 SunAngles sun_angles(const glm::dvec3& sun) {
   const glm::dvec3 scaled = math::rescaled_direction(sun, "the sun's direction");  // no square overflows or vanishes

@@ -139,8 +139,8 @@ struct DirectionRule {
 /// `horizon`: cosine of the zenith angle of the horizon at that height, -1 to 0.
 [[nodiscard]] DirectionRule direction_rule(double horizon);
 
-/// Of viewers, metres.
-inline constexpr double kHighestAltitude = 1e9;
+/// Throws `Error` (invalid_argument) for a viewer's altitude below 0 or above 1e9 m.
+void check_altitude(double altitude_m);
 
 // A sun's direction as what skies ask of it.
 

@@ -10,7 +10,6 @@
 #include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
@@ -52,7 +51,7 @@ void check_tables(const SkyTables& tables) {
 
 const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
   if (!tables) refuse("tables is null; pass those of precompute_sky or load_sky_tables");
-  platform::require_between("sky view: the altitude in metres", altitude_m, 0.0, sky::kHighestAltitude);
+  sky::check_altitude(altitude_m);
   check_tables(*tables);
   return tables;
 }

@@ -23,10 +23,6 @@ namespace {
 
 constexpr double kLargestIntensity = 1e12;
 
-void check_altitude(double altitude_m) {
-  platform::require_between("dynamic sky: altitude in metres", altitude_m, 0.0, sky::kHighestAltitude);
-}
-
 bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
   Atmosphere renamed = a;
   renamed.name = b.name;
@@ -34,7 +30,7 @@ bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
 }
 
 const SkyLightOptions& checked(const SkyLightOptions& options) {
-  check_altitude(options.altitude_m);
+  sky::check_altitude(options.altitude_m);
   platform::require_between("dynamic sky: nodes of the curve", options.curve.nodes, 8, 4096);
   platform::require_between("dynamic sky: size of the reflections", options.specular.size, 0, 8192);
   platform::require_between("dynamic sky: sun threshold in degrees", options.sun_threshold_degrees, 0.0, 10.0);
@@ -208,7 +204,7 @@ void SkyLight::set_intensity(double intensity) {
 
 void SkyLight::set_altitude(double altitude_m) {
   const platform::FloatingPointScope floating_point;
-  check_altitude(altitude_m);
+  sky::check_altitude(altitude_m);
   worker::SkyTarget& target = state_->target;
   state_->baker->retry();
   if (altitude_m == target.altitude_m) return;
