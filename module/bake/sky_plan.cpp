@@ -206,12 +206,7 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
   return plan;
 }
 
-const PlannedPass& SkyPlan::pass(const std::string& name) const {
-  const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
-  if (found == passes.end())
-    throw Error(ErrorCode::invalid_argument, "the plan has no pass \"" + name + "\"; `passes` lists them");
-  return *found;
-}
+const PlannedPass& SkyPlan::pass(const std::string& name) const { return baking::pass_of(passes, name); }
 
 std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
   const platform::FloatingPointScope floating_point;
