@@ -295,10 +295,6 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
       spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);
     }
   }
-  spectrum.rayleigh.assign(static_cast<std::size_t>(spectrum.bands), 0.0);
-  spectrum.rayleigh[0] = 1.0;
-  // 3 / (16 pi) (1 + x^2) = (P_0 + P_2 / 2) / (4 pi), and 5 chi_2 = 1/2.
-  spectrum.rayleigh[2] = 0.1;
   return spectrum;
 }
 
@@ -309,7 +305,6 @@ std::vector<PhaseSpectrum> phase_spectra(const Atmosphere& atmosphere, const std
   const int bands = std::max({spectra[0].bands, spectra[1].bands, spectra[2].bands});
   for (PhaseSpectrum& spectrum : spectra) {
     spectrum.bands = bands;
-    spectrum.rayleigh.resize(static_cast<std::size_t>(bands));
     spectrum.aerosol.resize(static_cast<std::size_t>(bands));
   }
   return spectra;
@@ -376,7 +371,6 @@ AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards)
   lobe.gap = (1.0 - ahead) * (1.0 - ahead);
   lobe.slope = 2.0 * ahead;
   lobe.even = cornette ? 1.0 : 0.0;
-  lobe.backwards = backwards;
   return lobe;
 }
 

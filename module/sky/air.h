@@ -126,8 +126,7 @@ inline constexpr int kNarrowBands = 28;  ///< of a narrow lobe
 
 /// Moments chi_l of phase functions, p(cosine) = sum over l of (2 l + 1) / (4 pi) chi_l P_l(cosine), chi_0 = 1.
 struct PhaseSpectrum {
-  std::vector<double> rayleigh;  ///< 1, 0, 1/10
-  std::vector<double> aerosol;   ///< as many as bands
+  std::vector<double> aerosol;  ///< as many as bands
   int bands = 3;
   bool narrow = false;
   double forward = 0.0;  ///< share of what the aerosol scatters that is taken not to be scattered at all
@@ -186,7 +185,6 @@ struct AerosolLobe {
   double gap;    ///< (1 - g)^2; if `backwards`, (1 + g)^2
   double slope;  ///< 2 g; if `backwards`, -2 g
   double even;   ///< 1: Cornette-Shanks; 0: Henyey-Greenstein
-  bool backwards;
 };
 
 [[nodiscard]] AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept;

@@ -111,11 +111,11 @@ struct SkyRing {
 /// harmonics[pairs][3][16] += the ring's share.
 using ProjectSkyRing = void (*)(const SkyRing& ring, float* harmonics);
 
-/// by_order[m][3][16] = the sum over l < `used`, l >= m, of weights[pair] harmonics[pair], m < `used`.
-using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, int used, float* by_order);
+/// by_order[m][3][16] = the sum over l < bands, l >= m, of weights[pair] harmonics[pair], m < bands.
+using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, float* by_order);
 
-/// out[16][4], red, green, blue and 0: the sum over m < used of by_order[m][c] cos(m phi), not below 0, given cos phi.
-using SumSkyOrders = void (*)(const float* by_order, int used, const float* azimuth_cosines, float* out);
+/// out[16][4], red, green, blue and 0: the sum over m < bands of by_order[m][c] cos(m phi), not below 0, given cos phi.
+using SumSkyOrders = void (*)(const float* by_order, int bands, const float* azimuth_cosines, float* out);
 
 struct SolverKernels {
   AddSunlight add_sunlight;
