@@ -23,6 +23,9 @@ inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and 
   return 2 * squared(probes.distance_edge());
 }
 
+/// The text of probe_sampling.glsl.
+extern const char* const kProbeSampling;
+
 /// Throws `Error` (invalid_argument) unless the grid is one.
 void check_grid(const ProbeGrid& grid);
 
