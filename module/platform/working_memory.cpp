@@ -12,7 +12,7 @@
 #include "platform/compiler.h"
 #include "platform/memory.h"
 #include "platform/shared_pages.h"
-#include "platform/spin.h"
+#include "platform/wait.h"
 #include "welkin/core.h"
 
 #ifdef __linux__
