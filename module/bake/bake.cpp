@@ -278,16 +278,13 @@ class Baking {
     if (found_.projection) {
       outcome = take(*found_.projection, projection_);
     } else {
-      projection_ = source_.holds_pixels() ? projection_of_pixels(control) : streamed_projection(control);
+      projection_ =
+          source_.holds_pixels() ? project(source_.pixels(), plan_.projecting, control) : streamed_projection(control);
       if (find_ != kSkipped) store_->keep(*projection_);
     }
     if (options_.bands > 0 && options_.bands < projection_->radiance.bands())
       projection_->radiance = resized(projection_->radiance, options_.bands);
     return outcome;
-  }
-
-  [[nodiscard]] Projection projection_of_pixels(const Control& control) {
-    return project(source_.pixels(), plan_.projecting, control);
   }
 
   /// Whether light comes from beside pixels that are held.

@@ -10,6 +10,7 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"
@@ -71,8 +72,7 @@ class SkyPlanner {
     plan_reflections();
     plan_background();
     if (options_.brdf) {
-      const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
-      add(SkyPass::brdf, "by quadrature", static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
+      add(SkyPass::brdf, "by quadrature", sizeof(float) * reflections::brdf_values(*options_.brdf));
     } else {
       skip(SkyPass::brdf, !full_options_.brdf ? "not requested"
                           : needs_.glossy     ? "the engine has its own table"
