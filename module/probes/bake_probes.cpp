@@ -25,14 +25,13 @@ namespace {
 using probes::check_depths;
 using probes::DepthMaps;
 using probes::DepthRules;
+using probes::refuse;
 using probes::require_count;
 
 /// Visibility is projected as so many bytes of masks at a time, or a probe's.
 constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
 
 constexpr int kDepthsPerTile = 8;
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
 
 double smallest_spacing(const ProbeGrid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
 

@@ -13,8 +13,6 @@ namespace {
 constexpr int kMaxAlong = 2048;  // texels of a three-dimensional texture that every graphics API takes
 constexpr std::size_t kMaxProbes = std::size_t{1} << 24U;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
 void require_length(const char* name, std::size_t is, std::size_t must_be) {
   if (is == must_be) return;
   refuse("BakedProbes: " + std::string(name) + " has " + std::to_string(is) + " values; it must have " +

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "jobs/tiles.h"
 #include "welkin/probes.h"
@@ -22,6 +23,9 @@ inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and 
 [[nodiscard]] inline std::size_t distance_floats(const BakedProbes& probes) noexcept {
   return 2 * squared(probes.distance_edge());
 }
+
+/// Throws `Error` (invalid_argument).
+[[noreturn]] inline void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
 
 /// The text of probe_sampling.glsl.
 extern const char* const kProbeSampling;

@@ -23,12 +23,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 /// Directions and solid angles of the texels of depth cubemaps of one size.
 struct Rays {
-  explicit Rays(int texels) : size(texels), solid_angles(probes::squared(texels)) {
-    const auto columns = static_cast<std::size_t>(size);
-    for (int row = 0; row < size; ++row) {
-      image::cubemap_row_solid_angles(
-          row, std::span(solid_angles).subspan(static_cast<std::size_t>(row) * columns, columns));
-    }
+  explicit Rays(int texels) : size(texels), solid_angles(probes::face_solid_angles(texels)) {
     for (int face = 0; face < 6; ++face) {
       for (int row = 0; row < size; ++row) {
         for (int column = 0; column < size; ++column) {

@@ -36,12 +36,7 @@ void check_size(const char* name, std::uint64_t found, std::uint64_t expected) {
 
 /// Tables may be filled by hand; nothing may be read past their ends.
 void check_tables(const SkyTables& tables) {
-  check(tables.atmosphere);
-  sky::check_options(tables.options);
-  if (tables.options.colour == SkyColour::spectral && tables.atmosphere.wavelengths_nm.size() != 3) {
-    refuse("the tables are of " + std::to_string(tables.atmosphere.wavelengths_nm.size()) +
-           " wavelengths; three make a spectral table, any number one of SkyColour::linear_srgb");
-  }
+  static_cast<void>(sky::sky_table_bytes(tables.atmosphere, tables.options));  // checks both
   const std::uint64_t scattering = 4 * sky::scattering_texels(tables.options);
   check_size("scattering", tables.scattering.size(), scattering);
   check_size("single_mie", tables.single_mie.size(), sky::single_mie_floats(tables.atmosphere, tables.options));
