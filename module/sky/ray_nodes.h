@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sky/air.h"
+#include "sky/table_mapping.h"
 #include "welkin/core.h"
 
 namespace welkin::sky {
@@ -14,16 +15,6 @@ namespace welkin::sky {
 inline constexpr std::size_t kPanelNodes = 4;   ///< of Gauss and Legendre
 inline constexpr std::size_t kMaxPanels = 384;  ///< of one ray
 inline constexpr std::size_t kMaxRayNodes = kPanelNodes * kMaxPanels;
-
-/// A ray: from an altitude along a zenith cosine, to the ground or the top.
-struct Ray {
-  double altitude;
-  double zenith_cosine;
-  bool ground;
-  double length;  ///< metres
-
-  bool operator==(const Ray&) const = default;
-};
 
 /// Places along a ray, rising, at which it passes shells and where it is nearest to the ground; 0 and its length too.
 /// Scratch of a fixed size: nothing is allocated after construction.

@@ -509,7 +509,7 @@ std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& map
   std::vector<double> lengths(matter.size());
   std::vector<double> shares(atmosphere.wavelengths_nm.size());
   for (int k = 0; k < half; ++k) {
-    const double distance = mapping.view_ray(altitude, k, 2 * half).distance;
+    const double distance = mapping.view_ray(altitude, k, 2 * half).length;
     const double tangent = distance > 0.0 ? std::max(0.0, 0.5 * (rho - distance) * (rho + distance) / distance) : 0.0;
     std::fill(lengths.begin(), lengths.end(), 0.0);
     // s = sqrt(tangent^2 + u^2) - tangent without cancellation

@@ -217,8 +217,7 @@ void Precomputation::transmittance() {
     for (std::size_t h = 0; h < index(options_.transmittance_heights); ++h) {
       const double altitude = mapping_.altitude(coordinate(h, options_.transmittance_heights));
       for (std::size_t k = 0; k < zeniths; ++k) {
-        const sky::ViewRay view = mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths));
-        rays.push_back({altitude, view.zenith_cosine, false, view.distance});
+        rays.push_back(mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths)));
       }
     }
     const auto lengths = sky::lengths_of(air_, std::move(rays), part(0.0, 0.02));
@@ -283,7 +282,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
   const int angles = sky::angles_of(options_);
   const std::size_t suns = index(options_.sun_zeniths);
   const double altitude = mapping_.altitude(coordinate(ray / index(options_.view_zeniths), options_.heights));
-  const sky::ViewRay view =
+  const Ray view =
       mapping_.view_ray(altitude, static_cast<double>(ray % index(options_.view_zeniths)), options_.view_zeniths);
   for (std::size_t k = 0; k < suns; ++k) {
     const double sun = suns_[k];
@@ -293,7 +292,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
       worker.set_sun(index(a) * suns + k, sun, nu);
     }
   }
-  worker.place(air_, {altitude, view.zenith_cosine, view.ground, view.distance}, group);
+  worker.place(air_, view, group);
   const sky::SolverKernels& kernels = sky::solver_kernels();
   // the sums of one are overwritten by those of the other: sunlight first, and stored
   const float* sums = worker.sunlight(kernels, air_, light);

@@ -75,21 +75,21 @@ class Leaving {
     for (int step = 0; step < steps * (to - from); ++step) {
       const double low = from + static_cast<double>(step) / steps;
       const double high = low + 1.0 / steps;
-      const sky::ViewRay ray = mapping_.view_ray(mapping_.thickness(), 0.5 * (low + high), options_.view_zeniths);
+      const sky::Ray ray = mapping_.view_ray(mapping_.thickness(), 0.5 * (low + high), options_.view_zeniths);
       const double mu = ray.zenith_cosine;
       if (mu >= 0.0) continue;
       const double first = mapping_.view_ray(mapping_.thickness(), low, options_.view_zeniths).zenith_cosine;
       const double last = mapping_.view_ray(mapping_.thickness(), high, options_.view_zeniths).zenith_cosine;
       const double share = 0.5 * std::abs(first * first - last * last);  // of the integral of mu dmu
       double through = 0.0;
-      if (ray.ground) through = transmittance_to_ground(mu, ray.distance);
+      if (ray.ground) through = transmittance_to_ground(mu, ray.length);
       for (int k = 0; k < azimuths; ++k) {
         const double cos_phi = std::cos((k + 0.5) * pi / azimuths);
         const double nu = mu * mu_s + sine(mu) * sine(mu_s) * cos_phi;
         double light = scattered(sun, 0.5 * (low + high), cos_phi, nu);
         if (ray.ground) {
           const double radius = tables_.atmosphere.top_radius_m;
-          light += through / pi * ground((radius * mu_s + ray.distance * nu) / tables_.atmosphere.bottom_radius_m);
+          light += through / pi * ground((radius * mu_s + ray.length * nu) / tables_.atmosphere.bottom_radius_m);
         }
         sum += light * share * 2.0 * pi / azimuths;
       }
